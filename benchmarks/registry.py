@@ -35,6 +35,7 @@ FAMILIES = {
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",
     "verified_logs": "benchmarks.cases.fuzz.verified",
+    "fuzz_signals": "benchmarks.cases.command.signals",
     "fuzz_files": "benchmarks.cases.fuzz.files",
     "mio_forms": "benchmarks.cases.mio.forms",
     "mio_agreement": "benchmarks.cases.mio.agreement",

@@ -27,6 +27,10 @@ class DataError(OctmipError, ValueError):
     """A file or table does not hold what was announced (missing column, text in a number, unseen label)."""
 
 
+class WriteError(DataError):
+    """A file could not be written, though its place was there: the disk is full, or was taken away."""
+
+
 class TreeError(OctmipError, ValueError):
     """A tree or tree file is malformed."""
 

@@ -6,8 +6,14 @@ from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, Literal
 
+import numpy as np
+
 from octmip.errors import ProblemError
-from octmip.solution import Limits, ProgressCallback
+from octmip.methods import interruption
+from octmip.problem import Problem
+from octmip.regression.problem import RegressionProblem
+from octmip.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.tree import Leaf, Node
 
 Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "benders", "cart"]
 NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
@@ -69,3 +75,41 @@ def check_options(who: str, known: set[str], options: Mapping[str, Any]) -> None
     assist = options.get("assist", ())
     if not isinstance(assist, tuple | list | set) or not set(assist) <= set(ASSISTANTS):
         raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")
+
+
+def until_interrupted(
+    problem: Problem | RegressionProblem, solve: Callable[[], Solution], name: str, known: Node | None
+) -> Solution:
+    """Return the solution of `solve`; once the call is interrupted, the tree that is known, or the best single leaf.
+
+    Parameters
+    ----------
+    problem
+        that is solved.
+    solve
+        does so; where the call was interrupted before, it is not called.
+    name
+        of the solver.
+    known
+        a tree of the problem.
+    """
+    with interruption.whole_call():
+        if not interruption.is_heard():
+            try:
+                solution = solve()
+            except KeyboardInterrupt:
+                interruption.note()
+            else:
+                if solution.stop is Stop.INTERRUPTED:
+                    interruption.note()
+                return solution
+        tree = best_leaf(problem) if known is None else known
+        return Solution(tree, problem.objective(tree), -np.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
+
+
+def best_leaf(problem: Problem | RegressionProblem) -> Node:
+    """Return the best tree without a split."""
+    rows = np.arange(problem.n_samples)
+    if isinstance(problem, RegressionProblem):
+        return problem.best_leaf(rows)
+    return Leaf(int(problem.class_costs(rows).argmin()))

@@ -28,10 +28,12 @@ from octmip.certificate import certify, checked_leaf_index
 from octmip.cluster import opened
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.solves_file import SolvesFile, key_of
+from octmip.methods.interruption import held_back
 from octmip.problem import Problem
+from octmip.regression.certificate import checked_incumbent
 from octmip.regression.problem import RegressionProblem
 from octmip.run import ASSISTANTS as ASSISTANTS
-from octmip.run import NO_OPTIONS, Run, check_options, options_of
+from octmip.run import NO_OPTIONS, Run, check_options, options_of, until_interrupted
 from octmip.run import Method as Method
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Node, complexity
@@ -167,15 +169,19 @@ def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | So
         raise ProblemError(f"method is {run.method!r}; a regression problem takes one of {', '.join(known)}")
     solver = cast(Callable[..., Solution], known[run.method].load())
     check_options(f"regression by {run.method!r}", options_of(solver), run.options)
-    solution = solver(
-        problem,
-        limits=run.limits,
-        incumbent=incumbent,
-        seed=run.seed,
-        n_jobs=run.n_jobs,
-        progress=run.progress,
-        **run.options,
-    )
+
+    def result() -> Solution:
+        return solver(
+            problem,
+            limits=run.limits,
+            incumbent=incumbent,
+            seed=run.seed,
+            n_jobs=run.n_jobs,
+            progress=run.progress,
+            **run.options,
+        )
+
+    solution = until_interrupted(problem, result, run.method, checked_incumbent(problem, incumbent))
     return _checked(problem, solution)
 
 
@@ -196,8 +202,12 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     check_options(f"method {name!r}", _options_of(problem, name), run.options)
     first = _checked_incumbent(problem, incumbent, run)
     start = time.perf_counter()
-    with opened(run.options, run.n_jobs) as options:
-        solution = _result(_Call(problem, replace(run, options=options), start), name, first)
+
+    def result() -> Solution:
+        with opened(run.options, run.n_jobs) as options:
+            return _result(_Call(problem, replace(run, options=options), start), name, first)
+
+    solution = until_interrupted(problem, result, name, None if first is None else first.tree)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
 
 
@@ -321,11 +331,8 @@ def _first_tree(call: _Call, name: str) -> Solution:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
-    try:
-        shared = {key: value for key, value in call.run.options.items() if key == "cluster"}
-        return call.solve("search", None, share=SEARCH_SHARE, options=shared | {"restarts": FIRST_RESTARTS})
-    except KeyboardInterrupt:
-        return replace(call.solve("cart", None), stop=Stop.INTERRUPTED)
+    shared = {key: value for key, value in call.run.options.items() if key == "cluster"}
+    return call.solve("search", None, share=SEARCH_SHARE, options=shared | {"restarts": FIRST_RESTARTS})
 
 
 def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
@@ -336,7 +343,7 @@ def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
         return call.solve(name, first.tree if first else None, options=call.run.options)
     except KeyboardInterrupt:
         if first is None:
-            first = call.solve("cart", None)
+            raise
         return replace(first, stop=Stop.INTERRUPTED)
 
 
@@ -392,7 +399,8 @@ def _checked(
     if most is not None and read > most:
         raise SolverError(f"{solution.solver} returned {read} features in splits; expected max_splits={most} at most")
     try:
-        certify(problem, solution)
+        with held_back():  # what hours have found is not lost to a signal in these moments
+            certify(problem, solution)
     except CertificateError as error:
         raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
     return solution

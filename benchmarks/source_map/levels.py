@@ -10,6 +10,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     "octmip": {
         "errors": 0,
         "_native": 0,
+        "methods.interruption": 0,
         "formats.messages": 0,
         "formats.cells": 1,
         "formats.checked": 1,

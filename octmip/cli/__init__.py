@@ -3,7 +3,7 @@
 Each command is one module with `add_arguments(parser)` and `run(arguments)`, imported when it is called: `octmip
 --help` does not wait for pandas. argparse of the standard library does all that is needed: no dependency is added.
 
-    exit code    0 done    1 refuted, or a solver failed    2 bad input
+    exit code    0 done    1 refuted, a solver failed, or a file could not be written    2 bad input
                  130 interrupted without a result (Ctrl-C)    143 likewise by SIGTERM
 """
 
@@ -14,9 +14,11 @@ from collections.abc import Sequence
 from importlib.metadata import version
 
 from octmip.cli.arguments import Parser
-from octmip.cli.stages import Heard, term_as_interrupt
-from octmip.errors import CertificateError, DataError, OctmipError, SolverError
+from octmip.cli.samples.file_arguments import check_files
+from octmip.cli.stages import Heard, Watch, leave, term_as_interrupt
+from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError
 from octmip.formats.names import visible
+from octmip.solution import ProofError
 
 COMMANDS = {
     "solve": "find the best tree for a table, and prove how good it is",
@@ -39,21 +41,28 @@ MOST_MESSAGE = 10_000  # characters of an error on standard error
 
 def main(words: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
+    is_program = words is None
     words = list(sys.argv[1:] if words is None else words)
     with term_as_interrupt() as heard:
-        return _code(words, heard)
+        with Watch(heard):
+            code = _code(words, heard)
+        if is_program:
+            heard.code = code  # nothing is left to be interrupted
+            if heard.n_signals:
+                leave(code)
+    return code
 
 
 def _code(words: list[str], heard: Heard) -> int:
     """Run one command; return its exit code, whatever it raises said in a sentence."""
     try:
-        return _run(words)
+        return _run_or_interrupted(words, heard)
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
         print(f"{name}: {_one_line(error)}", file=sys.stderr)
-        return 1 if isinstance(error, CertificateError | SolverError) else 2
+        return 1 if isinstance(error, CertificateError | SolverError | WriteError) else 2
     except KeyboardInterrupt:
-        print(f"octmip: {'terminated' if heard.is_termination else 'interrupted'}", file=sys.stderr)
+        print(f"octmip: {heard.word}", file=sys.stderr)
         return heard.exit_code
     except BrokenPipeError:  # the reader of our output has seen enough
         sys.stderr.close()
@@ -68,6 +77,18 @@ def _code(words: list[str], heard: Heard) -> int:
     except OSError as error:  # files have their own sentences by now, so this is standard output
         print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
         return 1
+
+
+def _run_or_interrupted(words: list[str], heard: Heard) -> int:
+    """Run one command; what fails after a signal is interrupted: what was in work may make any error of that."""
+    try:
+        return _run(words)
+    except (ProofError, WriteError):  # the result is shown, and this is news beside it
+        raise
+    except Exception as error:
+        if heard.n_signals:
+            raise KeyboardInterrupt from error
+        raise
 
 
 def _one_line(error: OctmipError) -> str:
@@ -91,7 +112,9 @@ def _run(words: list[str]) -> int:
     command = importlib.import_module(f"octmip.cli.{MODULES.get(words[0], words[0])}")
     parser = Parser(f"octmip {words[0]}", command.__doc__, getattr(command, "EXAMPLES", ""))
     command.add_arguments(parser)
-    code: int = command.run(parser.finish().parse_args(words[1:]))
+    arguments = parser.finish().parse_args(words[1:])
+    check_files(parser, arguments)
+    code: int = command.run(arguments)
     sys.stdout.flush()
     return code
 

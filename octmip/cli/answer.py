@@ -1,11 +1,12 @@
 """Results on their way out: one JSON object, a progress line, what was found in a sentence."""
 
+import contextlib
 import json
 import math
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -15,6 +16,7 @@ from octmip.certificate import Certificate
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
+from octmip.methods.interruption import held_back
 from octmip.problem import Problem
 from octmip.report.text import narrow_scope, number, percent
 from octmip.solution import Progress, Solution, relative_gap
@@ -27,6 +29,39 @@ FIRST_SHOWN = 0.5  # seconds until a step without figures of its own is shown, a
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object on standard output; numbers that JSON lacks must be None by now."""
     print(json.dumps(content, allow_nan=False))
+
+
+@contextlib.contextmanager
+def then_written(
+    path: str | None, write: Callable[[str], None], last: str = "", *, is_quiet: bool = False
+) -> Iterator[None]:
+    """Write a file once the result is shown inside, so that a failure of either loses neither.
+
+    Parameters
+    ----------
+    path
+        of the file; None where none is asked for.
+    write
+        writes it.
+    last
+        the last line that is shown, behind the note of what was written.
+    is_quiet
+        nothing but the result is shown, as with --json.
+    """
+    with held_back():
+        try:
+            yield
+            sys.stdout.flush()
+        finally:
+            try:
+                if path:
+                    write(path)
+                    if not is_quiet:
+                        print(f"written to {visible(path)}")
+            finally:
+                if last and not is_quiet:
+                    print(last)
+                sys.stdout.flush()
 
 
 def print_notes(notes: Sequence[str]) -> None:

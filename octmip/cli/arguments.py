@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NoReturn
 
+from octmip.cli.samples.file_arguments import reads
 from octmip.cli.samples.options import add_column_arguments, add_label_arguments, add_target_arguments
 from octmip.cluster import open_cluster
 from octmip.errors import DataError
@@ -72,17 +73,25 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"
     )
     group.add_argument("--split-size", metavar="K", type=int, help="at most K features in one split")
-    group.add_argument(
-        "--allowed-splits", metavar="FILE", help="text file: on each line the columns that may meet in one split"
+    reads(
+        group.add_argument(
+            "--allowed-splits", metavar="FILE", help="text file: on each line the columns that may meet in one split"
+        )
     )
     group.add_argument("--integer-normals", metavar="N", type=int, help="hyperplane coefficients are integers up to N")
     group = parser.add_argument_group("costs and sensors")
-    group.add_argument(
-        "--costs", metavar="FILE", help="table of misclassification costs: true class by predicted class"
+    reads(
+        group.add_argument(
+            "--costs", metavar="FILE", help="table of misclassification costs: true class by predicted class"
+        )
     )
     group.add_argument("--budget", metavar="B", type=float, help="most sensor cost of the whole tree")
-    group.add_argument(
-        "--sensor-cost", metavar="FILE", help="table with columns [feature,]sensor,cost (default: each column costs 1)"
+    reads(
+        group.add_argument(
+            "--sensor-cost",
+            metavar="FILE",
+            help="table with columns [feature,]sensor,cost (default: each column costs 1)",
+        )
     )
 
 

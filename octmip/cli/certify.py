@@ -12,6 +12,7 @@ from octmip.certificate import Certificate, certify
 from octmip.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
 from octmip.cli.regression.files import certify_numbers
+from octmip.cli.samples.file_arguments import reads
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
@@ -33,10 +34,10 @@ EXAMPLES = """\
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip certify`."""
     group = parser.add_argument_group("everyday")
-    group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
-    group.add_argument("data", metavar="DATA", help=f"the table that it was trained on; {TABLE_HELP}")
-    group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
-    group.add_argument("--test", metavar="FILE", help="the other table that the tree was tested on (solve --test)")
+    reads(group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out"))
+    reads(group.add_argument("data", metavar="DATA", help=f"the table that it was trained on; {TABLE_HELP}"))
+    reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
+    reads(group.add_argument("--test", metavar="FILE", help="the other table that it was tested on (solve --test)"))
     group = parser.add_argument_group("table")
     group.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
     group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")

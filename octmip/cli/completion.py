@@ -9,6 +9,7 @@ import importlib
 import shtab
 
 from octmip.cli.arguments import Parser
+from octmip.cli.samples.file_arguments import use_of
 
 EXAMPLES = """\
   octmip completion bash > ~/.local/share/bash-completion/completions/octmip
@@ -47,5 +48,5 @@ class _CommandParser(Parser):
 def _complete_files(parser: Parser) -> None:
     """Let the shell complete the names of files where a file is meant."""
     for action in parser._actions:
-        if isinstance(action.metavar, str) and (action.metavar in ("DATA", "FILE", "LOG") or "." in action.metavar):
+        if use_of(action) is not None:
             vars(action)["complete"] = shtab.FILE  # where shtab looks for it

@@ -11,11 +11,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from octmip.cli.answer import print_json
+from octmip.cli.answer import print_json, then_written
 from octmip.cli.arguments import add_json_argument
+from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.stages import StageLine
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, read_bytes, write_bytes
+from octmip.formats.files import read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.twin import Twin
 
@@ -28,21 +29,22 @@ EXPECTED = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip diagnose`."""
-    parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset")
-    parser.add_argument(
+    reads(parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset"))
+    twin = parser.add_argument(
         "--twin",
         metavar="MODULE:NAME",
         required=True,
         help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin; or a model behind a door: "
         "python:MODULE:FUNCTION, table:FILE, um-bridge:ADDRESS, fmu:FILE, deck:FILE, script:FILE",
     )
-    parser.add_argument(
+    card = parser.add_argument(
         "--card",
         metavar="CARD.json",
         help="readings, units, loads and ranges of a model behind a door; by default the file's name with .json added",
     )
-    parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the same asset while it was sound")
-    parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this deployed tree by flipped decisions")
+    run = parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the asset while it was sound")
+    reads(twin, _behind_door), reads(card), reads(run)
+    reads(parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this tree by flipped decisions"))
     parser.add_argument(
         "--noise",
         metavar="SD",
@@ -56,14 +58,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         help="loads between which the structure may be tested; no test beyond them is proposed",
     )
-    parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file")
+    writes(parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file"))
     add_json_argument(parser)
+
+
+def _behind_door(twin: str) -> str:
+    """Return the file behind a door such as ``table:FILE``."""
+    return twin.partition(":")[2] or twin
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose and show."""
     if arguments.out:
-        check_writable(arguments.out)
         importlib.import_module("octmip.report.diagnosis.page")  # a missing extra is said before the work, not after it
     with StageLine(EXPECTED) as line:
         diagnosis = _diagnosed(arguments, line)
@@ -94,7 +100,7 @@ def _show(arguments: argparse.Namespace, diagnosis: Any) -> None:
     from octmip.report.diagnosis.page import report_page
     from octmip.report.diagnosis.words import page_of_words
 
-    if arguments.out:
+    def write(path: str) -> None:
         page = report_page(
             diagnosis,
             data=Path(arguments.campaign).name,
@@ -102,12 +108,14 @@ def _show(arguments: argparse.Namespace, diagnosis: Any) -> None:
             commissioning=Path(arguments.commissioning).name if arguments.commissioning else "",
             twin=arguments.twin,
         )
-        write_bytes(arguments.out, page.encode())
-        print(f"wrote {visible(arguments.out)}", file=sys.stderr)
-    if arguments.json:
-        print_json(as_object(diagnosis))
-    else:
-        print(page_of_words(diagnosis))
+        write_bytes(path, page.encode())
+        print(f"wrote {visible(path)}", file=sys.stderr)
+
+    with then_written(arguments.out, write, is_quiet=True):
+        if arguments.json:
+            print_json(as_object(diagnosis))
+        else:
+            print(page_of_words(diagnosis))
 
 
 def _made(name: str, maker: Any) -> Any:

@@ -9,13 +9,14 @@ import argparse
 import contextlib
 import importlib
 import io
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from joblib import parallel_config
 
 from octmip.certificate import certify
-from octmip.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes
+from octmip.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes, then_written
 from octmip.cli.arguments import (
     add_cluster_argument,
     add_everyday_arguments,
@@ -24,13 +25,15 @@ from octmip.cli.arguments import (
     cluster_of,
     limits_of,
 )
+from octmip.cli.samples.file_arguments import writes
 from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
+from octmip.methods.interruption import held_back, is_heard
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
-from octmip.solution import Limits, Stop
+from octmip.solution import Limits
 from octmip.tradeoff import OVERS, Choice, Point, choose_tree, trace_frontier
 from octmip.tree import n_splits
 
@@ -53,12 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
     )
     group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
-    group.add_argument("--out", metavar="FILE", help=f"draw the frontier in this file, one of {', '.join(PICTURES)}")
-    group.add_argument(
+    out = group.add_argument("--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}")
+    kept = group.add_argument(
         "--checkpoint",
         metavar="FILE",
         help="keep every finished solve in this file: the same command again makes only those that are missing",
     )
+    writes(out), writes(kept)
     add_problem_arguments(parser)
     add_run_arguments(parser)
     add_cluster_argument(parser)
@@ -71,9 +75,6 @@ def run(arguments: argparse.Namespace) -> int:
         if Path(arguments.out).suffix not in PICTURES:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
         importlib.import_module("octmip.plot")  # matplotlib is an extra: missing, it is named before the work
-        check_writable(arguments.out)
-    if arguments.checkpoint:
-        check_writable(arguments.checkpoint)
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     question = ask(arguments)
@@ -81,16 +82,15 @@ def run(arguments: argparse.Namespace) -> int:
     kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
     with cluster_of(arguments, problem) as shared:
         points = _points(arguments, problem, values, limits, kept | shared)
-        is_cut = points[-1].solution.stop is Stop.INTERRUPTED
-        choice = None if arguments.folds is None or is_cut else _choice(arguments, problem, limits, kept | shared)
-    rows = [_row(arguments.over, point) for point in points]
-    if arguments.out:
-        _draw(arguments, points)
-    if choice is not None:
-        for row, point in zip(rows, points, strict=True):
-            step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
-            row["held_out"] = step.validation_cost
-    _show(arguments, question, rows, choice)
+        choice = None if arguments.folds is None else _choice(arguments, problem, limits, kept | shared)
+    with held_back():
+        rows = [_row(arguments.over, point) for point in points]
+        if choice is not None:
+            for row, point in zip(rows, points, strict=True):
+                step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
+                row["held_out"] = step.validation_cost
+        with then_written(arguments.out, partial(_draw, points=points, over=arguments.over), is_quiet=True):
+            _show(arguments, question, rows, choice)
     return 0
 
 
@@ -148,15 +148,21 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: dict[str, Any]) -> Choice:
-    """Return what cross-validation chooses, its folds by the workers of a cluster, or in so many threads."""
-    with ElapsedLine("cross-validating"), contextlib.ExitStack() as stack:
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: dict[str, Any]) -> Choice | None:
+    """Return what cross-validation chooses, its folds by the workers of a cluster, or in so many threads.
+
+    None after a signal: there is no choice from half the folds, but a frontier to show.
+    """
+    if is_heard():
+        return None
+    with ElapsedLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
         # A file of solves is this process's own: whoever keeps one takes the folds here.
         if "cluster" not in options or "solves" in options:
             stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
         return choose_tree(
             problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=options
         )
+    return None
 
 
 def _chosen(choice: Choice) -> dict[str, Any]:
@@ -183,7 +189,7 @@ def _row(over: str, point: Point) -> dict[str, Any]:
     return {over: point.value, **describe(point.problem, point.solution, certify(point.problem, point.solution))}
 
 
-def _draw(arguments: argparse.Namespace, points: list[Point]) -> None:
+def _draw(path: str, points: list[Point], over: str) -> None:
     from octmip.plot import frontier_figure
 
     names = {"depth": "depth", "budget": "sensor budget", "penalty": "leaf penalty"}
@@ -191,6 +197,6 @@ def _draw(arguments: argparse.Namespace, points: list[Point]) -> None:
     objectives = [point.solution.objective for point in points]
     bounds = [point.solution.bound for point in points]
     buffer = io.BytesIO()
-    figure = frontier_figure(values, objectives, bounds, names[arguments.over])
-    figure.savefig(buffer, format=Path(arguments.out).suffix[1:], dpi=150)
-    write_bytes(arguments.out, buffer.getvalue())
+    figure = frontier_figure(values, objectives, bounds, names[over])
+    figure.savefig(buffer, format=Path(path).suffix[1:], dpi=150)
+    write_bytes(path, buffer.getvalue())

@@ -15,20 +15,22 @@ import csv
 import io
 import sys
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.cli.answer import print_json
+from octmip.cli.answer import print_json, then_written
 from octmip.cli.arguments import add_json_argument
 from octmip.cli.regression.files import predict_numbers
+from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.names import one_name
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.regression_file import is_regression_file
 from octmip.formats.table import Table, read_table
@@ -45,9 +47,9 @@ EXAMPLES = """\
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip predict`."""
     group = parser.add_argument_group("everyday")
-    group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
-    group.add_argument("data", metavar="DATA", help=TABLE_HELP)
-    group.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file")
+    reads(group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out"))
+    reads(group.add_argument("data", metavar="DATA", help=TABLE_HELP))
+    writes(group.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file"))
     group.add_argument(
         "--proba",
         "--probabilities",
@@ -66,8 +68,6 @@ def run(arguments: argparse.Namespace) -> int:
     """Predict and show."""
     if is_regression_file(arguments.tree):
         return predict_numbers(arguments)
-    if arguments.out:
-        check_writable(arguments.out)
     file = read_tree_file(arguments.tree)
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
@@ -79,23 +79,23 @@ def run(arguments: argparse.Namespace) -> int:
     index = _index(arguments.index, file, table)
     counted = _counted(file, table, arguments.label, predictions) if arguments.label else None
     content = _csv(file, predictions, shares, index)
-    if arguments.out:
-        write_bytes(arguments.out, _utf8(content))
-    if arguments.json:
-        probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
-        names = {} if index is None else {"index": index[1]}
-        print_json(
-            {"n_samples": len(predictions), "n_missing": int(np.isnan(features).sum())}
-            | {**(counted or {}), **names, "predictions": predictions, **probabilities}
-        )
-        return 0
-    if not arguments.out:
-        _utf8(content)  # its sentence about names that no file can hold
-        print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-    for note in (*_unseen(file, table), *_gaps(features)):
-        print(f"note: {visible(note)}", file=sys.stderr)
-    if counted is not None:
-        print(_errors_text(counted, len(predictions)), file=sys.stderr)
+    # A name that no file can hold is said beforehand; JSON has escapes for it.
+    encoded = _utf8(content) if arguments.out or not arguments.json else b""
+    with then_written(arguments.out, partial(write_bytes, content=encoded), is_quiet=True):
+        if arguments.json:
+            probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
+            names = {} if index is None else {"index": index[1]}
+            print_json(
+                {"n_samples": len(predictions), "n_missing": int(np.isnan(features).sum())}
+                | {**(counted or {}), **names, "predictions": predictions, **probabilities}
+            )
+            return 0
+        if not arguments.out:
+            print(visible_lines(content) if sys.stdout.isatty() else content, end="")
+        for note in (*_unseen(file, table), *_gaps(features)):
+            print(f"note: {visible(note)}", file=sys.stderr)
+        if counted is not None:
+            print(_errors_text(counted, len(predictions)), file=sys.stderr)
     return 0
 
 

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING
 from octmip.cli.answer import ElapsedLine, printable
 from octmip.cli.arguments import MOST_THREADS
 from octmip.cli.regression.files import report_numbers
+from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import write_bytes
 from octmip.formats.messages import shown
 from octmip.formats.names import visible
 from octmip.formats.regression_file import is_regression_file
@@ -42,9 +43,13 @@ EXAMPLES = """\
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip report`."""
     group = parser.add_argument_group("everyday")
-    group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out")
-    group.add_argument("data", metavar="DATA", nargs="?", help=f"the table that it was trained on; {TABLE_HELP}")
-    group.add_argument("--out", metavar="FILE", help=f"one of {', '.join(KINDS)} (default: words on standard output)")
+    reads(group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out"))
+    reads(group.add_argument("data", metavar="DATA", nargs="?", help=f"the table that it was trained on; {TABLE_HELP}"))
+    writes(
+        group.add_argument(
+            "--out", metavar="FILE", help=f"one of {', '.join(KINDS)} (default: words on standard output)"
+        )
+    )
     add_held_out_arguments(group)
     group = parser.add_argument_group("page")
     group.add_argument(
@@ -54,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="unit of the numbers, of one column or of all; may be given several times",
     )
-    group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof")
+    reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
     group.add_argument(
         "--seconds",
         metavar="S",
@@ -72,8 +77,6 @@ def run(arguments: argparse.Namespace) -> int:
         return report_numbers(arguments)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
-    if arguments.out:
-        check_writable(arguments.out)
     file = read_tree_file(arguments.tree)
     units = _units(arguments.unit, file)
     evidence = None

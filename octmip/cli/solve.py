@@ -5,9 +5,10 @@ Ctrl-C: the best tree so far and its bound are shown and written.
 """
 
 import argparse
+from functools import partial
 from pathlib import Path
 
-from octmip.certificate import certify
+from octmip.certificate import Certificate, certify
 from octmip.cli.answer import (
     ProgressLine,
     comparison_json,
@@ -16,6 +17,7 @@ from octmip.cli.answer import (
     print_json,
     print_notes,
     printable,
+    then_written,
     verdict,
 )
 from octmip.cli.arguments import (
@@ -27,18 +29,18 @@ from octmip.cli.arguments import (
     limits_of,
 )
 from octmip.cli.regression.solving import solve_numbers
+from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.options import add_held_out_arguments
 from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
-from octmip.formats.files import check_writable
-from octmip.formats.names import visible
 from octmip.formats.problem_file import write_problem_file
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.methods.interruption import held_back, is_heard
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, chosen_method, solve
-from octmip.tradeoff import beside_cart
+from octmip.tradeoff import Comparison, beside_cart
 
 EXAMPLES = """\
   octmip solve iris.csv --label species --depth 2
@@ -54,25 +56,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip solve`."""
     group = add_everyday_arguments(parser, has_target=True)
     add_held_out_arguments(group)
-    group.add_argument("--out", metavar="TREE.json", help="write the tree to this file")
+    writes(group.add_argument("--out", metavar="TREE.json", help="write the tree to this file"))
     add_problem_arguments(parser)
     add_run_arguments(parser)
     add_cluster_argument(parser)
     group = parser.add_argument_group("more files")
-    group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")
-    group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model to this .mps or .lp file")
+    reads(group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem"))
+    model = group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model (.mps or .lp file)")
     group.add_argument(
         "--assist",
         nargs="+",
         choices=ASSISTANTS,
         help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
     )
-    group.add_argument(
+    log = group.add_argument(
         "--proof",
         metavar="LOG",
         help="write a proof log that octmip certify --proof checks (exact)",
     )
-    group.add_argument(
+    kept = group.add_argument(
         "--checkpoint",
         metavar="FILE",
         help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
@@ -80,18 +82,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--every", metavar="S", type=float, help="seconds between two checkpoints (default 60; with --checkpoint)"
     )
-    group.add_argument(
+    problem = group.add_argument(
         "--write-problem",
         metavar="FILE",
         help="write the problem, samples included, to this JSON file for octmip-check",
     )
+    for action in (model, log, kept, problem):
+        writes(action)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
-    for path in filter(None, (arguments.out, arguments.write_problem)):
-        check_writable(path)
     if _is_regression(arguments):
         if arguments.cluster is not None:
             raise DataError(
@@ -148,8 +150,6 @@ def _is_regression(arguments: argparse.Namespace) -> bool:
 
 def _options(arguments: argparse.Namespace) -> dict[str, object]:
     kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
-    for path in kept.values():
-        check_writable(path)
     if arguments.every is not None and not arguments.checkpoint:
         raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
     if kept:
@@ -165,7 +165,6 @@ def _options(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.write:
         if Path(arguments.write).suffix not in (".mps", ".lp"):
             raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
-        check_writable(arguments.write)
         options["write"] = arguments.write
     return options
 
@@ -174,30 +173,43 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
     problem = question.problem
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
-    certificate = certify(problem, solution)
-    found = None
-    if question.held_out is not None:
-        found = beside_cart(problem, solution.tree, question.held_out, arguments.seed)
-    if arguments.out:
+    found = _beside_cart(arguments, question, solution)
+    with held_back():
+        certificate = certify(problem, solution)
         held_out = question.claim(None if found is None else found.held_out)
         columns = question.label_column, question.weights_column, question.preparation
-        write_tree_file(arguments.out, record_tree(problem, solution, *columns, held_out))
-    if arguments.json:
-        more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
-        print_json(describe(problem, solution, certificate) | more | ({} if found is None else comparison_json(found)))
-        return
+        file = record_tree(problem, solution, *columns, held_out)
+        last = verdict(problem, solution, certificate)
+        with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
+            if arguments.json:
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+                compared = {} if found is None else comparison_json(found)
+                print_json(describe(problem, solution, certificate) | more | compared)
+            else:
+                _show_words(question, solution, certificate, found)
+
+
+def _beside_cart(arguments: argparse.Namespace, question: Question, solution: Solution) -> Comparison | None:
+    """Return the tree beside CART on samples held out; None where there are none, or no time for it after a signal."""
+    if question.held_out is None or is_heard():
+        return None
+    assert solution.tree is not None
+    try:
+        return beside_cart(question.problem, solution.tree, question.held_out, arguments.seed)
+    except KeyboardInterrupt:
+        return None
+
+
+def _show_words(question: Question, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
+    problem, tree = question.problem, solution.tree
+    assert tree is not None
     print_notes(question.notes)
     print(printable(solution_text(solution, certificate, problem.n_samples)))
     print()
-    print(
-        printable(tree_text(solution.tree, *_names(question), leaf_counts(problem, solution.tree), _columns(question)))
-    )
+    print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))
     print()
     if found is not None:
         print(f"{comparison_text(problem, found)}\n")
-    if arguments.out:
-        print(f"written to {visible(arguments.out)}")
-    print(verdict(problem, solution, certificate))
 
 
 def _names(question: Question) -> tuple[tuple[str, ...], tuple[object, ...]]:

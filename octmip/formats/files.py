@@ -5,12 +5,13 @@ import json
 import os
 import secrets
 import stat
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from octmip.errors import DataError
+from octmip.errors import DataError, WriteError
 
 PathLike = str | os.PathLike[str]
 T = TypeVar("T")
@@ -26,7 +27,7 @@ def write_bytes(path: PathLike, content: bytes) -> None:
 
     Raises
     ------
-    DataError
+    WriteError
         the file cannot be written.
     """
     try:
@@ -35,7 +36,30 @@ def write_bytes(path: PathLike, content: bytes) -> None:
         else:  # through a link, so that the link stays and its target is replaced
             _replace(Path(os.path.realpath(path)), content)
     except OSError as error:
-        raise DataError(f"{path} cannot be written ({error.strerror}); choose another place") from error
+        raise WriteError(f"{path} cannot be written ({error.strerror}); choose another place") from error
+
+
+def keep_bytes(path: PathLike, content: bytes) -> None:
+    """Write a file as `write_bytes`, or warn where that fails: what is kept on the way is not worth the work itself."""
+    try:
+        write_bytes(path, content)
+    except WriteError as error:
+        warn_not_kept(error)
+
+
+def warn_not_kept(reason: WriteError) -> None:
+    """Warn that a file of what was found so far could not be written."""
+    warnings.warn(f"{reason}; the work goes on, and the next time it is tried again", stacklevel=4)
+
+
+def is_same_file(one: PathLike, other: PathLike) -> bool:
+    """Whether two names mean one regular file, by links too, whether or not it exists; no device is one."""
+    try:
+        found = os.stat(one), os.stat(other)
+    except OSError:  # one of them is not there: what counts is where it would be
+        places = [os.path.normcase(os.path.realpath(path)) for path in (one, other)]
+        return places[0] == places[1]
+    return os.path.samestat(*found) and stat.S_ISREG(found[0].st_mode)
 
 
 def _replace(target: Path, content: bytes) -> None:

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from octmip.errors import DataError, OctmipError
-from octmip.formats.files import PathLike, check_writable, read_bytes, write_bytes
+from octmip.errors import DataError, OctmipError, WriteError
+from octmip.formats.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
 from octmip.formats.problem_file import question_digest
 from octmip.formats.tree_nodes import decode_tree, encode_tree
 from octmip.problem import Problem
@@ -97,13 +97,7 @@ class SolvesFile:
             raise self._unusable(f"the solve {key[:N_DIGITS]} is no solution of its problem ({error})") from error
 
     def keep(self, problem: Problem, key: str, solution: Solution) -> None:
-        """Add a solution.
-
-        Raises
-        ------
-        DataError
-            the file cannot be written.
-        """
+        """Add a solution; where the file cannot be written, warn: the solution is known all the same."""
         self.found[key] = _entry(problem, solution)
         line = json.dumps({"key": key, "solution": self.found[key]}, separators=(",", ":")).encode()
         written = hashlib.sha256(line).hexdigest()[:N_DIGITS].encode() + b" " + line + b"\n"
@@ -111,9 +105,7 @@ class SolvesFile:
             _append(self.path, written)
         except OSError as error:
             reason = error.strerror or "it was cut off"
-            raise DataError(
-                f"solves {self.path} cannot be written: {reason}; make room, or begin in another place"
-            ) from error
+            warn_not_kept(WriteError(f"solves {self.path} cannot be written: {reason}; make room"))
 
 
 def _append(path: PathLike, line: bytes) -> None:

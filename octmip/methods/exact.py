@@ -26,13 +26,14 @@ from octmip.encoding import (
     rows_from_tree,
     tree_from_rows,
 )
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
 from octmip.methods.checkpoint.envelope import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
 from octmip.methods.checkpoint.exact_keeper import Found, Keeper
 from octmip.methods.checkpoint.exact_state import KnownRow
 from octmip.methods.native_call import (
     feasible_incumbent,
+    logged,
     native_progress,
     relabelled,
     remaining,
@@ -99,11 +100,11 @@ def branch_and_bound(
     ------
     ProblemError
         the problem asks for hyperplanes, or the incumbent is not one of its trees.
-    SolverError
-        the proof was interrupted before it could be written.
+    ProofError
+        the proof was interrupted before it could be written, or the log cannot be written: the error holds the
+        solution.
     DataError
-        the log cannot be written, or the checkpoint cannot be read or written, is damaged, or belongs to
-        another search.
+        the checkpoint cannot be read, is damaged, or belongs to another search.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
@@ -121,21 +122,9 @@ def branch_and_bound(
         search.search(start)
         ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
         if proof is not None:
-            search.bound = search.write_proof(Path(proof))
-    assert search.tree is not None
-    return Solution(
-        tree=problem.with_sides(search.tree),
-        objective=search.objective,
-        bound=search.bound,
-        stop=search.stop,
-        seconds=time.perf_counter() - started,
-        n_nodes=search.n_nodes,
-        solver=SOLVER,
-        version=_native.__version__,
-        seed=seed,
-        tolerance=search.tolerance,
-        details={"ties_broken": ties} | search.resumed_from,
-    )
+            with logged(proof, search.stop, lambda: search.solution(seed, ties)):
+                search.bound = search.write_proof(Path(proof))
+    return search.solution(seed, ties)
 
 
 @dataclass(slots=True)
@@ -178,6 +167,23 @@ class _Search:
                 self.stop = Stop.NUMERICS
                 return
             costs, self.grid, self.known = finer, self.tree, None
+
+    def solution(self, seed: int, ties: dict[str, str]) -> Solution:
+        """Return what was found and proven."""
+        assert self.tree is not None
+        return Solution(
+            tree=self.problem.with_sides(self.tree),
+            objective=self.objective,
+            bound=self.bound,
+            stop=self.stop,
+            seconds=time.perf_counter() - self.started,
+            n_nodes=self.n_nodes,
+            solver=SOLVER,
+            version=_native.__version__,
+            seed=seed,
+            tolerance=self.tolerance,
+            details={"ties_broken": ties} | self.resumed_from,
+        )
 
     def _resume(self) -> None:
         """Take up what a checkpoint holds, if there is one."""
@@ -280,7 +286,7 @@ class _Search:
         native, costs, claim = self.proven
         body = _native.prove(native, claim, self.n_jobs, submit=self._submit(costs, [], is_logged=True))
         if body is None:
-            raise SolverError(f"the proof of the bound {costs.value(claim)} was interrupted; {path} is not written")
+            raise KeyboardInterrupt
         write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
         return costs.value(claim)
 

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from octmip.certificate import checked_leaf_index
 from octmip.encoding import IntegerCosts
-from octmip.errors import CertificateError, ProblemError
+from octmip.errors import CertificateError, DataError, ProblemError, SolverError
 from octmip.formats.files import write_bytes
+from octmip.methods.interruption import is_heard, note
 from octmip.problem import Problem
-from octmip.solution import Limits, Progress, ProgressCallback, Solution
+from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, goes_left, splits, without_empty_sides
 
 NativeProgress = Callable[[float, int, int, int], None]
@@ -70,22 +71,30 @@ def whole_cost(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
 
 
 def remaining(limits: Limits, started: float, n_nodes: int = 0) -> tuple[float, float, float, float]:
-    """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent."""
-    return limits.seconds - (time.perf_counter() - started), limits.gap, limits.nodes - n_nodes, limits.memory
+    """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent.
+
+    No second is left to a call that was interrupted.
+    """
+    seconds = 0.0 if is_heard() else limits.seconds - (time.perf_counter() - started)
+    return seconds, limits.gap, limits.nodes - n_nodes, limits.memory
 
 
 def native_progress(
     progress: ProgressCallback | None, costs: IntegerCosts, before: Progress = BEGINNING
-) -> NativeProgress | None:
+) -> NativeProgress:
     """Return what the native core is to call: it reports whole numbers, `progress` gets the problem's units.
+
+    It also ends the search where its call was interrupted: the core itself hears of Ctrl-C in the main thread alone.
 
     Args:
         before: what is known and spent before the call; later reports are never worse.
     """
-    if progress is None:
-        return None
 
     def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
+        if is_heard():
+            raise KeyboardInterrupt
+        if progress is None:
+            return
         found = math.inf if objective == NO_TREE else costs.value(objective)
         progress(
             Progress(
@@ -138,6 +147,30 @@ def write_log(path: Path, log: str, check: Callable[[Path], object] | None = Non
         draft.replace(path)
     finally:
         draft.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def logged(path: str | Path, stop: Stop, solution_of: Callable[[], Solution]) -> Iterator[None]:
+    """Let a log be written inside; where it cannot be, nothing that was found is lost.
+
+    Raises
+    ------
+    ProofError
+        the search had been interrupted, writing was, or the file cannot be written; it holds the solution of
+        `solution_of`.
+    """
+    reason = "the proof was interrupted"
+    try:
+        if stop is not Stop.INTERRUPTED and not is_heard():
+            yield
+            return
+    except KeyboardInterrupt:
+        note()
+    except ProofError:
+        raise
+    except (SolverError, DataError) as error:
+        reason = str(error)
+    raise ProofError(f"no log is in {path}: {reason}; tree and bound stand without it", solution_of())
 
 
 _SWITCHED_OFF: ContextVar[tuple[str, ...]] = ContextVar("switched_off", default=())

@@ -36,6 +36,7 @@ from octmip.methods.checkpoint.two_feature_keeper import Nodes, TwoFeatureKeeper
 from octmip.methods.native_call import (
     better,
     feasible_incumbent,
+    logged,
     native_progress,
     relabelled,
     remaining,
@@ -92,10 +93,10 @@ def two_feature_branch_and_bound(
     ProblemError
         the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
     ProofError
-        the proof was interrupted, or rounding leaves no room for it: no log is written; the error holds the
-        solution.
+        the proof was interrupted, rounding leaves no room for it, or the log cannot be written; the error holds
+        the solution.
     DataError
-        the log cannot be written, or the checkpoint cannot be read or written or belongs to another search.
+        the checkpoint cannot be read, or belongs to another search.
     """
     _check(problem, n_jobs, checkpoint)
     if problem.depth > MOST_DEPTH and (proof is not None or checkpoint is not None):
@@ -158,7 +159,8 @@ def two_feature_branch_and_bound(
         | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, before)),
     )
     if proof is not None:
-        _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+        with logged(proof, Stop(stop), lambda: solution):
+            _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
         return replace(solution, seconds=time.perf_counter() - start)
     return solution
 

@@ -19,6 +19,7 @@ from octmip.encoding.numbers import exact_objective
 from octmip.encoding.ranks import Ranks
 from octmip.encoding.rows import threshold_of_cut
 from octmip.errors import ProblemError, SolverError
+from octmip.methods import interruption
 from octmip.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval
 from octmip.near_sets.whole_numbers import WholeProblem, whole_problem
 from octmip.problem import Problem
@@ -32,6 +33,7 @@ UNCOUNTABLE = 2**127
 """Counts of this size may have overflown."""
 
 
+@interruption.whole_call()
 def near_optimal(
     problem: Problem,
     within: float | Fraction | None = None,
@@ -81,11 +83,14 @@ def near_optimal(
     margin = _Margin(Fraction(within) if within is not None else None, _decimal(relative))
     whole = whole_problem(problem, first.tree, by_sets)
     known = exact_objective(problem, first.tree)
-    is_interrupted = first.stop is Stop.INTERRUPTED
-    seconds = 0.0 if is_interrupted else max(0.0, limits.seconds - (time.perf_counter() - started))
+    if first.stop is Stop.INTERRUPTED:
+        interruption.note()
+    seconds = 0.0 if interruption.is_heard() else max(0.0, limits.seconds - (time.perf_counter() - started))
     row = whole.native.count(
         whole.units(margin.above(known)), (seconds, 0.0, limits.nodes, limits.memory), n_jobs, None
     )
+    if row[3] == Stop.INTERRUPTED:
+        interruption.note()
     count = _Count(problem, whole, margin, known, first, row)
     note, predictions = count.predictions(most_predictions, limits.seconds - (time.perf_counter() - started))
     return replace(
@@ -154,8 +159,7 @@ class _Count:
         leaves, cuts, self.open_features, stop, self.n_nodes = row
         self.n_nodes += first.n_nodes
         self.is_complete = not self.open_features and all(cut[4] is not None for cut in cuts)
-        interrupted = first.stop is Stop.INTERRUPTED
-        self.stop = Stop.FINISHED if self.is_complete else Stop.INTERRUPTED if interrupted else Stop(stop)
+        self.stop = Stop.FINISHED if self.is_complete else Stop.INTERRUPTED if interruption.is_heard() else Stop(stop)
         counted = [entry for entries in (leaves, *(cut[4] or [] for cut in cuts)) for entry in entries]
         self.optimum = self._optimum(counted, known, first)
         # Without a proven optimum, what is within the amount above its bound is in the set for certain.
@@ -254,6 +258,8 @@ class _Count:
         wanted = [(place.cut, place.entry[0], place.entry[1], number) for place, number in chosen]
         rows = self.whole.native.trees(wanted)
         if rows is None:
+            if interruption.is_heard():
+                raise KeyboardInterrupt
             raise SolverError("the trees were not looked up: interrupted, or a count that is not theirs")
         found = []
         for (place, _), row in zip(chosen, rows, strict=True):

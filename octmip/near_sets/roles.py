@@ -26,9 +26,11 @@ from octmip.encoding.numbers import exact_objective
 from octmip.encoding.ranks import Ranks
 from octmip.encoding.rows import cut_as_split
 from octmip.errors import ProblemError
+from octmip.methods import interruption
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.whole_numbers import whole_problem
 from octmip.problem import Problem
+from octmip.run import best_leaf
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.solver import solve
 from octmip.tree import Leaf, Node, Split, goes_left
@@ -150,6 +152,7 @@ class SensorRoles:
         )
 
 
+@interruption.whole_call()
 def sensor_roles(
     problem: Problem,
     within: float = 0.0,
@@ -169,7 +172,7 @@ def sensor_roles(
     within
         trees up to so much above the optimum count as near-optimal.
     limits
-        seconds and nodes of the whole.
+        seconds and nodes of the whole; after Ctrl-C no search begins, and what is known is returned.
     pairs
         also the optimum without each two sensors.
     seed, n_jobs, progress
@@ -188,7 +191,11 @@ def sensor_roles(
     calls = _Calls(problem, limits, seed, n_jobs, progress, started)
     solution = calls.solve(problem, None)
     calls.known.append(_loss(problem, (), solution))
-    forced, proven = _forced(problem, solution, calls)
+    try:
+        forced, proven = _forced(problem, solution, calls)
+    except KeyboardInterrupt:
+        interruption.note()
+        forced, proven = _known_to_read(problem, calls.known[0]), False
     leaves = (exact_objective(problem, Leaf(label)) for label in range(problem.n_classes))
     read = (cost for cost in forced if isinstance(cost, Fraction))
     limit = min([calls.known[0].cost, *leaves, *read]) + Fraction(within)
@@ -198,7 +205,9 @@ def sensor_roles(
     )
     both = tuple(calls.without(pair) for pair in combinations(problem.sensors, 2)) if pairs else ()
     found = SensorRoles(problem, solution, limit, roles, both, Stop.FINISHED, time.perf_counter() - started)
-    return found if found.is_proven else replace(found, stop=calls.stop)
+    if found.is_proven:
+        return found
+    return replace(found, stop=Stop.INTERRUPTED if interruption.is_heard() else calls.stop)
 
 
 def _loss(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
@@ -229,7 +238,7 @@ class _Calls:
     @property
     def remaining(self) -> Limits:
         spent = time.perf_counter() - self.started
-        return replace(self.limits, seconds=max(0.0, self.limits.seconds - spent))
+        return replace(self.limits, seconds=0.0 if interruption.is_heard() else max(0.0, self.limits.seconds - spent))
 
     def solve(self, problem: Problem, incumbent: Node | None) -> Solution:
         found = solve(problem, "exact", self.remaining, incumbent, self.seed, self.n_jobs, self.progress)
@@ -242,13 +251,28 @@ class _Calls:
         for known in self.known:
             if set(known.sensors) <= set(sensors) and not set(known.read) & set(sensors):
                 return replace(known, sensors=sensors)
-        found = _loss(self.problem, sensors, self.solve(self._narrower(sensors), None))
+        try:
+            found = self._searched_without(sensors)
+        except KeyboardInterrupt:
+            interruption.note()
+            found = self._leaf(sensors)
         # No tree of a narrower problem is better than one of a wider: bounds go on.
         wider = [known for known in self.known if set(known.sensors) <= set(sensors)]
         bound = min(found.objective, max(found.bound, *(known.bound for known in wider)))
         found = replace(found, bound=bound, least=min(found.cost, max(found.least, *(known.least for known in wider))))
         self.known.append(found)
         return found
+
+    def _leaf(self, sensors: tuple[str, ...]) -> Loss:
+        """Return what is known without some sensors when nothing may be searched any more: the best leaf reads none."""
+        leaf = best_leaf(self.problem)
+        cost = exact_objective(self.problem, leaf)
+        return Loss(sensors, self.problem.objective(leaf), -math.inf, leaf, (), cost, Fraction(0))
+
+    def _searched_without(self, sensors: tuple[str, ...]) -> Loss:
+        if interruption.is_heard():
+            return self._leaf(sensors)
+        return _loss(self.problem, sensors, self.solve(self._narrower(sensors), None))
 
     def _narrower(self, sensors: tuple[str, ...]) -> Problem:
         """Return the problem without some sensors."""
@@ -289,8 +313,15 @@ def _role(without: Loss, best: Loss, limit: Fraction, forced: Fraction | float, 
     return SensorRole(without.sensors[0], without, float(forced), forced_is_proven, role, instead)
 
 
+def _known_to_read(problem: Problem, best: Loss) -> list[Fraction | float]:
+    """Return the cost of the best tree for the sensors that it reads, no tree for the others."""
+    return [best.cost if name in best.read else NO_TREE for name in problem.sensors]
+
+
 def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[Fraction | float], bool]:
     """Return the least objective of the trees that read each sensor, exact or infinite, and whether all are proven."""
+    if interruption.is_heard():
+        return _known_to_read(problem, calls.known[0]), False
     if sum(problem.sensor_costs) > problem.sensor_limit:
         return _forced_by_sets(problem, solution, calls)
     assert solution.tree is not None
@@ -318,6 +349,8 @@ def _least(
 ) -> tuple[list[int | None], str | None]:
     limits = calls.remaining
     found, stop, _ = readers(known, (limits.seconds, 0.0, limits.nodes, limits.memory), calls.n_jobs)
+    if stop == Stop.INTERRUPTED:
+        interruption.note()
     if stop is not None:
         calls.stop = Stop(stop)
     return found, stop

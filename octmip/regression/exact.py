@@ -21,6 +21,7 @@ from octmip.encoding import Ranks, tree_from_rows
 from octmip.encoding.numbers import rounded_down
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
+from octmip.methods.native_call import logged
 from octmip.regression.certificate import checked_incumbent
 from octmip.regression.grid import Grid
 from octmip.regression.problem import RegressionProblem
@@ -67,10 +68,8 @@ def exact_regression(
     ------
     ProblemError
         the problem asks for hyperplanes or linear leaves, or the incumbent is not one of its trees.
-    SolverError
-        the proof was interrupted before it could be written.
-    DataError
-        the log cannot be written.
+    ProofError
+        the proof was interrupted, or the log cannot be written; the error holds the solution.
     """
     if not problem.is_provable:
         raise ProblemError(
@@ -86,7 +85,8 @@ def exact_regression(
     search.search()
     assert search.tree is not None
     if proof is not None:
-        search.proven = write_proof(proof, problem, search.to_prove)
+        with logged(proof, search.stop, lambda: search.solution(seed)):
+            search.proven = write_proof(proof, problem, search.to_prove)
     return search.solution(seed)
 
 

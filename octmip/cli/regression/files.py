@@ -6,18 +6,19 @@ import dataclasses
 import io
 import math
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.certificate import certify
-from octmip.cli.answer import ElapsedLine, print_json, printable
+from octmip.cli.answer import ElapsedLine, print_json, printable, then_written
 from octmip.cli.regression.question import Errors, features_of, read_numbers, tested
 from octmip.cli.regression.words import errors_json, errors_text, numbers_text, numbers_tree_text, numbers_verdict
 from octmip.cli.samples.names import one_name
 from octmip.errors import CertificateError, DataError
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.regression_file import RegressionFile, read_regression_file
 from octmip.formats.table import Table, read_table
@@ -66,17 +67,16 @@ def predict_numbers(arguments: argparse.Namespace) -> int:
     name = one_name(table, arguments.index) if arguments.index else trained if trained in table.columns else None
     index = None if name is None else [str(cell) for cell in table.column(name, "index").tolist()]
     content = _csv(name, index, predictions)
-    if arguments.out:
-        write_bytes(arguments.out, content.encode())
-    if arguments.json:
-        names = {} if index is None else {"index": index}
-        held = {} if errors is None else {k: v for k, v in errors_json(errors).items() if k != "n_samples"}
-        print_json({"n_samples": len(predictions), **held, **names, "predictions": predictions.tolist()})
-        return 0
-    if not arguments.out:
-        print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-    if errors is not None:
-        print(errors_text(errors), file=sys.stderr)
+    with then_written(arguments.out, partial(write_bytes, content=content.encode()), is_quiet=True):
+        if arguments.json:
+            names = {} if index is None else {"index": index}
+            held = {} if errors is None else {k: v for k, v in errors_json(errors).items() if k != "n_samples"}
+            print_json({"n_samples": len(predictions), **held, **names, "predictions": predictions.tolist()})
+            return 0
+        if not arguments.out:
+            print(visible_lines(content) if sys.stdout.isatty() else content, end="")
+        if errors is not None:
+            print(errors_text(errors), file=sys.stderr)
     return 0
 
 
@@ -102,7 +102,6 @@ def report_numbers(arguments: argparse.Namespace) -> int:
     if not arguments.out:
         print(printable(text), end="")
         return 0
-    check_writable(arguments.out)
     fence = "```" if suffix == ".md" else ""
     write_bytes(arguments.out, (f"{fence}\n{text}{fence}\n" if fence else text).encode())
     print(f"written to {visible(arguments.out)}")

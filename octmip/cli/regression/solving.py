@@ -1,10 +1,11 @@
 """`octmip solve --target`: the best regression tree for a table, and the bound."""
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from octmip.certificate import certify
-from octmip.cli.answer import ProgressLine, print_json, print_notes, printable
+from octmip.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
 from octmip.cli.regression.question import NumberQuestion, ask_numbers, tested
 from octmip.cli.regression.words import (
     describe_numbers,
@@ -15,8 +16,6 @@ from octmip.cli.regression.words import (
     numbers_verdict,
 )
 from octmip.errors import DataError, SolverError
-from octmip.formats.files import check_writable
-from octmip.formats.names import visible
 from octmip.formats.regression_file import (
     decode_values,
     encode_values,
@@ -24,10 +23,11 @@ from octmip.formats.regression_file import (
     record_regression,
     write_regression_file,
 )
+from octmip.methods.interruption import held_back
 from octmip.regression.certificate import RegressionCertificate
 from octmip.regression.problem import RegressionProblem
 from octmip.regression.proof_log import check_provable, write_regression_problem
-from octmip.solution import Limits, Solution
+from octmip.solution import Limits, ProofError, Solution
 from octmip.solver import solve
 from octmip.tree import Node
 
@@ -36,22 +36,29 @@ def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
     """Solve, show, write."""
     question = ask_numbers(arguments)
     options = _options(arguments, question.problem)
+    unproven: ProofError | None = None
     with ProgressLine() as progress:
-        solution = solve(
-            question.problem,
-            arguments.method,
-            limits,
-            _incumbent(arguments.incumbent, question),
-            seed=arguments.seed,
-            n_jobs=arguments.threads,
-            progress=progress,
-            options=options,
-        )
+        try:
+            solution = solve(
+                question.problem,
+                arguments.method,
+                limits,
+                _incumbent(arguments.incumbent, question),
+                seed=arguments.seed,
+                n_jobs=arguments.threads,
+                progress=progress,
+                options=options,
+            )
+        except ProofError as error:
+            solution, unproven = error.solution, error
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
-    certificate = certify(question.problem, solution)
-    assert isinstance(certificate, RegressionCertificate)
-    _show(arguments, question, solution, certificate)
+    with held_back():
+        certificate = certify(question.problem, solution)
+        assert isinstance(certificate, RegressionCertificate)
+        _show(arguments, question, solution, certificate)
+    if unproven is not None:
+        raise unproven  # said last: the tree is shown and written all the same
     return 0
 
 
@@ -65,7 +72,6 @@ def _options(arguments: argparse.Namespace, problem: RegressionProblem) -> dict[
     check_provable(problem)
     if arguments.method == "search":
         raise DataError("--proof logs what method exact proves; got --method search; leave one of the two out")
-    check_writable(arguments.proof)
     return {"proof": Path(arguments.proof)}
 
 
@@ -83,21 +89,18 @@ def _show(
     problem, columns = question.problem, question.preparation.columns
     file = record_regression(problem, solution, question.weights_column, question.preparation)
     test = tested(arguments.test, problem, question.preparation, file.tree) if arguments.test else None
-    if arguments.out:
-        write_regression_file(arguments.out, file)
-    if arguments.json:
-        more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
-        held = {} if test is None else {"held_out": errors_json(test)}
-        print_json(describe_numbers(problem, solution, certificate) | more | held)
-        return
-    print_notes(question.notes)
-    print(printable(numbers_text(solution, certificate, problem.loss, problem.n_samples)))
-    print()
-    of_table = None if columns.is_plain else columns
-    print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_sizes, of_table)))
-    print()
-    if test is not None:
-        print(f"held out, {errors_text(test)}\n")
-    if arguments.out:
-        print(f"written to {visible(arguments.out)}")
-    print(numbers_verdict(problem, solution, certificate))
+    last = numbers_verdict(problem, solution, certificate)
+    with then_written(arguments.out, partial(write_regression_file, file=file), last, is_quiet=arguments.json):
+        if arguments.json:
+            more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+            held = {} if test is None else {"held_out": errors_json(test)}
+            print_json(describe_numbers(problem, solution, certificate) | more | held)
+            return
+        print_notes(question.notes)
+        print(printable(numbers_text(solution, certificate, problem.loss, problem.n_samples)))
+        print()
+        of_table = None if columns.is_plain else columns
+        print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_sizes, of_table)))
+        print()
+        if test is not None:
+            print(f"held out, {errors_text(test)}\n")

@@ -2,13 +2,15 @@
 
 import argparse
 
+from octmip.cli.samples.file_arguments import reads
+
 FORMATS = ("csv", "tsv", "parquet")
 TABLE_HELP = "table: .csv, .tsv (also .gz), .parquet, or - for standard input"
 
 
 def add_label_arguments(group: argparse._ArgumentGroup, is_required: bool = True) -> None:
     """Add the table and its label."""
-    group.add_argument("data", metavar="DATA", help=TABLE_HELP)
+    reads(group.add_argument("data", metavar="DATA", help=TABLE_HELP))
     group.add_argument("--label", metavar="COL", required=is_required, help="column with the class of each row")
 
 
@@ -71,4 +73,4 @@ def add_held_out_arguments(group: argparse._ArgumentGroup) -> None:
     either.add_argument(
         "--holdout", metavar="SHARE", type=float, help="keep this share of each class for testing, such as 0.25"
     )
-    either.add_argument("--test", metavar="FILE", help="another table to test the tree on")
+    reads(either.add_argument("--test", metavar="FILE", help="another table to test the tree on"))

@@ -7,19 +7,21 @@ drift. Reaching a limit is no error, nor is Ctrl-C: the best tree so far and its
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from octmip.cli.answer import ProgressLine, print_json, print_notes, printable
+from octmip.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
 from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.samples.file_arguments import writes
 from octmip.cli.samples.question import Question, ask
 from octmip.drift.bands import Amount
 from octmip.drift.least_worst import DriftSolution, solve
 from octmip.errors import DataError
-from octmip.formats.files import check_writable
 from octmip.formats.messages import shown as quoted
-from octmip.formats.names import shown, visible
+from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none, record_tree, write_tree_file
 from octmip.formats.tree_nodes import encode_tree
+from octmip.methods.interruption import held_back
 from octmip.problem import Problem
 from octmip.report.markdown import markdown_table
 from octmip.report.text import number, tree_text
@@ -45,8 +47,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="most that readings of this column or sensor are off, of all without a name; or BELOW:ABOVE",
     )
     group.add_argument("--gauges-off", metavar="K", type=int, default=1, help="most gauges off at a time (default 1)")
-    group.add_argument(
-        "--out", metavar="TREE.json", help="write the tree to this file, with what it costs without drift"
+    writes(
+        group.add_argument(
+            "--out", metavar="TREE.json", help="write the tree to this file, with what it costs without drift"
+        )
     )
     add_problem_arguments(parser)
     add_run_arguments(parser, with_method=False)
@@ -55,8 +59,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Search, show, write."""
     limits = limits_of(arguments)
-    if arguments.out:
-        check_writable(arguments.out)
     question = ask(arguments)
     bands = bands_of(arguments.off, question.problem)
     with ProgressLine() as progress:
@@ -69,18 +71,16 @@ def run(arguments: argparse.Namespace) -> int:
             n_jobs=arguments.threads,
             progress=progress,
         )
-    if arguments.out:
+    with held_back():
         columns = question.label_column, question.weights_column, question.preparation
-        write_tree_file(arguments.out, record_tree(question.problem, _plain(found), *columns, None))
-    if arguments.json:
-        more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
-        print_json(as_json(question.problem, found) | more)
-        return 0
-    print_notes(question.notes)
-    print(printable(_text(question, found)))
-    if arguments.out:
-        print(f"written to {visible(arguments.out)}")
-    print(_verdict(found))
+        file = record_tree(question.problem, _plain(found), *columns, None)
+        with then_written(arguments.out, partial(write_tree_file, file=file), _verdict(found), is_quiet=arguments.json):
+            if arguments.json:
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+                print_json(as_json(question.problem, found) | more)
+            else:
+                print_notes(question.notes)
+                print(printable(_text(question, found)))
     return 0
 
 

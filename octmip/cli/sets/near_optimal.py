@@ -14,6 +14,7 @@ from octmip.cli.sets.amount import add_amount, amount_of
 from octmip.errors import DataError
 from octmip.formats.names import shown
 from octmip.formats.tree_nodes import encode_tree
+from octmip.methods.interruption import held_back, is_heard
 from octmip.near_sets import NearOptimalSet, NearTree, RootInterval, near_optimal
 from octmip.report.markdown import markdown_table
 from octmip.report.text import number, percent, tree_text
@@ -58,13 +59,25 @@ def run(arguments: argparse.Namespace) -> int:
             n_jobs=arguments.threads,
             progress=progress,
         )
-    best = found.best(arguments.best)
-    samples = found.sample(arguments.sample, arguments.seed) if found.is_complete else []
-    if arguments.json:
-        print_json(as_json(found, best, samples) | {"threads": arguments.threads, "notes": list(question.notes)})
-        return 0
-    _show(question, found, best, samples, arguments.sample > 0)
+    best, samples = _chosen(found, arguments)
+    with held_back():
+        if arguments.json:
+            print_json(as_json(found, best, samples) | {"threads": arguments.threads, "notes": list(question.notes)})
+        else:
+            _show(question, found, best, samples, arguments.sample > 0)
     return 0
+
+
+def _chosen(found: NearOptimalSet, arguments: argparse.Namespace) -> tuple[list[NearTree], list[NearTree]]:
+    """Return the best trees and those drawn, as many as were asked for; none that a signal did not leave time for."""
+    best: list[NearTree] = []
+    try:
+        if is_heard():
+            return [], []
+        best = found.best(arguments.best)
+        return best, found.sample(arguments.sample, arguments.seed) if found.is_complete else []
+    except KeyboardInterrupt:
+        return best, []
 
 
 def as_json(found: NearOptimalSet, best: list[NearTree], samples: list[NearTree]) -> dict[str, Any]:

@@ -8,15 +8,17 @@ import argparse
 import importlib
 import io
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from octmip.cli.answer import ElapsedLine, print_json, print_notes, printable
+from octmip.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
 from octmip.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.cli.samples.file_arguments import writes
 from octmip.cli.samples.question import Question, ask
 from octmip.cli.sets.amount import Amount, add_amount, amount_of
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, write_bytes
+from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
@@ -42,7 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = add_everyday_arguments(parser)
     add_amount(group, "0")
     group.add_argument("--pairs", action="store_true", help="also the optimum without each two sensors")
-    group.add_argument("--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}")
+    writes(
+        group.add_argument("--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}")
+    )
     add_problem_arguments(parser)
     add_run_arguments(parser, with_method=False)
 
@@ -54,7 +58,6 @@ def run(arguments: argparse.Namespace) -> int:
         if Path(arguments.out).suffix not in PICTURES:
             raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
         importlib.import_module("octmip.plot")  # matplotlib is an extra: missing, it is named before the work
-        check_writable(arguments.out)
     question = ask(arguments)
     with ElapsedLine("weighing sensors"):
         found = sensor_roles(
@@ -65,13 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             n_jobs=arguments.threads,
         )
-    if arguments.out:
-        _draw(arguments.out, found)
-    if arguments.json:
-        print_json(as_json(found) | {"threads": arguments.threads, "notes": list(question.notes)})
-        return 0
-    print_notes(question.notes)
-    print(printable(_text(found)))
+    with then_written(arguments.out, partial(_draw, found=found), is_quiet=True):
+        if arguments.json:
+            print_json(as_json(found) | {"threads": arguments.threads, "notes": list(question.notes)})
+        else:
+            print_notes(question.notes)
+            print(printable(_text(found)))
     return 0
 
 
@@ -135,12 +137,19 @@ def _text(found: SensorRoles) -> str:
         for role in found.roles
     ]
     parts = [
-        f"optimum {number(best)}, near-optimal up to {number(float(found.limit))}",
+        f"{_best(found)}, near-optimal up to {number(float(found.limit))}",
         markdown_table(rows, ("sensor", "role", "without", "price", "forced", "instead")),
     ]
     if found.pairs:
         parts.append(_pairs(found))
     return "\n\n".join([*parts, _verdict(found)])
+
+
+def _best(found: SensorRoles) -> str:
+    best = number(found.solution.objective)
+    if found.solution.is_optimal:
+        return f"optimum {best}"
+    return f"optimum not proven: best tree {best}, bound {number(found.solution.bound)}"
 
 
 def _pairs(found: SensorRoles) -> str:

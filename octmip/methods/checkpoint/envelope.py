@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 from octmip import _native
 from octmip.encoding import NodeRow
 from octmip.errors import DataError, ProblemError
-from octmip.formats.files import PathLike, read_bytes, write_bytes
+from octmip.formats.files import PathLike, keep_bytes, read_bytes
 from octmip.formats.problem_file import question_digest
 from octmip.problem import Problem
 
@@ -68,15 +68,9 @@ def identity_of(problem: Problem, method: str, options: str = "") -> dict[str, s
 
 
 def write_checkpoint(path: PathLike, identity: Mapping[str, str], state: Mapping[str, Any]) -> None:
-    """Write a checkpoint, whole or not at all.
-
-    Raises
-    ------
-    DataError
-        the file cannot be written.
-    """
+    """Write a checkpoint, whole or not at all; where that fails, warn: the search goes on, and writes again later."""
     line = json.dumps(dict(identity) | dict(state), separators=(",", ":")).encode()
-    write_bytes(path, f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
+    keep_bytes(path, f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
 
 
 def read_checkpoint(

@@ -1,7 +1,8 @@
-"""SIGTERM: the best result so far is shown and written, as after Ctrl-C; without a result the exit code is 143."""
+"""SIGINT and SIGTERM end every command with what is known; without a result the exit code is 130 or 143."""
 
 import os
 import signal
+import sys
 import threading
 import time
 from pathlib import Path
@@ -11,9 +12,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import Solution, solve
-from octmip.cli import main
+from benchmarks.cases.command import signals
+from octmip import Problem, Solution, solve
+from octmip.cli import COMMANDS, main
 from octmip.cli.stages import term_as_interrupt
+from octmip.methods.interruption import held_back
+from octmip.near_sets import Role, sensor_roles
+from octmip.solution import Progress, Stop
 
 
 @pytest.fixture
@@ -25,12 +30,24 @@ def hard(tmp_path: Path) -> Path:
     return tmp_path / "data.csv"
 
 
+@pytest.fixture
+def random_problem() -> Problem:
+    """A problem whose proof takes minutes."""
+    rng = np.random.default_rng(0)
+    return Problem(rng.normal(size=(2000, 12)), rng.integers(0, 3, 2000), depth=3)
+
+
+def sent(number: signal.Signals, seconds: float = 0.3) -> None:
+    """Send this process a signal a little later."""
+    threading.Timer(seconds, os.kill, (os.getpid(), number)).start()
+
+
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_proof_that_is_terminated_writes_its_best_tree(
     hard: Path, number: signal.Signals, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def signalled(*arguments: Any, **options: Any) -> Solution:
-        threading.Timer(0.3, os.kill, (os.getpid(), number)).start()
+        sent(number)
         return solve(*arguments, **options)
 
     monkeypatch.setattr("octmip.cli.solve.solve", signalled)
@@ -43,7 +60,25 @@ def test_a_proof_that_is_terminated_writes_its_best_tree(
     assert main(["certify", str(tree), str(hard)]) == 0
 
 
-def test_a_command_without_a_result_ends_with_143(hard: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+def test_a_proof_that_is_terminated_is_shown_though_its_log_is_not_written(
+    hard: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def signalled(*arguments: Any, **options: Any) -> Solution:
+        sent(signal.SIGTERM)
+        return solve(*arguments, **options)
+
+    monkeypatch.setattr("octmip.cli.solve.solve", signalled)
+    log = hard.parent / "log"
+    assert main(["solve", str(hard), "--label", "y", "--depth", "4", "--proof", str(log)]) == 1
+    shown = capsys.readouterr()
+    assert "Not proven optimal (stop: interrupted" in shown.out
+    assert "the proof was interrupted; tree and bound stand without it" in shown.err
+    assert not log.exists()
+
+
+def test_a_command_without_a_result_ends_with_143(
+    hard: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def slow(*_: object) -> None:
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(10.0)
@@ -53,9 +88,108 @@ def test_a_command_without_a_result_ends_with_143(hard: Path, monkeypatch: pytes
     assert capsys.readouterr().err == "octmip: terminated\n"
 
 
-def test_the_handler_of_before_is_put_back() -> None:
-    before = signal.getsignal(signal.SIGTERM)
+def test_an_error_that_others_make_of_a_signal_is_an_interruption(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*_: object) -> None:
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(10.0)
+        except KeyboardInterrupt:
+            raise ImportError("half a module") from None
+
+    monkeypatch.setattr("octmip.cli.doctor.run", broken)
+    assert main(["doctor"]) == 130
+    assert capsys.readouterr().err == "octmip: interrupted\n"
+
+
+def test_a_signal_that_a_finaliser_drops_is_sent_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Dropping:
+        def __del__(self) -> None:
+            os.kill(os.getpid(), signal.SIGTERM)
+            time.sleep(0.01)
+
+    def dropped(*_: object) -> None:
+        Dropping()
+        time.sleep(10.0)
+
+    monkeypatch.setattr("octmip.cli.doctor.run", dropped)
+    start = time.perf_counter()
+    assert main(["doctor"]) == 143
+    assert time.perf_counter() - start < 5
+    assert capsys.readouterr().err == "octmip: terminated\n"
+
+
+def test_the_handlers_of_before_are_put_back() -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     with term_as_interrupt() as heard, pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGTERM)
     assert heard.exit_code == 143
-    assert signal.getsignal(signal.SIGTERM) is before
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_a_first_signal_waits_until_a_result_is_shown_and_a_second_does_not() -> None:
+    with term_as_interrupt(), held_back():
+        signal.raise_signal(signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_one_signal_ends_all_searches_behind_the_one_that_it_ends(
+    number: signal.Signals, random_problem: Problem
+) -> None:
+    sent(number)
+    start = time.perf_counter()
+    with term_as_interrupt():
+        found = sensor_roles(random_problem, pairs=True)
+    assert time.perf_counter() - start < 20
+    assert found.stop is Stop.INTERRUPTED
+    assert {role.role for role in found.roles} == {Role.UNKNOWN}
+    assert all(loss.bound <= loss.objective for loss in found.pairs)
+
+
+def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
+    random_problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = []
+
+    def interrupted(state: Progress) -> None:
+        raise KeyboardInterrupt
+
+    def counted(*arguments: Any) -> Solution:
+        begun.append(arguments)
+        return solve(*arguments)
+
+    monkeypatch.setattr("octmip.near_sets.roles.solve", counted)
+    assert sensor_roles(random_problem, progress=interrupted).stop is Stop.INTERRUPTED
+    assert len(begun) == 1
+    assert solve(Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)).is_optimal
+
+
+def test_a_solve_that_was_interrupted_is_not_kept_as_finished(random_problem: Problem, tmp_path: Path) -> None:
+    def interrupted(state: Progress) -> None:
+        raise KeyboardInterrupt
+
+    solves = tmp_path / "solves"
+    assert solve(random_problem, progress=interrupted, options={"solves": solves}).stop is Stop.INTERRUPTED
+    assert solves.read_bytes().count(b"\n") == 1  # the line of the format
+
+
+@pytest.fixture(scope="module")
+def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The tables, tree, proof and twin that commands work on."""
+    folder = tmp_path_factory.mktemp("signals")
+    signals.prepare(folder)
+    return folder
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="moments are told from /proc")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
+    (line,) = signals.signalled(command, at_work, 1, latest=3.0, earliest=0.6)
+    assert line["outcome"] in ("result", "interrupted", "ended before")
+    # A second of an idle machine; the wall seconds are the benchmark's.
+    assert line.get("cpu_seconds", 0.0) < 2.0

@@ -1,0 +1,207 @@
+"""Files that a command writes: none takes the place of an input or of another output, and a failure loses no result."""
+
+import json
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from octmip import Problem, solve
+from octmip.cli.samples.file_arguments import use_of
+from octmip.formats.files import is_same_file
+from octmip.solution import ProofError
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+def same_table(data: Path, how: str) -> str:
+    """Return another name of a table."""
+    if how == "relative":
+        return os.path.relpath(data)
+    if how == "dotted":
+        return f"{data.parent}/./{data.name}"
+    other = data.with_name("other.csv")
+    if how == "link":
+        other.symlink_to(data)
+    elif how == "hard link":
+        other.hardlink_to(data)
+    return str(other if "link" in how else data)
+
+
+@pytest.mark.parametrize("how", ["name", "relative", "dotted", "link", "hard link"])
+@pytest.mark.parametrize("option", ["--out", "--proof", "--write-problem", "--checkpoint"])
+def test_no_output_of_solve_overwrites_the_table(data: Path, run: Run, option: str, how: str) -> None:
+    before = data.read_bytes()
+    code, out, err = run("solve", data, "--label", "y", "--depth", 1, option, same_table(data, how))
+    assert (code, out) == (2, "")
+    assert "is the file that DATA names, which would be overwritten" in err
+    assert data.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("predict", "tree.json", "data.csv", "--out", "data.csv"), "DATA"),
+        (("predict", "tree.json", "data.csv", "--out", "./tree.json"), "TREE.json"),
+        (("report", "tree.json", "data.html", "--out", "data.html"), "DATA"),
+        (("drift", "data.csv", "--label", "y", "--depth", "1", "--off", "1", "--out", "data.csv"), "DATA"),
+        (
+            ("frontier", "data.csv", "--label", "y", "--depth", "1", "--over", "depth", "--checkpoint", "data.csv"),
+            "DATA",
+        ),
+        (("sensors", "data.svg", "--label", "y", "--depth", "1", "--out", "data.svg"), "DATA"),
+        (("diagnose", "data.csv", "--twin", "table:data.html", "--out", "data.html"), "--twin"),
+        (
+            ("diagnose", "data.csv", "--twin", "a:b", "--commissioning", "run.csv", "--out", "run.csv"),
+            "--commissioning",
+        ),
+        (("solve", "data.csv", "--label", "y", "--depth", "1", "--test", "run.csv", "--out", "run.csv"), "--test"),
+        (("solve", "data.csv", "--label", "y", "--depth", "1", "--costs", "c", "--out", "c"), "--costs"),
+        (("solve", "data.csv", "--target", "a", "--depth", "1", "--proof", "data.csv"), "DATA"),
+    ],
+)
+def test_no_output_of_any_command_overwrites_its_input(
+    data: Path, tree: Path, run: Run, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], named: str
+) -> None:
+    monkeypatch.chdir(data.parent)
+    for name in ("data.html", "data.svg", "run.csv"):
+        shutil.copy(data, name)
+    before = {path.name: path.read_bytes() for path in data.parent.iterdir()}
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert f"is the file that {named} names" in err
+    assert {path.name: path.read_bytes() for path in data.parent.iterdir()} == before
+
+
+def test_two_outputs_of_one_name_are_refused(data: Path, run: Run, tmp_path: Path) -> None:
+    words = ["solve", data, "--label", "y", "--depth", 1, "--out", tmp_path / "new", "--proof", f"{tmp_path}/./new"]
+    code, out, err = run(*words)
+    assert (code, out) == (2, "")
+    assert "--out and --proof both name" in err or "--proof and --out both name" in err
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_device_may_be_named_twice(data: Path, run: Run) -> None:
+    words = ["solve", data, "--label", "y", "--depth", 1, "--out", "/dev/null", "--proof", "/dev/null"]
+    assert run(*words)[0] == 0
+
+
+def test_names_that_do_not_exist_yet_are_compared_by_their_places(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(tmp_path / "new")
+    assert is_same_file(tmp_path / "new", tmp_path / "link")
+    assert not is_same_file(tmp_path / "new", tmp_path / "other")
+
+
+def test_every_argument_that_ends_like_a_file_says_what_is_done_with_it() -> None:
+    import importlib
+
+    from octmip.cli import COMMANDS, MODULES
+    from octmip.cli.arguments import Parser
+
+    for name in COMMANDS:
+        parser = Parser(name, None)
+        importlib.import_module(f"octmip.cli.{MODULES.get(name, name)}").add_arguments(parser)
+        for action in parser._actions:
+            if isinstance(action.metavar, str) and ("." in action.metavar or action.metavar in ("FILE", "DATA", "LOG")):
+                is_list = action.metavar.endswith("...")
+                assert (use_of(action) is None) == is_list, (name, action.dest)
+
+
+@pytest.fixture
+def full(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """A disk on which nothing can be put into its place while `is_full`; counts the tries."""
+    state: dict[str, Any] = {"is_full": True, "tries": 0}
+    replace = os.replace
+
+    def refused(*names: Any) -> None:
+        state["tries"] += 1
+        if state["is_full"]:
+            raise OSError(28, "No space left on device")
+        replace(*names)
+
+    monkeypatch.setattr(os, "replace", refused)
+    return state
+
+
+@pytest.mark.parametrize(
+    ("words", "shown"),
+    [
+        (("solve", "--label", "y", "--depth", "1"), "Proven optimal"),
+        (("solve", "--label", "y", "--depth", "1", "--json"), '"is_optimal": true'),
+        (("solve", "--target", "b", "--features", "a", "--depth", "1"), "roven optimal"),
+        (("drift", "--label", "y", "--depth", "1", "--off", "0.1"), "Proven: no tree"),
+        (("drift", "--label", "y", "--depth", "1", "--off", "0.1", "--json"), '"worst_case"'),
+    ],
+)
+def test_a_tree_that_cannot_be_written_is_shown(
+    data: Path, run: Run, full: dict[str, Any], words: tuple[str, ...], shown: str
+) -> None:
+    code, out, err = run(words[0], data, *words[1:], "--out", data.parent / "tree.json")
+    assert code == 1
+    assert shown in out
+    assert "written to" not in out
+    assert err.count("\n") == 1
+    assert "tree.json cannot be written (No space left on device)" in err
+    if "--json" in words:
+        json.loads(out)
+
+
+def test_pictures_that_cannot_be_written_lose_no_table(data: Path, run: Run, full: dict[str, Any]) -> None:
+    out = data.parent / "picture.svg"
+    for words in (("frontier", data, "--over", "depth"), ("sensors", data)):
+        code, shown, err = run(*words, "--label", "y", "--depth", 1, "--out", out)
+        assert code == 1
+        assert "| " in shown
+        assert "picture.svg cannot be written" in err
+
+
+def test_predictions_that_cannot_be_written_are_still_counted(
+    data: Path, tree: Path, run: Run, full: dict[str, Any]
+) -> None:
+    code, _, err = run("predict", tree, data, "--label", "y", "--out", data.parent / "new.csv")
+    assert code == 1
+    assert "of 30 samples wrong" in err
+    assert "new.csv cannot be written" in err
+
+
+def test_a_proof_log_that_cannot_be_written_loses_no_tree(
+    data: Path, run: Run, full: dict[str, Any], tmp_path: Path
+) -> None:
+    for words in (("--label", "y"), ("--target", "b", "--features", "a")):
+        code, out, err = run("solve", data, *words, "--depth", 1, "--proof", data.parent / "log")
+        assert code == 1
+        assert "roven optimal" in out
+        assert "log cannot be written (No space left on device)" in err
+    problem = Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)
+    with pytest.raises(ProofError, match="No space left") as raised:
+        solve(problem, options={"proof": tmp_path / "log"})
+    assert raised.value.solution.is_optimal
+
+
+def test_a_checkpoint_that_cannot_be_written_warns_and_the_proof_goes_on(full: dict[str, Any], tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.normal(size=(60, 4)), rng.integers(0, 3, 60), depth=3)
+    kept = tmp_path / "kept"
+    with pytest.warns(UserWarning, match=r"kept cannot be written \(No space left.*the next time it is tried again"):
+        found = solve(problem, "exact", options={"checkpoint": kept, "every": 0.0})
+    assert found.is_optimal
+    assert full["tries"] > 1
+    full["is_full"] = False
+    again = solve(problem, "exact", options={"checkpoint": kept, "every": 0.0})
+    assert again.objective == found.objective
+    assert kept.exists()
+
+
+def test_a_reader_that_leaves_loses_no_tree(data: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(*_: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("octmip.cli.solve._show_words", gone)
+    monkeypatch.setattr("sys.stderr.close", lambda: None, raising=False)
+    tree = data.parent / "tree.json"
+    assert run("solve", data, "--label", "y", "--depth", 1, "--out", tree)[0] == 0
+    assert json.loads(tree.read_text())["format"]
