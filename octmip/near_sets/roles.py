@@ -29,10 +29,9 @@ from octmip.errors import ProblemError
 from octmip.methods import interruption
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.whole_numbers import whole_problem
+from octmip.near_sets.without import Calls, Loss, loss_of
 from octmip.problem import Problem
-from octmip.run import best_leaf
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.solver import solve
 from octmip.tree import Leaf, Node, Split, goes_left
 
 NO_TREE = math.inf
@@ -45,42 +44,6 @@ class Role(enum.StrEnum):
     REPLACEABLE = "replaceable"
     USELESS = "useless"
     UNKNOWN = "unknown"
-
-
-@dataclass(frozen=True, slots=True)
-class Loss:
-    """The optimum without some sensors.
-
-    Attributes
-    ----------
-    sensors
-        that are left out.
-    objective
-        of the best tree found without them.
-    bound
-        proven for every tree without them; equal to the objective where that is proven.
-    tree
-        the best tree found.
-    read
-        sensors that it reads.
-    cost
-        the objective, none of its digits lost.
-    least
-        no tree without them costs less, in exact arithmetic.
-    """
-
-    sensors: tuple[str, ...]
-    objective: float
-    bound: float
-    tree: Node
-    read: tuple[str, ...]
-    cost: Fraction
-    least: Fraction
-
-    @property
-    def is_proven(self) -> bool:
-        """Whether no tree without them is better."""
-        return self.bound >= self.objective
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +151,9 @@ def sensor_roles(
     if not 0 <= within < math.inf:
         raise ProblemError(f"within is {within}; expected a number of 0 or more")
     started = time.perf_counter()
-    calls = _Calls(problem, limits, seed, n_jobs, progress, started)
+    calls = Calls(problem, limits, seed, n_jobs, progress, started)
     solution = calls.solve(problem, None)
-    calls.known.append(_loss(problem, (), solution))
+    calls.known.append(loss_of(problem, (), solution))
     try:
         forced, proven = _forced(problem, solution, calls)
     except KeyboardInterrupt:
@@ -210,98 +173,6 @@ def sensor_roles(
     return replace(found, stop=Stop.INTERRUPTED if interruption.is_heard() else calls.stop)
 
 
-def _loss(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
-    assert solution.tree is not None
-    bound = solution.objective if solution.is_optimal else solution.bound
-    cost = exact_objective(problem, solution.tree)
-    least = min(cost, Fraction(max(solution.bound, 0.0)))
-    return Loss(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
-
-
-class _Calls:
-    """Searches of one problem without some sensors; what one has proven others need not."""
-
-    def __init__(
-        self,
-        problem: Problem,
-        limits: Limits,
-        seed: int,
-        n_jobs: int,
-        progress: ProgressCallback | None,
-        started: float,
-    ) -> None:
-        self.problem, self.limits, self.seed, self.n_jobs = problem, limits, seed, n_jobs
-        self.progress, self.started = progress, started
-        self.known: list[Loss] = []
-        self.stop = Stop.NUMERICS
-
-    @property
-    def remaining(self) -> Limits:
-        spent = time.perf_counter() - self.started
-        return replace(self.limits, seconds=0.0 if interruption.is_heard() else max(0.0, self.limits.seconds - spent))
-
-    def solve(self, problem: Problem, incumbent: Node | None) -> Solution:
-        found = solve(problem, "exact", self.remaining, incumbent, self.seed, self.n_jobs, self.progress)
-        if not found.is_optimal:
-            self.stop = found.stop
-        return found
-
-    def without(self, sensors: tuple[str, ...]) -> Loss:
-        """Return the optimum without some sensors: known where the best tree without fewer of them reads none."""
-        for known in self.known:
-            if set(known.sensors) <= set(sensors) and not set(known.read) & set(sensors):
-                return replace(known, sensors=sensors)
-        try:
-            found = self._searched_without(sensors)
-        except KeyboardInterrupt:
-            interruption.note()
-            found = self._leaf(sensors)
-        # No tree of a narrower problem is better than one of a wider: bounds go on.
-        wider = [known for known in self.known if set(known.sensors) <= set(sensors)]
-        bound = min(found.objective, max(found.bound, *(known.bound for known in wider)))
-        found = replace(found, bound=bound, least=min(found.cost, max(found.least, *(known.least for known in wider))))
-        self.known.append(found)
-        return found
-
-    def _leaf(self, sensors: tuple[str, ...]) -> Loss:
-        """Return what is known without some sensors when nothing may be searched any more: the best leaf reads none."""
-        leaf = best_leaf(self.problem)
-        cost = exact_objective(self.problem, leaf)
-        return Loss(sensors, self.problem.objective(leaf), -math.inf, leaf, (), cost, Fraction(0))
-
-    def _searched_without(self, sensors: tuple[str, ...]) -> Loss:
-        if interruption.is_heard():
-            return self._leaf(sensors)
-        return _loss(self.problem, sensors, self.solve(self._narrower(sensors), None))
-
-    def _narrower(self, sensors: tuple[str, ...]) -> Problem:
-        """Return the problem without some sensors."""
-        left = [f for f, name in enumerate(self.problem.sensor_of_feature or ()) if name not in sensors]
-        left = [f for f in left if self.problem.is_allowed((f,))]
-        if left:
-            return replace(self.problem, allowed_splits=[[f] for f in left])
-        return replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
-
-    def compared(self, loss: Loss, limit: Fraction) -> Loss:
-        """Return a loss whose optimum lies within the limit or beyond for certain, where its proof is whole."""
-        if not (loss.is_proven and loss.least <= limit < loss.cost):
-            return loss
-        counted = near_optimal(
-            self._narrower(loss.sensors),
-            within=0,
-            limits=self.remaining,
-            most_predictions=0,
-            incumbent=loss.tree,
-            n_jobs=self.n_jobs,
-        )
-        if counted.optimum is None:
-            self.stop = counted.stop
-            return loss
-        (best,) = counted.best(1)
-        read, paid, cost = self.problem.sensors_used(best.tree), best.objective, counted.optimum
-        return Loss(loss.sensors, paid, paid, best.tree, read, cost, cost)
-
-
 def _role(without: Loss, best: Loss, limit: Fraction, forced: Fraction | float, forced_is_proven: bool) -> SensorRole:
     if without.least > limit:
         role = Role.NEEDED
@@ -318,7 +189,7 @@ def _known_to_read(problem: Problem, best: Loss) -> list[Fraction | float]:
     return [best.cost if name in best.read else NO_TREE for name in problem.sensors]
 
 
-def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[Fraction | float], bool]:
+def _forced(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fraction | float], bool]:
     """Return the least objective of the trees that read each sensor, exact or infinite, and whether all are proven."""
     if interruption.is_heard():
         return _known_to_read(problem, calls.known[0]), False
@@ -345,7 +216,7 @@ def _forced(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[F
 
 
 def _least(
-    readers: Callable[..., tuple[list[int | None], str | None, int]], known: list[int], calls: _Calls
+    readers: Callable[..., tuple[list[int | None], str | None, int]], known: list[int], calls: Calls
 ) -> tuple[list[int | None], str | None]:
     limits = calls.remaining
     found, stop, _ = readers(known, (limits.seconds, 0.0, limits.nodes, limits.memory), calls.n_jobs)
@@ -356,7 +227,7 @@ def _least(
     return found, stop
 
 
-def _forced_by_sets(problem: Problem, solution: Solution, calls: _Calls) -> tuple[list[Fraction | float], bool]:
+def _forced_by_sets(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fraction | float], bool]:
     """Return the same under a budget of sensors: sets of trees, each twice as wide, until every sensor is read."""
     least: dict[str, Fraction | float] = dict.fromkeys(problem.sensors, NO_TREE)
     most = float(problem.weights.sum() * problem.costs.max()) + problem.leaf_penalty * 2**problem.depth
