@@ -9,8 +9,6 @@ EXTRA_OF = {
     "jinja2": "report",
     "pyarrow": "parquet",
     "onnx": "onnx",
-    "umbridge": "doors",
-    "fmpy": "doors",
 }
 """The extra of octmip that installs an optional package."""
 

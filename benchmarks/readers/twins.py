@@ -1,4 +1,4 @@
-"""The readers of twins' files: a table with its card, and a deck with its card, as the fuzz of files tries them."""
+"""The reader of twins' files, a table with its card, as the fuzz of files tries them."""
 
 import contextlib
 import json
@@ -10,9 +10,8 @@ import pandas as pd
 
 from benchmarks.readers.file_reader import Reader
 from benchmarks.readers.mangled_arrays import mangled_parquet
-from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json
+from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json
 from octmip.errors import OctmipError
-from octmip.gap.doors.deck import deck_twin
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.doors.table import table_twin
 
@@ -22,7 +21,6 @@ CARD = {
     "states": ["mu1"],
     "parameters": {"stiffness": [1.0, 0.8, 1.2, "1"]},
 }
-DECK = "*MATERIAL\n@stiffness@, @mu1@\n*CLOAD\n@load_factor@\n"
 
 
 def make_table_twin(suffix: str) -> Callable[[int, Path], None]:
@@ -49,19 +47,6 @@ def read_table_twin(suffix: str) -> Callable[[Generator, Path], None]:
     return read
 
 
-def make_deck_twin(number: int, folder: Path) -> None:
-    """Write a deck and its card."""
-    find = {"strain": "strain (\\S+)", "tip": {"match": "tip (\\S+)", "scale": 1e3}}
-    deck = {"command": ["echo", "strain 1 tip 2"], "output": "", "find": find}
-    (folder / "wing.inp").write_text(DECK)
-    (folder / "wing.inp.json").write_text(json.dumps(CARD | {"deck": deck}))
-
-
-def read_deck_twin(rng: Generator, folder: Path) -> None:
-    """Open a deck as a twin. It is not asked: a card names a command, and asking runs it."""
-    deck_twin(folder / "wing.inp")
-
-
 def _ask(twin: FunctionTwin) -> None:
     for state in ({}, {"mu1": 0.5}, {"mu1": 1e300}):
         for load in (1.0, -1e308):
@@ -75,6 +60,4 @@ TWINS = {
         make_table_twin(".parquet"), "twin.parquet", mangled_parquet, read_table_twin(".parquet")
     ),
     "twin, card": Reader(make_table_twin(".csv"), "twin.csv.json", mangled_json, read_table_twin(".csv")),
-    "twin, deck": Reader(make_deck_twin, "wing.inp", mangled_bytes, read_deck_twin, n_made=1),
-    "twin, card of a deck": Reader(make_deck_twin, "wing.inp.json", mangled_json, read_deck_twin, n_made=1),
 }

@@ -1,16 +1,12 @@
-"""The wing behind all six doors: one verdict, one size.
+"""The wing behind every door: one verdict, one size.
 
-The doors that start a program for each question are given the wing's answers as coefficients: at a known damage its
+The door that starts a program for each question is given the wing's answers as coefficients: at a known damage its
 readings are linear in the load factor and in the sizes of these effects, so that nothing is lost.
 """
 
-import importlib.util
 import itertools
 import json
-import socket
-import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +14,8 @@ import pytest
 
 from femlib.wing import Wing, WingTwin
 from femlib.wing.effects import wing_effects
-from octmip.errors import DataError
 from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, gathered
-from octmip.gap.doors import deck_twin, fmu_twin, script_twin, table_twin, um_bridge_twin
+from octmip.gap.doors import script_twin, table_twin
 from octmip.gap.doors.card import card_of
 from octmip.gap.sizes import Parameter
 from octmip.report.diagnosis.recommendation import recommend
@@ -152,85 +147,3 @@ def test_a_program_of_the_wing_says_the_same(campaign, card, model, expected, tm
         file.write("names = json.load(open(sys.argv[1]))['readings']\n")
         file.write("print(json.dumps(dict(zip(names, wing(asked['parameters'], asked['loads'])))))\n")
     assert_same(found(campaign, script_twin(path, card, [sys.executable, "-S", "-E", str(path), str(card)])), expected)
-
-
-def test_a_deck_of_the_wing_says_the_same(campaign, twin, card, model, expected, tmp_path):
-    names = [*RANGES, "mu1", "load_factor"]
-    deck, solver = tmp_path / "wing.inp", tmp_path / "solver.py"
-    deck.write_text("** the wing\n" + "".join(f"*{name}, @{name}@\n" for name in names))
-    solver.write_text(
-        f"{model}\nlines = [line.split(', ') for line in open('job.inp') if not line.startswith('**')]\n"
-        "given = {name[1:]: float(value) for name, value in lines}\n"
-        "with open('job.dat', 'w') as file:\n"
-        "    for k, value in enumerate(wing(given, given)):\n"
-        "        file.write(f' gauge {k} strain {value!r}\\n')\n"
-    )
-    find = {name: rf"gauge {k} strain (\S+)" for k, name in enumerate(twin.gauges)}
-    command = [sys.executable, "-S", "-E", str(solver)]
-    content = json.loads(card.read_text()) | {"deck": {"command": command, "output": "{job}.dat", "find": find}}
-    (tmp_path / "wing.inp.json").write_text(json.dumps(content))
-    assert_same(found(campaign, deck_twin(deck)), expected)
-
-
-def has(*packages: str) -> bool:
-    return all(importlib.util.find_spec(package) is not None for package in packages)
-
-
-@pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
-def test_a_server_of_the_wing_says_the_same(campaign, card, model, expected, tmp_path):
-    with socket.socket() as listening:
-        listening.bind(("localhost", 0))
-        port = listening.getsockname()[1]
-    served = f"{model}\nfrom octmip.gap.doors import FunctionTwin, read_card, serve\n"
-    code = f"{served}serve(FunctionTwin(wing, read_card({str(card)!r})), {port}, 'wing')"
-    server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        assert_same(found(campaign, _answering(f"http://localhost:{port}/wing", card)), expected)
-    finally:
-        server.terminate()
-        server.wait()
-
-
-def _answering(address: str, card: Path) -> FunctionTwin:
-    for _ in range(600):
-        try:
-            return um_bridge_twin(address, card)
-        except DataError:
-            time.sleep(0.1)
-    raise AssertionError(f"nothing answers at {address}")
-
-
-SLAVE = """
-from pythonfmu3 import Fmi3Causality, Fmi3Slave, Fmi3Variability, Float64
-{model}
-NAMES = {names!r}
-
-class Wingfmu(Fmi3Slave):
-    def __init__(self, **kwargs):
-        super().__init__(**kwargs)
-        self.time = 0.0
-        own, moving = Fmi3Causality.independent, Fmi3Variability.continuous
-        self.register_variable(Float64("time", causality=own, variability=moving))
-        kept = dict(causality=Fmi3Causality.parameter, variability=Fmi3Variability.tunable, start=0.0)
-        for name in {inputs!r}:
-            setattr(self, name, 0.0)
-            self.register_variable(Float64(name, **kept))
-        for name in NAMES:
-            setattr(self, name, 0.0)
-            self.register_variable(Float64(name, causality=Fmi3Causality.output))
-
-    def do_step(self, current_time, step_size):
-        given = {{name: getattr(self, name) for name in {inputs!r}}}
-        for name, value in zip(NAMES, wing(given, given)):
-            setattr(self, name, value)
-        return True
-"""
-
-
-@pytest.mark.skipif(not has("fmpy", "pythonfmu3"), reason="the packages fmpy and pythonfmu3 are not installed")
-def test_an_fmu_of_the_wing_says_the_same(campaign, twin, card, model, expected, tmp_path):
-    inputs = [*RANGES, "mu1", "load_factor"]
-    (tmp_path / "wingfmu.py").write_text(SLAVE.format(model=model, names=list(twin.gauges), inputs=inputs))
-    build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "wingfmu.py"]
-    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
-    assert_same(found(campaign, fmu_twin(tmp_path / "Wingfmu.fmu", card)), expected)

@@ -1,12 +1,16 @@
-"""Doors to other people's models: function, table, script, deck, UM-Bridge and FMU, and what each refuses."""
+"""Doors to other people's models: function, table and program, and the functions of the page that ask others."""
 
+import contextlib
 import importlib.util
 import json
-import shutil
+import multiprocessing
 import socket
 import subprocess
 import sys
+import threading
 import time
+import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,12 +18,12 @@ import pytest
 from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
-from octmip.gap.doors import deck_twin, open_twin, script_twin, table_twin
+from octmip.gap.doors import script_twin, table_twin
 from octmip.gap.doors.card import card_of
-from octmip.gap.doors.um_bridge import um_bridge_twin
 from octmip.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
 
+DOORS = Path(__file__).parents[2] / "docs" / "howto" / "doors.md"
 READINGS = {"tip": "mm", "mid": "mm", "f1": "Hz"}
 RANGES = {"stiffness": (100.0, 80.0, 120.0, "N/mm"), "gap": (0.0, 0.0, 0.5, "mm")}
 CARD = {"readings": READINGS, "loads": ["force"], "parameters": RANGES}
@@ -207,108 +211,52 @@ def test_a_program_that_fails_is_one_sentence(tmp_path, last, told):
         script_twin(script(tmp_path, last=last), seconds=0.5 if "sleep" in last else 60).predict({}, 1.0)
 
 
-DECK = """** a bar of two trusses under a force, its stiffness by the area
-*NODE, NSET=ALL
-1, 0., 0., 0.
-2, 100., 0., 0.
-3, 200., 0., 0.
-*ELEMENT, TYPE=T3D2, ELSET=BAR
-1, 1, 2
-2, 2, 3
-*MATERIAL, NAME=M
-*ELASTIC
-@modulus@, 0.3
-*SOLID SECTION, ELSET=BAR, MATERIAL=M
-10.
-*BOUNDARY
-1, 1, 3
-2, 2, 3
-3, 2, 3
-*STEP
-*STATIC
-*CLOAD
-3, 1, @force@
-*NODE PRINT, NSET=ALL
-U
-*END STEP
+def has(*packages):
+    return all(importlib.util.find_spec(package) is not None for package in packages)
+
+
+def of_page(name):
+    """Return a function that the how-to page of the doors prints."""
+    space = {}
+    for block in DOORS.read_text().split("```python\n")[1:]:
+        code = block.partition("```")[0]
+        if f"def {name}(" in code or "def within(" in code:
+            exec(code, space)
+    return space[name]
+
+
+SERVER = """
+import umbridge
+{source}
+class Beam(umbridge.Model):
+    def get_input_sizes(self, config):
+        return [2, 1]
+    def get_output_sizes(self, config):
+        return [3]
+    def supports_evaluate(self):
+        return True
+    def __call__(self, asked, config):
+        (k, gap), (force,) = asked
+        return [list(beam({{"stiffness": k, "gap": gap}}, {{"force": force}}).values())]
+umbridge.serve_models([Beam("beam")], 4242)
 """
-NUMBER = r"([-+0-9.E]+)"
-
-
-def deck(tmp_path, text=DECK):
-    path = tmp_path / "bar.inp"
-    path.write_text(text)
-    find = {name: {"match": rf"^\s+{node}\s+{NUMBER}", "scale": 1e3} for name, node in (("mid", 2), ("end", 3))}
-    return beside(
-        path,
-        {
-            "readings": {"mid": "um", "end": "um"},
-            "loads": ["force"],
-            "parameters": {"modulus": [200000.0, 150000.0, 250000.0, "MPa"]},
-            "deck": {"command": ["ccx", "{job}"], "output": "{job}.dat", "find": find},
-        },
-    )
-
-
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="the solver ccx is not installed")
-def test_a_deck_with_parameters_is_solved_and_its_results_are_found(tmp_path):
-    twin = deck_twin(deck(tmp_path))
-    assert twin.predict({}, 1000.0) == pytest.approx([50.0, 100.0], rel=1e-4)
-    assert twin.effects["modulus"].signature(twin, {}, 1000.0)[1] == pytest.approx(-100.0 / 200000.0, rel=0.05)
-
-
-def test_a_deck_of_an_unknown_name_or_without_results_is_one_sentence(tmp_path):
-    with pytest.raises(DataError, match="holds @area@, which is no parameter"):
-        deck_twin(deck(tmp_path, DECK.replace("10.\n", "@area@\n")))
-    path = deck(tmp_path)
-    card = json.loads((tmp_path / "bar.inp.json").read_text())
-    for command, told in (["no_such_solver"], "cannot be run by 'no_such_solver'"), (["true"], "wrote no job.dat"):
-        card["deck"]["command"] = command
-        beside(path, card)
-        with pytest.raises(TwinError, match=told):
-            deck_twin(path).predict({}, 1.0)
-    card["deck"]["find"].pop("end")
-    beside(path, card)
-    with pytest.raises(DataError, match="does not say where reading 'end' is found"):
-        deck_twin(path)
-
-
-def has(package):
-    return importlib.util.find_spec(package) is not None
-
-
-def free_port():
-    with socket.socket() as listening:
-        listening.bind(("localhost", 0))
-        return listening.getsockname()[1]
 
 
 @pytest.mark.skipif(not has("umbridge"), reason="the package umbridge is not installed")
-def test_a_twin_behind_um_bridge_is_diagnosed_as_the_function_is():
-    port = free_port()
-    code = f"from octmip.gap.doors import serve; from {__name__} import TWIN; serve(TWIN, {port}, 'beam')"
+def test_the_function_of_the_page_asks_a_server_of_um_bridge():
+    code = SERVER.format(source=SOURCE)
     server = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    twin = function_twin(of_page("served"), READINGS, RANGES, ("force",))
     try:
-        twin = answering(f"http://localhost:{port}/beam")
+        for _ in range(100):
+            with contextlib.suppress(OSError):
+                socket.create_connection(("localhost", 4242), 0.1).close()
+                break
+            time.sleep(0.1)
         assert twin.predict({}, 70.0) == pytest.approx(TWIN.predict({}, 70.0), rel=1e-15)
-        own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
-        assert own.size == pytest.approx(exact.size, rel=1e-12)
-        with pytest.raises(DataError, match="correct the card"):
-            um_bridge_twin(f"http://localhost:{port}/beam", card_of({"u": "mm"}))
-        with pytest.raises(DataError, match="start its server"):
-            um_bridge_twin(f"http://localhost:{port}/tower", TWIN.card)
     finally:
         server.terminate()
         server.wait()
-
-
-def answering(address):
-    for _ in range(600):
-        try:
-            return um_bridge_twin(address, TWIN.card)
-        except DataError:
-            time.sleep(0.1)
-    raise AssertionError(f"nothing answers at {address}")
 
 
 SLAVE = """
@@ -337,33 +285,28 @@ class Beamfmu(Fmi3Slave):
 """
 
 
-@pytest.mark.skipif(
-    not (has("fmpy") and has("pythonfmu3")), reason="the packages fmpy and pythonfmu3 are not installed"
-)
-def test_an_fmu_is_diagnosed_as_the_function_is(tmp_path):
-    (tmp_path / "beamfmu.py").write_text(SLAVE.format(source=SOURCE))
+@pytest.mark.skipif(not has("fmpy", "pythonfmu3"), reason="the packages fmpy and pythonfmu3 are not installed")
+def test_the_function_of_the_page_runs_an_fmu_and_refuses_one_that_unpacks_to_gigabytes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("beamfmu.py").write_text(SLAVE.format(source=SOURCE))
     build = [sys.executable, "-m", "pythonfmu3", "build", "-f", "beamfmu.py"]
-    subprocess.run(build, cwd=tmp_path, check=True, capture_output=True)
-    twin = open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu')}")
-    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0), rel=1e-14)
-    own, exact = (found_in(t, stiffness=92.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
-    assert own.size == pytest.approx(exact.size, rel=1e-12)
-    wrong = {**CARD, "readings": {**READINGS, "f2": "Hz"}}
-    with pytest.raises(DataError, match="has no variable 'f2'"):
-        open_twin(f"fmu:{beside(tmp_path / 'Beamfmu.fmu', wrong)}")
+    subprocess.run(build, check=True, capture_output=True)
+    Path("Beamfmu.fmu").rename("beam.fmu")
+    readings = {name: READINGS[name] for name in ("tip", "f1")}
+    twin = function_twin(of_page("unit"), readings, RANGES, ("force",))
+    assert twin.predict({}, 200.0) == pytest.approx(TWIN.predict({}, 200.0)[[0, 2]], rel=1e-14)
+    with zipfile.ZipFile("beam.fmu", "a", zipfile.ZIP_DEFLATED) as archive, archive.open("big", "w") as big:
+        for _ in range(1000):
+            big.write(bytes(2**20))
+    with pytest.raises(TwinError, match="unpacks to over 1 GB"):
+        CachedTwin(function_twin(of_page("unit"), readings, RANGES, ("force",))).predict({}, 200.0)
 
 
-def test_a_server_that_is_not_there_is_one_sentence():
-    told = "umbridge, which is not installed; install octmip" if not has("umbridge") else "start its server"
-    with pytest.raises((DataError, ImportError), match=told):
-        um_bridge_twin("http://localhost:9/nothing", TWIN.card)
-
-
-def test_a_missing_fmu_is_one_sentence(tmp_path):
-    path = beside(tmp_path / "beam.fmu")
-    told = "fmpy, which is not installed; install octmip" if not has("fmpy") else "is not there"
-    with pytest.raises((DataError, ImportError), match=told):
-        open_twin(f"fmu:{path}")
+def test_a_question_that_is_never_answered_ends_in_time():
+    within = of_page("within")
+    assert within(5, abs, -3) == 3
+    with pytest.raises(multiprocessing.TimeoutError):
+        within(0.1, threading.Event().wait, 60)
 
 
 def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
@@ -379,8 +322,6 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
         ("towers:beam", card),
     ):
         assert load_twin(name, given).predict({}, 100.0) == pytest.approx(TWIN.predict({}, 100.0), rel=1e-12), name
-    with pytest.raises(DataError, match="needs a card"):
-        load_twin("um-bridge:http://localhost:4242/beam")
     (tmp_path / "beam.csv.json").unlink()
     with pytest.raises(DataError, match=r"beam.csv.json"):
         load_twin(f"table:{tmp_path / 'beam.csv'}")

@@ -24,7 +24,7 @@ def test_rows_that_cannot_be_interpolated_are_refused(tmp_path, rows, told):
         table_twin(path)
 
 
-def test_a_wrong_door_deck_or_program_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
+def test_a_wrong_door_or_program_is_one_sentence_with_its_cure(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(
         DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
@@ -32,8 +32,6 @@ def test_a_wrong_door_deck_or_program_is_one_sentence_with_its_cure(tmp_path, mo
         load_twin("nodoor:beam")
     beside(tmp_path / "beam.inp")
     (tmp_path / "beam.inp").write_text("*STEP")
-    with pytest.raises(DataError, match=r"card beam.inp.json of a deck: the key 'deck' is missing; expected"):
-        open_twin("deck:beam.inp")
     with pytest.raises(TwinError, match=r"Permission denied\); expected a program that may be run; .*chmod"):
         open_twin("script:beam.inp").predict({}, 1.0)
 
@@ -43,10 +41,8 @@ def test_a_wrong_door_deck_or_program_is_one_sentence_with_its_cure(tmp_path, mo
     [
         ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
         ("script:beam.py", r"^script beam.py is not there"),
-        ("deck:beam.inp", r"^beam.inp cannot be read"),
         ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
         ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("deck:here.csv", r"^card here.csv.json is not there: .*--card"),
     ],
 )
 def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):

@@ -24,7 +24,6 @@ All readers of the two packages, each a line of the table:
     octmip.methods.checkpoint                   checkpoints of three kinds, the sum corrected after most changes
     octmip.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.table.table_twin           table of a twin, .csv and .parquet, and its card
-    octmip.gap.doors.deck.deck_twin             deck of a twin, and its card
     femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
     femlib.structure.calculix.read_gauges       results of CalculiX: strains,
     femlib.export.calculix_results              frequencies, displacements

@@ -1,30 +1,23 @@
-"""Doors to other people's models: a function, a table, a server, an FMU, a deck or a script becomes a twin.
+"""Doors to other people's models: a function, a table or a program becomes a twin.
 
 Every door gives a `FunctionTwin`: a function of parameters and loads with a `Card` that names its readings, their
 units, and the range of every parameter. Each parameter that has a range is an effect that the asset may show.
 """
 
 from octmip.gap.doors.card import Card, Range, read_card
-from octmip.gap.doors.deck import deck_twin
-from octmip.gap.doors.fmu import fmu_twin
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.doors.opening import DOORS, open_twin
 from octmip.gap.doors.script import script_twin
 from octmip.gap.doors.table import table_twin
-from octmip.gap.doors.um_bridge import serve, um_bridge_twin
 
 __all__ = [
     "DOORS",
     "Card",
     "FunctionTwin",
     "Range",
-    "deck_twin",
-    "fmu_twin",
     "function_twin",
     "open_twin",
     "read_card",
     "script_twin",
-    "serve",
     "table_twin",
-    "um_bridge_twin",
 ]

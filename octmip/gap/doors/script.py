@@ -6,7 +6,7 @@ OpenSees script (openseespy), a MATLAB function or a vendor's solver with a lice
 being linked to this package.
 
 What it lacks: every question starts the program again, so a program that takes a minute to start costs a minute for
-each parameter, state and load. Keep such a model running behind UM-Bridge.
+each parameter, state and load. Keep such a model running and ask it by a function (docs/howto/doors.md).
 """
 
 import json
@@ -57,14 +57,12 @@ def script_twin(
 
     def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Any:
         asked = json.dumps({"parameters": dict(parameters), "loads": dict(loads)})
-        return _answer(run_program(words, f"script {program}", seconds, asked=asked), program)
+        return _answer(run_program(words, f"script {program}", seconds, asked), program)
 
     return FunctionTwin(function, known)
 
 
-def run_program(
-    words: Sequence[str], called: str, seconds: float, asked: str = "", folder: str | Path | None = None
-) -> str:
+def run_program(words: Sequence[str], called: str, seconds: float, asked: str) -> str:
     """Return what a program prints.
 
     Raises
@@ -73,9 +71,7 @@ def run_program(
         it cannot be started, does not end in time, or ends with an error.
     """
     try:
-        done = subprocess.run(
-            list(words), input=asked, capture_output=True, text=True, timeout=seconds, check=False, cwd=folder
-        )
+        done = subprocess.run(list(words), input=asked, capture_output=True, text=True, timeout=seconds, check=False)
     except OSError as error:
         raise TwinError(
             f"{called} cannot be run by {words[0]!r} ({error.strerror}); expected a program that may be run; install "
