@@ -187,7 +187,7 @@ def _tangents(model: LinearModel) -> Floats:
     for k, average in enumerate(inputs.averages):
         load, state = inputs.loads[k], model.states[average.cell]
         now, *ahead = inputs.twin.predict_states(np.vstack([state, state + STEP * np.eye(len(state))]), load)
-        columns[k] = ((np.array(ahead).reshape(len(state), -1) - now) / STEP)[:, order].T
+        columns[k] = ((np.array(ahead).reshape(len(state), len(now)) - now) / STEP)[:, order].T
     return columns[model.average, model.gauge]
 
 

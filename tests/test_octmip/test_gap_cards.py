@@ -1,0 +1,91 @@
+"""Every model that the documentation prints is diagnosed, with its card and in Python, with and without a run."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from octmip.cli import main
+from octmip.gap import Campaign, Recorded, diagnose, gathered
+from octmip.gap.doors import FunctionTwin, read_card
+from octmip.twin import load_of
+from tests.test_examples import BLOCK, DOCS
+
+LOADS = {
+    "doors": [{"force": f} for f in (20.0, 50.0, 80.0)],
+    "frame": [{}],
+    "joint": [{"amplitude": a} for a in (0.3, 0.6)],
+    "rod": [{"power": p, "air": a} for p, a in ((5.0, 20.0), (10.0, 21.0), (20.0, 23.0))],
+}
+"""What is applied to the model of each page."""
+PAGES = sorted(page for page in DOCS.rglob("*.md") if " = function_twin(" in page.read_text())
+CARDS = [
+    (page, block.partition("```")[0])
+    for page in sorted(DOCS.rglob("*.md"))
+    for block in page.read_text().split("```json\n")[1:]
+    if '"readings"' in block.partition("```")[0]
+]
+
+
+def twin_of(page: Path) -> FunctionTwin:
+    """Return the first twin that the code of a page makes."""
+    namespace: dict = {}
+    for kind, code in BLOCK.findall(page.read_text()):
+        if kind == "python":
+            exec(code, namespace)
+        if "twin" in namespace:
+            return namespace["twin"]
+    raise AssertionError(f"{page} makes no twin")
+
+
+def read(twin: FunctionTwin, loads: list[dict], moved: str = "", seed: int = 0) -> Campaign:
+    """Return a campaign of a twin, one parameter half-way to its greatest value, with a noise of a thousandth."""
+    rng, blocks = np.random.default_rng(seed), []
+    own = twin.card.parameters.get(moved)
+    for load in loads:
+        at = load_of(twin.loads, tuple(load.values()))
+        clean = twin.ask({}, at, {} if own is None else {moved: (own.nominal + own.high) / 2})
+        blocks.append(Recorded(clean + 1e-3 * (1 + np.abs(clean)) * rng.standard_normal((12, len(clean))), load))
+    return gathered(twin, blocks)
+
+
+def write(path: str, campaign: Campaign) -> None:
+    rows = np.column_stack([campaign.applied, campaign.readings]).tolist()
+    head = ",".join(("test", *campaign.load_names, *campaign.gauges))
+    Path(path).write_text("\n".join([head, *(",".join(["pull", *map(repr, row)]) for row in rows)]))
+
+
+def test_each_page_that_makes_a_twin_is_diagnosed_here():
+    assert sorted(page.stem for page in PAGES) == sorted(LOADS)
+    assert [page.stem for page, _ in CARDS] == ["doors"]
+
+
+@pytest.mark.parametrize("with_run", [False, True])
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_twin_of_every_page_is_diagnosed_with_and_without_a_run(page, with_run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    twin, loads = twin_of(page), LOADS[page.stem]
+    name = next(iter(twin.card.parameters))
+    run = read(twin, loads, seed=1) if with_run else None
+    diagnosis = diagnose(read(twin, loads, name), twin, commissioning=run)
+    assert name in diagnosis.which[0].effects
+    assert not diagnosis.doubts
+
+
+@pytest.mark.parametrize("with_run", [False, True])
+@pytest.mark.parametrize(("page", "card"), CARDS, ids=[page.stem for page, _ in CARDS])
+def test_the_command_takes_every_card_with_and_without_a_run(page, card, with_run, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    Path("card.json").write_text(card)
+    source = next(code for kind, code in BLOCK.findall(page.read_text()) if kind == "python")
+    Path("printed_model.py").write_text(source)
+    twin = FunctionTwin(twin_of(page).function, read_card("card.json"))
+    name = next(iter(twin.card.parameters))
+    write("now.csv", read(twin, LOADS[page.stem], name))
+    write("run.csv", read(twin, LOADS[page.stem], seed=1))
+    words = ["diagnose", "now.csv", "--twin", f"python:printed_model:{twin.function.__name__}", "--card", "card.json"]
+    main([*words, "--json", *(["--commissioning", "run.csv"] if with_run else [])])
+    _, brace, said = capsys.readouterr().out.partition("{")  # the page's own code prints before it
+    assert name in json.loads(brace + said)["which"][0]["effects"]
