@@ -75,6 +75,8 @@ MICROSTRAIN = "microstrain"
 """Unit of the readings of a twin that announces none."""
 STRAINS = (MICROSTRAIN, "strain")
 """Units of readings of strain gauges: what only such a gauge can have is asked of these alone."""
+PURE = ("-", "1", "")
+"""Units of a pure number, which is written without one."""
 MIXED = "standard deviations of one reading"
 """Unit of what is made of readings of several units together."""
 

@@ -124,8 +124,9 @@ def _made(name: str, maker: Any) -> Any:
         return maker()
     except TypeError as error:
         raise DataError(
-            f"--twin {name!r} cannot be called without arguments ({error}); expected a twin, its class, or a function "
-            "that makes one; write such a function"
+            f"--twin {name!r} cannot be called without arguments ({error}); expected a twin, its class, a function "
+            "that makes one, or a model f(parameters, loads) beside its card; write such a function, or give the card "
+            "(--card CARD.json)"
         ) from error
 
 

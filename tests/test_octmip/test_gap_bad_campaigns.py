@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from octmip.cli.diagnose import load_twin
-from octmip.errors import DataError
+from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.clipping import unclipped
 from octmip.report.diagnosis.recommendation import recommend
@@ -256,3 +256,17 @@ def test_a_known_noise_stands_in_for_repeats(tmp_path):
 def test_a_twin_that_cannot_be_made_is_refused_by_name():
     with pytest.raises(DataError, match=r"'json:dumps' cannot be called without arguments.*function"):
         load_twin("json:dumps")
+
+
+def test_a_model_without_its_card_is_told_to_give_one():
+    with pytest.raises(DataError, match=r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"):
+        load_twin("python:json:dumps")
+
+
+def test_a_twin_that_answers_nothing_but_zeros_is_one_sentence():
+    class Silent(Beam):
+        def predict(self, state, load_factor):
+            return np.zeros(20)
+
+    with pytest.raises(TwinError, match=r"Silent answers 0 for each of 20 readings .*load factor 3.*not all 0"):
+        diagnose(measured(1), Silent())

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import CachedTwin, Campaign, diagnose, read_campaign
+from octmip.gap import CachedTwin, Campaign, diagnose, function_twin, read_campaign
+from octmip.gap.doors.card import Range
+from octmip.gap.doors.parameter import ParameterEffect
 from octmip.gap.effects import chain_of
 from octmip.report.diagnosis.as_json import as_object
 from octmip.report.diagnosis.page import report_page
+from octmip.report.diagnosis.phrases import amount
 from octmip.report.diagnosis.recommendation import recommend
 from octmip.report.diagnosis.words import page_of_words
 from octmip.twin import units_of
@@ -227,3 +230,28 @@ def test_units_that_are_not_one_each_are_refused():
         diagnose(tower(8), replace(Tower(), units=("Hz", "m")))
     with pytest.raises(TwinError, match="no unit for its reading 'f2'"):
         units_of(replace(Tower(), units={"f1": "Hz"}))
+
+
+def test_a_load_in_another_unit_is_named_beside_the_readings_that_follow_it(tmp_path):
+    twin = function_twin(
+        lambda p, loads: [loads["force"] / p["k"], 12.0], {"tip": "mm", "f1": "Hz"}, {"k": (0.5, 0.4, 0.6)}, ("force",)
+    )
+    rng, lines = np.random.default_rng(0), ["test,force,tip,f1"]
+    for force in np.repeat([50.0, 100.0, 200.0], 6):
+        tip, f1 = twin.predict({}, force) * (1 + 1e-3 * rng.standard_normal(2))
+        lines.append(f"pull,{1e3 * force},{tip},{f1}")
+    (tmp_path / "pull.csv").write_text("\n".join(lines))
+    with pytest.raises(DataError, match=r"tip.* 0.001 times .*convert them, or force where it is the load that is in"):
+        read_campaign(tmp_path / "pull.csv", twin)
+    slow = [f"pull,{force},{2 * force + k},{12e3 + k}" for force in (50, 100) for k in range(6)]
+    (tmp_path / "pull.csv").write_text("\n".join([lines[0], *slow]))
+    with pytest.raises(DataError, match=r"columns f1 to f1.*convert them$"):
+        read_campaign(tmp_path / "pull.csv", twin)
+
+
+@pytest.mark.parametrize("unit", ["1", "-", ""])
+def test_a_pure_number_is_written_without_a_unit(unit):
+    assert amount(0.252, unit) == "0.252"
+    effect = ParameterEffect("share", Range(0.3, 0.0, 1.0, unit), None)
+    assert effect.parameter == "share above the model's 0.3"
+    assert effect.prior_source == "the range 0 to 1"

@@ -182,13 +182,15 @@ def _refuse_units(sheet: Sheet) -> None:
     if sheet.unit_factor**-1 < ratio < sheet.unit_factor:
         return
     row = int(np.flatnonzero(tested)[0])
-    expected = f"expected {sheet.unit}"
+    expected, cure = f"expected {sheet.unit}", "convert them"
     if sheet.is_microstrain and sheet.load_names == ONE_LOAD:
         expected += ", and a load factor that is 1 in steady level flight (no newtons, no per cent)"
+    elif sheet.load_names and (np.ptp(sheet.healthy, axis=0).any() or len(set(sheet.loads)) == 1):
+        cure += f", or {' or '.join(sheet.load_names)} where it is the load that is in another unit than the twin's"
     at = f" at {sheet.words(row)}" if sheet.words(row) else ""
     raise DataError(
         f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings are {ratio:.3g} times "
-        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g}{at}); {expected}; convert them"
+        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g}{at}); {expected}; {cure}"
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.doors.card import Range
-from octmip.twin import State, Twin
+from octmip.twin import PURE, State, Twin
 
 Floats = NDArray[np.float64]
 Ask = Callable[[State, Any, Mapping[str, float]], Floats]
@@ -65,7 +65,7 @@ class ParameterEffect:
         width = own.high - own.low
         is_at_end = own.nominal in (own.low, own.high)
         below = own.nominal == own.high
-        unit = "" if own.unit == "-" else f" {own.unit}"
+        unit = "" if own.unit in PURE else f" {own.unit}"
         of = f"the model's {own.nominal:g}{unit}"
         for name, value in {
             "parameter": f"{called} {'below' if below else 'above'} {of}",

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
-from octmip.twin import MICROSTRAIN, STRAINS, Load, State, Twin, channels_of, positions_of, units_of
+from octmip.twin import MICROSTRAIN, PURE, STRAINS, Load, State, Twin, channels_of, positions_of, units_of
 
 POISSON = 0.3
 """Transverse contraction that a turned gauge feels."""
@@ -284,7 +284,7 @@ def offsets_of(unit: str, typical: float, is_only: bool) -> tuple[PerGauge, PerG
     drift = replace(
         GAUGE_DRIFT,
         name=f"gauge_drift{ending}",
-        unit="1/h" if unit == "-" else f"{unit}/h",
+        unit="1/h" if unit in PURE else f"{unit}/h",
         units=(unit,),
         prior_sd=DRIFT_SHARE * scale,
         prior_source=f"{100 * DRIFT_SHARE:g} % of the typical reading in an hour",

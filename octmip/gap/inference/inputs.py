@@ -10,7 +10,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
+from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.memory import memories_of
@@ -24,7 +24,7 @@ from octmip.gap.inference.discrepancy import Discrepancy, uncalibrated
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, units_of
+from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
 
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
@@ -184,6 +184,7 @@ def prepare(
     _refuse_other_loads(campaign, run, asked)
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
+    _refuse_nothing_predicted(campaign, asked, reference)
     known = commissioning if isinstance(commissioning, Discrepancy) else run
     averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
     variants, of_discrepancy = _variants(known, asked, noise, averages, reference, odds)
@@ -277,6 +278,16 @@ def _refuse_other_loads(campaign: Campaign, run: Campaign | None, twin: CachedTw
                 f"the {name} has the loads {list(one.load_names)} but the twin {list(twin.loads)}; expected the same "
                 "names in the same order; give them as load_names"
             )
+
+
+def _refuse_nothing_predicted(campaign: Campaign, twin: CachedTwin, load: Load) -> None:
+    """Refuse a twin without a healthy reading: differences between twin and asset are measured by their size."""
+    if not any(twin.predict({}, load)[twin.gauges.index(name)] for name in campaign.gauges):
+        raise TwinError(
+            f"{twin.name} answers 0 for each of {len(campaign.gauges)} readings of the healthy state at the greatest "
+            f"load ({load_words(twin.loads, load) or 'none is applied'}); expected readings that are not all 0; "
+            "correct it, or let it answer the readings themselves and not their changes"
+        )
 
 
 def _reference(campaign: Campaign, commissioning: Campaign | None, twin: CachedTwin) -> Load:

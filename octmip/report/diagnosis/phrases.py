@@ -8,7 +8,7 @@ from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.effects.words import effect_words
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
-from octmip.twin import MICROSTRAIN, MIXED
+from octmip.twin import MICROSTRAIN, MIXED, PURE
 
 OUTSIDE = "something outside the library"
 FINDINGS = {
@@ -50,8 +50,8 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 
 
 def with_unit(size: str, unit: str) -> str:
-    """Return a number with its unit; "-" is the unit of a pure number."""
-    return size if unit == "-" else f"{size} {unit}"
+    """Return a number with its unit; a pure number has none."""
+    return size if unit in PURE else f"{size} {unit}"
 
 
 def amount(value: float, unit: str, plus: str = "") -> str:

@@ -24,6 +24,7 @@ from octmip.report.diagnosis.phrases import (
     with_unit,
 )
 from octmip.report.diagnosis.recommendation import recommend
+from octmip.twin import PURE
 
 FEW = 5
 """Places of one kind that a page lists."""
@@ -157,7 +158,7 @@ def explained(cause: Cause) -> list[str]:
 
 
 def _meant(parameter: Parameter) -> str:
-    unit = "" if parameter.unit == "-" else f", in {parameter.unit}"
+    unit = "" if parameter.unit in PURE else f", in {parameter.unit}"
     return f"Size of the {parameter.named.name}{unit}: {parameter.words}."
 
 
