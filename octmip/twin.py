@@ -109,7 +109,8 @@ class Twin(Protocol):
     * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)``: the readings of many states at once;
     * ``state_limits``: greatest value of each state parameter, by name, up to which an unknown or doubted state is
       looked for. A parameter that it leaves out is taken as stated. By default every parameter is looked for up to 1;
-    * ``is_linear_in_load``: True where readings are proportional to the load; the twin is then asked at one load only;
+    * ``is_linear_in_load``: True where readings are proportional to the load, of several loads to all of them together;
+      a twin of one load is then asked at one load only;
     * ``gauge_positions`` (n_gauges, 2) [m] and ``outline`` (n, 2) [m]: for the map of the report.
     """
 

@@ -18,7 +18,7 @@ from octmip.errors import ProblemError
 from octmip.monitor.belief import Belief
 from octmip.monitor.growth import Growth
 from octmip.monitor.leaf_likelihood import check_readings
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 
 Floats = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ class Filter:
             weights = self.growth.advance(weights)
         return Belief(self.library, weights)
 
-    def observe(self, belief: Belief, readings: Floats, load_factor: float | Floats) -> Belief:
+    def observe(self, belief: Belief, readings: Floats, load_factor: Applied | Floats) -> Belief:
         """Return the belief after readings (n, n_gauges) in microstrain, NaN where missing, one row per asset.
 
         Parameters
@@ -93,7 +93,7 @@ class Filter:
             the readings have another shape or hold an infinite number, or a load is not positive.
         """
         rows = check_readings(readings, self.library)
-        loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))
+        loads = self.library.checked_loads(load_factor, len(rows))
         log_likelihood = np.empty((len(rows), self.library.n_states))
         for load in np.unique(loads).tolist():
             chosen = np.flatnonzero(loads == load)
@@ -106,6 +106,6 @@ class Filter:
         weights = np.where(is_possible, weights, belief.weights)
         return Belief(self.library, weights / np.where(is_possible, total, 1.0))
 
-    def step(self, belief: Belief, readings: Floats, load_factor: float | Floats, n_steps: int = 1) -> Belief:
+    def step(self, belief: Belief, readings: Floats, load_factor: Applied | Floats, n_steps: int = 1) -> Belief:
         """Return the belief `n_steps` later, after readings: `advance`, then `observe`."""
         return self.observe(self.advance(belief, n_steps), readings, load_factor)

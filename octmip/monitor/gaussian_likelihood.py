@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ class GaussianLikelihood:
         init=False, repr=False, default_factory=dict
     )
 
-    def log_likelihood(self, readings: Floats, load_factor: float) -> Floats:
+    def log_likelihood(self, readings: Floats, load_factor: Applied) -> Floats:
         """Return log p(reading | state) up to a constant, (n, n_states), of readings (n, n_gauges), NaN missing."""
         load = self.library.checked_load(load_factor)
         is_known = ~np.isnan(readings)

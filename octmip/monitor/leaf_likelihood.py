@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.monitor.compiled import CompiledTree
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, nodes
 from octmip.uncertainty import smoothed_shares
 
@@ -67,14 +67,14 @@ class LeafLikelihood:
         """Number of leaves."""
         return int(self._leaf_of_node.max()) + 1
 
-    def table(self, load_factor: float) -> Floats:
+    def table(self, load_factor: Applied) -> Floats:
         """Return P(leaf | state), shape (n_leaves, n_states), at a load; leaves from the left."""
         step = round(np.log(self.library.checked_load(load_factor)) / np.log1p(LOAD_STEP))
         if step not in self._tables:
             self._tables[step] = self._drawn(float((1.0 + LOAD_STEP) ** step))
         return self._tables[step]
 
-    def log_likelihood(self, readings: Floats, load_factor: float) -> Floats:
+    def log_likelihood(self, readings: Floats, load_factor: Applied) -> Floats:
         """Return log P(what was seen | state), shape (n, n_states), of readings (n, n_gauges), NaN where missing."""
         table = self.table(load_factor)
         open_leaves = self.open_leaves(self.library.features(readings, load_factor))

@@ -2,6 +2,9 @@
 
 Near a state s the strains at load factor L are  L * (strains_s + slopes_s . delta),  delta uniform in the cell around s
 (width 0: the state is a point), and a reading adds noise N(0, noise_sd^2) at every gauge, the same at every load.
+
+Of a twin with several loads L is the multiple of one combination of them, the `reference`: a reading belongs to the
+library where its loads stand in that ratio. Of a twin without loads it is 1.
 """
 
 import itertools
@@ -11,10 +14,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.errors import DataError, ProblemError
-from octmip.twin import Twin, predict_states
+from octmip.errors import DataError, ProblemError, TwinError
+from octmip.twin import Load, Loads, Twin, amounts_of, load_of, load_words, loads_of, predict_states
 
 Floats = NDArray[np.float64]
+Applied = float | Mapping[str, float]
+"""What is applied to a reading: the load factor, or all loads by name."""
+
+RATIO = 1e-6
+"""Relative rounding within which loads stand in a ratio, and readings are proportional to them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +38,7 @@ class Library:
     gauges
         names of the gauges, the order of every reading.
     strains
-        (n_states, n_gauges) microstrain per unit of load factor, compressive positive.
+        (n_states, n_gauges) microstrain (or the twin's units) per unit of load factor, compressive positive.
     noise_sd
         (n_gauges,) of one reading at any load [microstrain]; one number: the same for all.
     widths
@@ -39,6 +47,8 @@ class Library:
         (n_states, n_parameters, n_gauges) change of `strains` per unit of parameter; None: 0.
     only_load
         the one load factor that the strains hold for; None: strain is proportional to load.
+    reference
+        the loads that a load factor is a multiple of; None: the twin has one load, which is the load factor.
     """
 
     parameters: tuple[str, ...]
@@ -49,6 +59,7 @@ class Library:
     widths: Floats = field(default_factory=lambda: np.zeros(0))
     slopes: Floats = field(default_factory=lambda: np.zeros(0))
     only_load: float | None = None
+    reference: Loads | None = None
 
     def __post_init__(self) -> None:
         n, p, g = len(np.atleast_1d(self.states)), len(self.parameters), len(self.gauges)
@@ -100,7 +111,13 @@ class Library:
             )
         return int(found[0])
 
-    def features(self, readings: Floats, load_factor: float) -> Floats:
+    @property
+    def asked_at(self) -> tuple[Load, float]:
+        """The load that the twin is asked at, and its load factor."""
+        factor = self.only_load or 1.0
+        return (factor, factor) if self.reference is None else (self.reference, 1.0)
+
+    def features(self, readings: Floats, load_factor: Applied) -> Floats:
         """Return readings (n, n_gauges) per unit of load factor, the features of the trees.
 
         Raises
@@ -110,14 +127,22 @@ class Library:
         """
         return np.asarray(readings / self.checked_load(load_factor))
 
-    def checked_load(self, load_factor: float) -> float:
-        """Return the load factor.
+    def checked_loads(self, load_factor: Applied | Floats, n: int) -> Floats:
+        """Return the load factors (n,) of readings, given one for all or one for each; loads by name are checked."""
+        one = self.checked_load(load_factor) if isinstance(load_factor, Mapping) else load_factor
+        return np.broadcast_to(np.asarray(one, dtype=np.float64), (n,))
+
+    def checked_load(self, load_factor: Applied) -> float:
+        """Return the load factor, given as such or as the loads by name.
 
         Raises
         ------
         DataError
-            it is not a positive number, or one that the strains do not hold for.
+            it is not a positive number, or one that the strains do not hold for; the loads have other names than the
+            reference or do not stand in its ratio.
         """
+        if isinstance(load_factor, Mapping):
+            load_factor = self._multiple(load_factor)
         if not 0.0 < load_factor < np.inf:
             raise DataError(f"load_factor is {load_factor}; expected a positive number, 1 in steady level flight")
         if self.only_load is not None and load_factor != self.only_load:
@@ -126,6 +151,21 @@ class Library:
                 f"{self.only_load}; make a library for that load"
             )
         return load_factor
+
+    def _multiple(self, loads: Mapping[str, float]) -> float:
+        """Return how many times the reference some loads are."""
+        own = self.reference
+        if own is None or set(own) != set(loads):
+            expected = "one number, the load factor" if own is None else f"the loads {list(own)}"
+            raise DataError(f"the loads are {dict(loads)}; expected {expected}, as the library's twin has; give these")
+        given, reference = np.array([loads[name] for name in own], dtype=np.float64), np.array(own.amounts)
+        factor = float(given @ reference / (reference @ reference)) if len(own) else 1.0
+        if not np.allclose(given, factor * reference, rtol=0.0, atol=RATIO * float(np.abs(given).max(initial=0.0))):
+            raise DataError(
+                f"the loads are {dict(loads)}; expected a multiple of {own:g}, which the library's strains hold for; "
+                "make a library for loads in this ratio"
+            )
+        return factor
 
     def with_state(self, state: Mapping[str, float], strains: Floats) -> "Library":
         """Return the library with one more state, `strains` (n_gauges,) per unit of load factor.
@@ -145,6 +185,7 @@ class Library:
             np.pad(self.widths, (0, more)),
             np.pad(self.slopes, ((0, 1), (0, more), (0, 0))),
             self.only_load,
+            self.reference,
         )
 
 
@@ -160,7 +201,7 @@ def library_of(
     *,
     gauges: Sequence[str] | None = None,
     widths: Sequence[float] = (),
-    load_factor: float = 1.0,
+    load_factor: Applied = 1.0,
 ) -> Library:
     """Return the library of a twin over states (n_states, n_parameters), in the order of `twin.parameters`.
 
@@ -172,12 +213,15 @@ def library_of(
         (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept within 0
         and 1.
     load_factor
-        where a twin that is not linear in load is asked; the library holds for that load alone.
+        where a twin that is not linear in load is asked; the library holds for that load alone. Of a twin with several
+        loads: all of them by name; the library holds for their multiples where the twin is linear, else for them alone.
 
     Raises
     ------
     ProblemError
-        the twin lacks a gauge.
+        the twin lacks a gauge, or has other loads than are given.
+    TwinError
+        the twin says that it is linear in its loads, and is not.
     """
     names = tuple(twin.gauges if gauges is None else gauges)
     missing = [name for name in names if name not in twin.gauges]
@@ -186,10 +230,15 @@ def library_of(
     columns = [twin.gauges.index(name) for name in names]
     states = np.array(states, dtype=np.float64)
 
-    def ask(at: Floats) -> Floats:
-        return np.asarray(predict_states(twin, at, load_factor)[:, columns] / load_factor)
+    load = _applied(twin, load_factor)
+    factor = 1.0 if isinstance(load, Loads) else load
 
-    is_linear = bool(getattr(twin, "is_linear_in_load", False))
+    def ask(at: Floats) -> Floats:
+        return np.asarray(predict_states(twin, at, load)[:, columns] / factor)
+
+    is_linear = bool(getattr(twin, "is_linear_in_load", False)) or not loads_of(twin)
+    if is_linear and loads_of(twin):
+        _refuse_bent(twin, states[:1], load)
     return Library(
         tuple(twin.parameters),
         states,
@@ -198,8 +247,35 @@ def library_of(
         np.asarray(noise_sd, dtype=np.float64),
         np.array(widths, dtype=np.float64),
         _slopes(ask, states, widths, len(names)),
-        None if is_linear else load_factor,
+        None if is_linear else factor,
+        load if isinstance(load, Loads) else None,
     )
+
+
+def _applied(twin: Twin, given: Applied) -> Load:
+    """Return the load as the twin is asked for it."""
+    names = loads_of(twin)
+    by_name = dict(given) if isinstance(given, Mapping) else dict.fromkeys(names, given) if len(names) == 1 else {}
+    if set(by_name) != set(names) or (names and not any(by_name.values())):
+        raise ProblemError(
+            f"load_factor is {given}; expected the twin's loads {list(names)} by name, not all 0; give them, such as "
+            f"load_factor={dict.fromkeys(names, 1.0)}"
+        )
+    return load_of(names, tuple(by_name[name] for name in names))
+
+
+def _refuse_bent(twin: Twin, states: Floats, load: Load) -> None:
+    """Refuse a twin that says that it is linear in its loads where half of them is not half of the readings."""
+    half = load_of(loads_of(twin), tuple(0.5 * amount for amount in amounts_of(load)))
+    whole, halved = predict_states(twin, states, load)[0], predict_states(twin, states, half)[0]
+    off = np.abs(halved - 0.5 * whole)
+    if off.max(initial=0.0) > RATIO * np.abs(whole).max(initial=0.0):
+        k = int(off.argmax())
+        raise TwinError(
+            f"the twin says that it is linear in its loads, but reading {twin.gauges[k]} is {whole[k]:g} at "
+            f"{load_words(loads_of(twin), load)} and {halved[k]:g} at half of it; expected {0.5 * whole[k]:g}; leave "
+            "out is_linear_in_load"
+        )
 
 
 def _slopes(ask: Callable[[Floats], Floats], states: Floats, widths: Sequence[float], n_gauges: int) -> Floats:

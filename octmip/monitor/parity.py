@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 
 Floats = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ class Parity:
         """Return the degrees of freedom of the residual of the gauges at hand."""
         return round(float(np.trace(self.projector(is_known))))
 
-    def residuals(self, readings: Floats, load_factor: float, is_known: NDArray[np.bool_]) -> Floats:
+    def residuals(self, readings: Floats, load_factor: Applied, is_known: NDArray[np.bool_]) -> Floats:
         """Return e (n, n_gauges) of readings (n, n_gauges) that have the gauges at hand; 0 at the others."""
         library = self.library
         centred = readings - self.library.checked_load(load_factor) * library.strains.mean(axis=0)

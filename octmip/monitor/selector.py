@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, OctmipError, TreeError
-from octmip.formats.checked import ListOf, Number, Record, Text, maybe
+from octmip.formats.checked import ListOf, MapOf, Number, Record, Text, maybe
 from octmip.formats.files import PathLike, read_json_object, write_bytes
 from octmip.formats.messages import several, shown
 from octmip.formats.tree_file import TreeFile
@@ -26,8 +26,9 @@ from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import NODE
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 from octmip.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
+from octmip.twin import Loads
 from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]
@@ -122,7 +123,7 @@ class ModelSelector:
         return cls(library, _appended(library, list(trees), {}))
 
     def select(
-        self, reading: Sequence[float] | Floats, load_factor: float, prior: ArrayLike | None = None
+        self, reading: Sequence[float] | Floats, load_factor: Applied, prior: ArrayLike | None = None
     ) -> Selection:
         """Return the selection of a reading (n_gauges,) in microstrain.
 
@@ -142,7 +143,7 @@ class ModelSelector:
         path = tuple(self.compiled.path_to(leaf))
         return Selection(state, self.library.state_names[state], posterior(log_likelihood, prior)[0], path)
 
-    def select_many(self, readings: Floats, load_factor: float) -> NDArray[np.int64]:
+    def select_many(self, readings: Floats, load_factor: Applied) -> NDArray[np.int64]:
         """Return the states of readings (n, n_gauges) in microstrain, `REFUSED` where there is none, shape (n,)."""
         return self.compiled.labels(self.library.features(readings, load_factor))
 
@@ -172,6 +173,7 @@ class ModelSelector:
             **{name: getattr(library, name).tolist() for name in _ARRAYS},
             "gauges": library.gauges,
             "only_load": library.only_load,
+            "reference": None if library.reference is None else dict(library.reference),
         }
         write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
 
@@ -213,6 +215,7 @@ CONTENT = Record(
         "slopes": ListOf(ListOf(ListOf(STRAIN)), 1),
         "gauges": ListOf(Text(), 1),
         "only_load": maybe(Number(1e-9, 1e9)),
+        "reference": maybe(MapOf(STRAIN)),
     }
 )
 _ARRAYS = ("states", "strains", "noise_sd", "widths", "slopes")
@@ -222,7 +225,10 @@ def _selector(content: dict[str, Any]) -> ModelSelector:
     """Return the selector of a file's entries, once their sizes and names fit one another."""
     gauges, names = tuple(content["gauges"]), different(content["state_names"], "state_names")
     arrays = {name: _array(content[name], name) for name in _ARRAYS}
-    library = Library(tuple(content["parameters"]), gauges=gauges, only_load=content["only_load"], **arrays)
+    loads = content["reference"]
+    reference = None if loads is None else Loads(tuple(loads), tuple(loads.values()))
+    one = content["only_load"]
+    library = Library(tuple(content["parameters"]), gauges=gauges, only_load=one, reference=reference, **arrays)
     if names != library.state_names:
         raise TreeError(f"state_names begins {several(names, 2)}; expected those of states, {library.state_names[0]!r}")
     return ModelSelector(library, decode_tree(content["tree"], gauges, names))

@@ -16,13 +16,14 @@ from octmip.monitor.belief import Belief
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, explain
 from octmip.monitor.leaf_likelihood import LeafLikelihood
+from octmip.monitor.library import Applied
 from octmip.monitor.selector import ModelSelector
 from octmip.monitor.surprise import leaf_p_value
 from octmip.monitor.watch import MonitorState, Watch
 
 Values = Sequence[float | None] | Mapping[str, float | None]
-Reading = tuple[float, Values]
-"""Load factor, and strains in microstrain: by gauge name, or one for each gauge in the library's order."""
+Reading = tuple[Applied, Values]
+"""Load factor or loads by name, and readings: by gauge name, or one for each gauge in the library's order."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,7 +147,7 @@ class Monitor:
                 raise DataError(f"reading of gauge {gauge} is {value}; expected microstrain; leave it out if unknown")
         return [math.nan if value is None else value for value in row]
 
-    def _select(self, row: list[float], load_factor: float) -> int:
+    def _select(self, row: list[float], load_factor: Applied) -> int:
         load = self.selector.library.checked_load(load_factor)
         return self.selector.compiled.label([value / load for value in row])
 
@@ -154,7 +155,7 @@ class Monitor:
         self,
         number: int,
         row: list[float],
-        load_factor: float,
+        load_factor: Applied,
         belief: Belief | None,
         monitor_state: MonitorState | None,
     ) -> tuple[Result, Belief | None, MonitorState | None]:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from octmip.monitor.belief import Belief
 from octmip.monitor.leaf_likelihood import LeafLikelihood, check_readings
+from octmip.monitor.library import Applied
 
 Floats = NDArray[np.float64]
 
 
-def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats, load_factor: float) -> Floats:
+def leaf_p_value(likelihood: LeafLikelihood, expected: Belief, readings: Floats, load_factor: Applied) -> Floats:
     """Return the p-value (n,) of the leaves of readings (n, n_gauges); 1 where missing gauges leave leaves open.
 
     Parameters

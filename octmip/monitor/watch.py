@@ -29,7 +29,7 @@ from scipy.stats import chi2
 from octmip.errors import ProblemError
 from octmip.monitor.candidates import Candidate, gauge_candidates
 from octmip.monitor.leaf_likelihood import check_readings
-from octmip.monitor.library import Library
+from octmip.monitor.library import Applied, Library
 from octmip.monitor.parity import Parity
 
 Floats = NDArray[np.float64]
@@ -145,7 +145,7 @@ class Watch:
             parts[name] = np.where(kept.reshape(-1, *(1,) * (old.ndim - 1)), old, new)
         return replace(monitor_state, **parts)
 
-    def observe(self, monitor_state: MonitorState, readings: Floats, load_factor: float | Floats) -> MonitorState:
+    def observe(self, monitor_state: MonitorState, readings: Floats, load_factor: Applied | Floats) -> MonitorState:
         """Return the monitor state after one reading of every asset, (n, n_gauges) in microstrain, NaN where missing.
 
         Raises
@@ -156,7 +156,7 @@ class Watch:
             so many gauges are missing that the library explains any reading.
         """
         rows = check_readings(readings, self.library)
-        loads = np.broadcast_to(np.asarray(load_factor, dtype=np.float64), (len(rows),))
+        loads = self.library.checked_loads(load_factor, len(rows))
         if monitor_state.n_seen == self.horizon:
             monitor_state = replace(self.start(len(rows)), is_alarm=monitor_state.is_alarm)
         residuals, log_ratio, degrees = self._compared(rows, loads)

@@ -10,6 +10,7 @@ A parameter's range is its nominal value, the least and the greatest value that 
 campaign leaves out is 0. "state_limits" says up to which value each state is looked for where it is unknown or doubted:
 {"crack": 0.6}. The search asks the model some hundred times, so a state without a limit is taken as stated. Functions
 and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
+"is_linear_in_load": true says that readings are proportional to the loads: one question then answers all of them.
 """
 
 import math
@@ -19,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.checked import Either, Kind, ListOf, MapOf, Number, Record, Text
+from octmip.formats.checked import Either, Kind, ListOf, MapOf, Number, Record, Text, Truth
 from octmip.formats.files import read_json_object
 from octmip.formats.messages import shown
 from octmip.twin import ONE_LOAD
@@ -32,6 +33,7 @@ ENTRIES: dict[str, Kind] = {
     "sign": Text(),
     "channels": MapOf(Text()),
     "state_limits": MapOf(Number(low=0.0)),
+    "is_linear_in_load": Truth(),
 }
 """Entries of a card's file."""
 
@@ -90,6 +92,8 @@ class Card:
         instrument of a reading by name, where it is not one of its own.
     state_limits
         up to which value a state is looked for, by name.
+    is_linear_in_load
+        whether readings are proportional to the load, of several loads to all of them together.
     """
 
     readings: Mapping[str, str]
@@ -99,6 +103,7 @@ class Card:
     sign: str = ""
     channels: Mapping[str, str] = field(default_factory=dict)
     state_limits: Mapping[str, float] = field(default_factory=dict)
+    is_linear_in_load: bool = False
 
     def __post_init__(self) -> None:
         if not self.readings:
@@ -120,6 +125,7 @@ def card_of(
     sign: str = "",
     channels: Mapping[str, str] | None = None,
     state_limits: Mapping[str, float] | None = None,
+    is_linear_in_load: bool = False,
 ) -> Card:
     """Return a card from plain values, its ranges as `Range` or as (nominal, low, high, unit)."""
     ranges = {name: _range(name, given) for name, given in (parameters or {}).items()}
@@ -131,6 +137,7 @@ def card_of(
         sign=sign,
         channels=dict(channels or {}),
         state_limits={name: float(value) for name, value in (state_limits or {}).items()},
+        is_linear_in_load=is_linear_in_load,
     )
 
 

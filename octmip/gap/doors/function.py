@@ -90,6 +90,11 @@ class FunctionTwin:
         return self.card.state_limits
 
     @property
+    def is_linear_in_load(self) -> bool:
+        """Whether readings are proportional to the load, of several loads to all of them together."""
+        return self.card.is_linear_in_load
+
+    @property
     def sign(self) -> str:
         """What a positive reading is, in words."""
         return self.card.sign
@@ -131,6 +136,7 @@ def function_twin(
     states: Sequence[str] = (),
     sign: str = "",
     channels: Mapping[str, str] | None = None,
+    is_linear_in_load: bool = False,
 ) -> FunctionTwin:
     """Return the twin of a function ``f(parameters, loads) -> readings``.
 
@@ -150,6 +156,8 @@ def function_twin(
         what a positive reading is, in words.
     channels
         instrument of a reading by name, where one gives several.
+    is_linear_in_load
+        whether readings are proportional to the load, of several loads to all of them together.
 
     Raises
     ------
@@ -157,4 +165,5 @@ def function_twin(
         a name that comes twice, a range that is none.
     """
     limits = dict.fromkeys(states, 1.0)
-    return FunctionTwin(function, card_of(readings, loads, states, parameters, sign, channels, limits))
+    card = card_of(readings, loads, states, parameters, sign, channels, limits, is_linear_in_load)
+    return FunctionTwin(function, card)

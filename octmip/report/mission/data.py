@@ -213,8 +213,8 @@ def _expected(asset: Asset, state: list[float]) -> Floats:
     if asset.twin is None:
         nearest = int(np.abs(library.states - np.array(state)).sum(axis=1).argmin())
         return np.asarray(library.strains[nearest])
-    load = library.only_load or 1.0
-    strains = asset.twin.predict(dict(zip(library.parameters, state, strict=True)), load) / load
+    load, factor = library.asked_at
+    strains = asset.twin.predict(dict(zip(library.parameters, state, strict=True)), load) / factor
     return np.asarray(strains)[[asset.twin.gauges.index(name) for name in library.gauges]]
 
 
