@@ -9,6 +9,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.formats.table import read_costs, read_sensors, read_table
+from octmip.formats.table.source import open_source
 
 
 def csv_file(tmp_path, text):
@@ -244,3 +245,15 @@ def test_a_packed_file_is_refused_when_broken_or_too_long_unpacked(tmp_path, mon
     (tmp_path / "t.csv.gz").write_bytes(content)
     with pytest.raises(DataError, match=sentence):
         read_table(tmp_path / "t.csv.gz")
+
+
+def test_a_packed_table_may_unpack_to_64_mebibytes_or_to_200_times_its_size(tmp_path, monkeypatch):
+    path = tmp_path / "t.csv.gz"
+    path.write_bytes(gzip.compress(b"x,y\n" + b"1,a\n" * 20_000))
+    assert len(open_source(path).content()) == 80_004
+    monkeypatch.setattr("octmip.formats.table.source.SMALL", 80_003)
+    with pytest.raises(DataError, match=r"unpacks to more than 80003 bytes \(.* times its size\); .*give it unpacked"):
+        open_source(path).content()
+    rng = np.random.default_rng(0)
+    path.write_bytes(gzip.compress("\n".join(map(str, rng.random(20_000))).encode()))
+    assert len(open_source(path).content()) > 80_003  # it unpacks to twice its size

@@ -17,6 +17,10 @@ FORMATS = ("csv", "tsv", "parquet")
 STANDARD_INPUT = "-"
 GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
 PIECE = 2**20  # bytes that are unpacked at a time
+SMALL = 2**26  # unpacked bytes that any packed table may have
+MOST_TIMES = (
+    200  # a larger one may unpack to so many times its size: readings reach 3, flags 9 to 80, sorted copies 160
+)
 ENDINGS = {".csv": "csv", ".tsv": "tsv", ".tab": "tsv", ".parquet": "parquet"}
 
 
@@ -102,17 +106,19 @@ def unpacked(content: bytes, name: str) -> bytes:
     Raises
     ------
     DataError
-        it is no gzip to its end, or unpacks to more bytes than a file may have.
+        it is no gzip to its end, or unpacks to more than `SMALL` bytes and `MOST_TIMES` its size, or than a file may
+        have.
     """
+    most = min(files.MOST_BYTES, max(SMALL, MOST_TIMES * len(content)))
     try:
         with gzip.GzipFile(fileobj=io.BytesIO(content)) as stream:
             n_bytes = 0
             while piece := stream.read(PIECE):
                 n_bytes += len(piece)
-                if n_bytes > files.MOST_BYTES:
+                if n_bytes > most:
                     raise DataError(
-                        f"{name} unpacks to more than {files.MOST_BYTES} bytes; expected at most so many; drop rows or "
-                        "columns"
+                        f"{name} unpacks to more than {most} bytes ({most / len(content):.3g} times its size); "
+                        "expected at most so many; drop rows or columns, or give it unpacked"
                     )
         found = gzip.decompress(content)
     except (OSError, EOFError, zlib.error) as error:
