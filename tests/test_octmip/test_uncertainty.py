@@ -1,5 +1,7 @@
 """Leaf distributions, calibration and credible sets: by hand, against identities, and the coverage as stated."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sklearn.metrics import brier_score_loss
@@ -130,6 +132,20 @@ def test_thresholds_have_the_coverage_that_they_are_assured_of():
         found = calibrate_sets(table[:n], np.zeros(n, dtype=int), coverage=0.8)
         below += found.sets(table[n:])[:, 0].mean() < found.assured(0.9)[0]
     assert 0.05 < below / 600 < 0.15
+
+
+def test_a_score_at_the_threshold_is_in_the_set_and_by_lot_where_ties_are_broken():
+    found = calibrate_sets([[0.75, 0.25]] * 9, [0] * 9, coverage=0.8)
+    assert found.thresholds.tolist() == [0.25, 0.25]
+    assert found.sets([[0.75, 0.25], [0.7, 0.3], [0.25, 0.75]]).tolist() == [
+        [True, False],
+        [False, False],
+        [False, True],
+    ]
+    never, always = (replace(found, ties=np.full(2, share)) for share in (-1.0, 1.0))
+    row, rng = [[0.75, 0.25], [0.8, 0.2]], np.random.default_rng(0)
+    assert never.sets(row, rng)[:, 0].tolist() == [False, True]
+    assert always.sets(row, rng)[:, 0].tolist() == [True, True]
 
 
 def test_too_few_samples_put_the_class_into_every_set():

@@ -1,0 +1,179 @@
+"""The small formulas of evidence, noise and outliers, each against its definition or a value worked by hand."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy.special import log_ndtr
+from scipy.stats import norm, truncnorm
+
+from octmip.errors import DataError
+from octmip.gap.campaign.averages import AveragedCell
+from octmip.gap.campaign.noise import JUMP_SD, Jump, Noise, given_noise, least_moment
+from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
+from octmip.gap.channels.outliers import _far, _is_skewed, _Mixture, _scale
+from octmip.gap.inference.candidates import SCALES, Priors
+from octmip.gap.inference.evidence import _between, alike, fits_of, log_between
+from tests.test_octmip.beam_twin import measured
+
+
+def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,)):
+    n = len(mean)
+    bounds = np.array([[low] * n, [high] * n])
+    return Priors(np.array(mean), np.array(sd), bounds, np.array(is_discrete), np.zeros(n), np.arange(n), n)
+
+
+# Evidence
+
+
+@pytest.mark.parametrize(("low", "high"), [(-1.0, 3.0), (0.5, np.inf), (-np.inf, -2.0), (3.0, 4.0), (-6.0, -5.0)])
+def test_the_share_between_bounds_and_what_it_leaves_are_those_of_a_cut_normal(low, high):
+    mean, sd, bounds = np.array(0.5), np.array(1.5), np.array([low, high])
+    ends = (low - 0.5) / 1.5, (high - 0.5) / 1.5
+    assert log_between(mean, sd, bounds) == pytest.approx(np.log(norm.cdf(ends[1]) - norm.cdf(ends[0])), rel=1e-9)
+    cut = truncnorm(*ends, loc=0.5, scale=1.5)
+    size, spread = _between(mean, sd, bounds)
+    assert float(size) == pytest.approx(cut.mean(), rel=1e-6)
+    assert float(spread) == pytest.approx(cut.std(), rel=1e-5)
+
+
+def test_the_share_far_out_in_a_tail_is_exact_on_either_side():
+    one, bounds = np.array(1.0), np.array([30.0, np.inf])
+    assert log_between(np.array(0.0), one, bounds) == pytest.approx(float(log_ndtr(-30.0)))
+    assert log_between(np.array(0.0), one, -bounds[::-1]) == pytest.approx(float(log_ndtr(-30.0)))
+
+
+def test_evidence_of_one_size_is_the_mean_of_three_gaussians():
+    gram, gain, sd = 0.7, 1.9, 2.0
+    own = [0.5 * (gain**2 / (gram + (s * sd) ** -2) - np.log1p(gram * (s * sd) ** 2)) for s in SCALES]
+    (fit,) = fits_of(priors(), [(0,)], np.array([[[gram]]]), np.array([[gain]]))
+    assert fit.log_factor == pytest.approx(np.logaddexp.reduce(own) - np.log(3.0))
+    share = np.exp(own) / np.exp(own).sum()
+    sizes = np.array([gain / (gram + (s * sd) ** -2) for s in SCALES])
+    assert fit.size[0] == pytest.approx(share @ sizes)
+    spread = share @ (sizes**2 + [1.0 / (gram + (s * sd) ** -2) for s in SCALES]) - (share @ sizes) ** 2
+    assert fit.covariance[0, 0] == pytest.approx(spread)
+    assert fit.scales == pytest.approx(3.0 * share)
+
+
+def test_a_size_of_one_side_has_the_evidence_of_its_integral():
+    size = np.linspace(0.0, 60.0, 400_001)
+    density = np.mean([2.0 * norm.pdf(size, scale=2.0 * s) for s in SCALES], axis=0)
+    (fit,) = fits_of(priors(low=0.0), [(0,)], np.array([[[0.7]]]), np.array([[-0.4]]))
+    integral = np.trapezoid(np.exp(-0.4 * size - 0.35 * size**2) * density, size)
+    assert fit.log_factor == pytest.approx(np.log(integral), abs=1e-6)
+
+
+def test_a_discrete_effect_has_one_scale_and_shares_its_group_with_its_like():
+    prior = priors((1.0, 0.0, 1.0), (0.1, 2.0, 0.1), is_discrete=(True, False, True))
+    assert alike(prior, [(0,), (1,), (2,), (0, 1), (1, 2)]) == [[(0,), (2,)], [(1,)], [(0, 1)], [(1, 2)]]
+    (fit,) = fits_of(prior, [(0,)], np.array([[[0.7]]]), np.array([[1.9]]))
+    eta, precision = 1.0 / 0.1**2 + 1.9, 0.7 + 0.1**-2
+    assert fit.log_factor == pytest.approx(0.5 * (eta**2 / precision - 1.0 / 0.1**2 - np.log(precision * 0.1**2)))
+
+
+# Noise
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [([1, 2, 3], [4, 6]), ([4, 6], [1, 2, 3]), ([1, 4, 5], [2, 3, 7]), ([2, 2], [2, 2]), ([1, 9], [3])],
+)
+def test_what_a_walk_shares_between_two_averages_is_the_mean_of_the_earlier_moments(one, other):
+    pairs = [min(s, t) for s, t in itertools.product(one, other)]
+    assert least_moment(np.array(one, float), np.array(other, float)) == pytest.approx(np.mean(pairs))
+
+
+def test_means_of_white_noise_have_its_variance_over_their_repeats():
+    noise = given_noise(("a", "b"), {"a": 2.0, "b": 3.0})
+    assert noise.of_mean(np.array([4, 9]), 1.0) == pytest.approx(np.diag([1.0, 1.0]))
+    shared = Noise(("a", "b"), np.array([[4.0, 1.0], [1.0, 9.0]]), 1.0, {2.0: 3.0}, 0.0, 0.0, 0.0, (), (), 9.0)
+    assert shared.of_mean(np.array([4, 2]), 1.0)[0, 1] == pytest.approx(1.0 / 4)  # two readings of four are of both
+    assert shared.of_mean(np.array([4, 4]), 2.0)[0, 0] == pytest.approx(3.0)
+    for wrong in (0.0, -1.0, np.inf, np.nan):
+        with pytest.raises(DataError, match="expected a positive number"):
+            given_noise(("a",), wrong)
+
+
+def test_the_offset_of_a_jump_acts_from_its_first_row_on():
+    noise = Noise(("a", "b"), np.diag([4.0, 9.0]), 1.0, {}, 0.0, 0.0, 0.0, (), (), 9.0, jumps=(Jump("b", 3, 1.0),))
+    rows = [np.array([0, 1, 2]), np.array([2, 3]), np.array([3, 4])]
+    cells = [AveragedCell(k, np.zeros(2), np.full(2, len(r)), 0.0, r, r + 1.0) for k, r in enumerate(rows)]
+    found = noise.offsets(cells, np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0]))
+    assert found == pytest.approx(JUMP_SD**2 * 9.0 * np.outer([0.0, 0.5, 1.0, 0.0], [0.0, 0.5, 1.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("readings", "step"),
+    [
+        ([0.0, 0.5, 1.5, -2.0], 0.5),
+        ([0.0, 0.5], 0.0),  # two values are multiples of whatever lies between them
+        ([0.0, 0.5, 1.25], 0.0),
+        ([0.0, 0.0, 0.0], 0.0),
+        ([1e3, 1e3 + 0.25, np.nan, 1e3 + 1.0], 0.25),
+    ],
+)
+def test_a_step_is_what_all_readings_are_whole_multiples_of(readings, step):
+    assert quantisation_step(np.array(readings)) == pytest.approx(step)
+
+
+def test_variances_are_drawn_to_their_middle_and_equal_ones_become_one():
+    degrees = np.full(6, 4.0)
+    assert np.ptp(_moderated(np.array([0.8, 1.0, 1.2, 0.9, 1.1, 1.0]), degrees)) == 0.0
+    own = np.array([1e-2, 0.1, 1.0, 1.0, 10.0, 1e2])
+    drawn = _moderated(own, degrees)
+    assert (np.diff(drawn) >= 0.0).all()
+    assert drawn[0] > own[0]
+    assert drawn[-1] < own[-1]
+    assert _moderated(own[:2], degrees[:2]) is not None
+    assert _moderated(own[:2], degrees[:2]).tolist() == own[:2].tolist()  # two gauges say nothing of all
+
+
+def test_repeats_differ_beyond_the_rounding_of_the_greatest_reading():
+    assert least_variance(np.array([[-4.0, np.nan], [3.0, 0.5]])) == pytest.approx([16e-24, 0.25e-24])
+
+
+def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
+    campaign = measured(0, loads=(1.0, 2.0, 3.0))
+    rng = np.random.default_rng(0)
+    blocks = tuple(sd * rng.standard_normal((50, 20)) for sd in (1.0, 1.0, 2.0))
+    every, ones = np.ones(20, dtype=bool), np.ones(20)
+    scale = _scales(campaign, _Scatter(blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    assert [scale[load] for load in (1.0, 2.0, 3.0)] == pytest.approx([0.5, 0.5, 2.0], rel=0.1)
+    alike_blocks = tuple(block / sd for block, sd in zip(blocks, (1.0, 1.0, 2.0), strict=True))
+    same = _scales(campaign, _Scatter(alike_blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    assert set(same.values()) == {1.0}
+
+
+# Far-off readings
+
+
+def test_a_reading_belongs_to_the_narrow_part_by_the_rule_of_bayes():
+    r = np.array([[-1.0, 0.0, 2.5, 8.0, np.nan]])
+    found = _Mixture(r, np.zeros((1, 5)), np.ones(5), np.full(5, 0.1), 8.0, 2.0).narrow()
+    narrow, wide = 0.9 * norm.pdf(r), 0.1 * norm.pdf(r, 8.0, 2.0)
+    assert found[0, :4] == pytest.approx((narrow / (narrow + wide))[0, :4])
+    assert found[0, 4] == 0.0
+
+
+def test_a_far_reading_is_far_from_its_neighbours_too():
+    residual = np.random.default_rng(0).standard_normal((40, 2))
+    residual[7, 0], residual[20:, 1] = -9.0, 9.0  # an outlier, and a gauge that has jumped
+    far = _far(residual, np.zeros(40, dtype=np.int64))
+    assert np.argwhere(far).tolist() == [[7, 0]]
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_noise_leans_where_its_body_and_not_its_far_readings_lie_to_one_side(sign):
+    body, far = np.concatenate([np.full(30, 3.0), np.full(10, -3.0)]), np.full(30, 6.0)
+    assert _is_skewed(sign * body)
+    assert not _is_skewed(sign * np.concatenate([body[10:30], body[30:], body[30:], far]))
+    assert not _is_skewed(sign * np.full(8, 3.0))  # eight could be chance
+
+
+def test_a_cell_that_scatters_three_times_as_much_has_three_times_the_scale():
+    rng = np.random.default_rng(0)
+    values = rng.standard_normal((3000, 4))
+    values[2000:] *= 3.0
+    found = _scale(values, np.repeat([0, 1, 2], 1000))
+    assert found[[0, 1000, 2000]] == pytest.approx([1.0, 1.0, 3.0], rel=0.1)
