@@ -51,6 +51,7 @@ class Loss:
 
 
 def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
+    """Return what a solution says of the trees without some sensors."""
     assert solution.tree is not None
     bound = solution.objective if solution.is_optimal else solution.bound
     cost = exact_objective(problem, solution.tree)
@@ -77,10 +78,12 @@ class Calls:
 
     @property
     def remaining(self) -> Limits:
+        """The limits of a search that begins now: no time after a signal."""
         spent = time.perf_counter() - self.started
         return replace(self.limits, seconds=0.0 if interruption.is_heard() else max(0.0, self.limits.seconds - spent))
 
     def solve(self, problem: Problem, incumbent: Node | None) -> Solution:
+        """Return the solution of one exact search; after a signal the best leaf at once."""
         arguments = problem, "exact", self.remaining, incumbent, self.seed, self.n_jobs, self.progress
         found = until_interrupted(problem, lambda: solve(*arguments), "exact", incumbent)
         if not found.is_optimal:

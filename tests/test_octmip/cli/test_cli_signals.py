@@ -163,7 +163,7 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
         begun.append(arguments)
         return solve(*arguments)
 
-    monkeypatch.setattr("octmip.near_sets.roles.solve", counted)
+    monkeypatch.setattr("octmip.near_sets.without.solve", counted)
     assert sensor_roles(random_problem, progress=interrupted).stop is Stop.INTERRUPTED
     assert len(begun) == 1
     assert solve(Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)).is_optimal
