@@ -3,8 +3,11 @@
 The strain inside one element is first-order accurate away from its centre. A gauge therefore reads the nodal averages
 of its element: at each corner the mean of the centre strains of the adjoining elements of the same patch, weighted by
 1 / area (exact for a linear field on a rectangular grid), then the element's own shape functions between the corners.
-Elements of other patches never enter, so a damage region's edge, where strain jumps, is not smeared. In a triangle,
-whose strain is constant, a gauge reads that element alone.
+Elements of other patches never enter, so a damage region's edge, where strain jumps, is not smeared. In a triangle the
+corners have the value of a linear fit to the mean strains of all elements around them, `LEAST_FITTED` at least: the
+triangles at a node do not lie evenly about it, as rectangles do.
+
+Source of the fit: O. C. Zienkiewicz, J. Z. Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331-1364 (patch recovery).
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,9 +24,13 @@ from femlib.mesh import Mesh, dofs_of_nodes
 
 STEEPEST = 0.1
 """Least share of a gauge's direction that must lie in the surface: 6 degrees from the normal."""
-FARTHEST = 0.2
-"""Largest distance of a gauge from its element over the element's longest edge; a facet leaves its arc of 45 degrees by
-0.1."""
+SAGITTA = 0.25
+"""Distance of a gauge from its element, over the longest edge times the sine of the angle to an element around it, that
+a curved surface explains; an arc leaves its chord by 0.125. Besides, a gauge may stand off by the thickness."""
+SMOOTH = 0.7
+"""Cosine of the angle between elements of one curved surface, at least."""
+LEAST_FITTED = 6
+"""Elements of a triangle's fit at a corner, if the patch has so many within two rings."""
 N_NEAREST = 12
 """Elements, nearest by centroid, among which a gauge's element is looked for."""
 
@@ -110,12 +117,15 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
         raise InputError(f"gauges are a {type(gauges).__name__}; expected a list of StrainGauge; put them in a list")
     if not gauges:
         raise InputError("no gauges were given; expected at least one; add a StrainGauge")
+    names = [gauge.name for gauge in gauges]
+    if len(set(names)) < len(names):
+        raise InputError(f"gauges are named {names}; expected each name once; rename one")
     thickness = frozen_floats(thickness, "thickness", (mesh.n_elements,))
     if (thickness <= 0.0).any():
         bad = int(np.flatnonzero(thickness <= 0.0)[0])
         raise InputError(f"thickness of element {bad} is {thickness[bad]} m; expected more than 0; correct it")
     rows = []
-    for gauge, weights in zip(gauges, element_weights(mesh, gauges), strict=True):
+    for gauge, weights in zip(gauges, element_weights(mesh, gauges, thickness), strict=True):
         parts = {}
         for element, weight in weights.items():
             height = gauge.side * thickness[element] / 2.0
@@ -144,24 +154,33 @@ def locate(mesh: Mesh, gauge: StrainGauge) -> Spot:
             f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies outside "
             f"{list(gauge.patches)} (nearest element {element}); expected a point of the patch; move the gauge"
         )
-    spot = Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
-    _check_distance(mesh, gauge, spot)
-    return spot
+    return Spot(element, float(np.clip(xi, -1.0, 1.0)), float(np.clip(eta, -1.0, 1.0)))
 
 
-def _check_distance(mesh: Mesh, gauge: StrainGauge, spot: Spot) -> None:
+def _check_distance(mesh: Mesh, gauge: StrainGauge, spot: Spot, thickness: float, around: list[IntArray]) -> None:
     """Refuse a gauge that lies off the surface."""
-    points = mesh.nodes[mesh.corners_of(spot.element)]
-    is_quad = spot.element < len(mesh.quads)
-    shares = shape(spot.xi, spot.eta) if is_quad else np.array([1.0 - spot.xi - spot.eta, spot.xi, spot.eta])
-    away = float(np.linalg.norm(gauge.position - shares @ points))
+    corners = mesh.corners_of(spot.element)
+    points = mesh.nodes[corners]
+    away = float(np.linalg.norm(gauge.position - _corner_shares(mesh, spot) @ points))
     longest = float(np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1).max())
-    if away > FARTHEST * longest:
+    normals = mesh.area_vectors()[np.unique(np.concatenate([around[k] for k in corners]))]
+    own = mesh.area_vectors()[spot.element]
+    cosines = normals @ own / np.linalg.norm(normals, axis=1) / np.linalg.norm(own)
+    smooth = np.minimum(cosines[cosines > SMOOTH], 1.0)
+    most = thickness + SAGITTA * longest * float(np.sqrt(1.0 - smooth.min() ** 2))
+    if away > most:
         raise InputError(
             f"gauge {gauge.name} at {[round(float(p), 4) for p in gauge.position]} m lies {away:.3g} m off element "
-            f"{spot.element} of {list(gauge.patches)}; expected at most {FARTHEST * longest:.2g} m, {FARTHEST:g} of "
-            "its longest edge; move the gauge onto the surface"
+            f"{spot.element} of {list(gauge.patches)}; expected at most {most:.2g} m, the thickness and what the "
+            "surface's curvature explains; move the gauge onto the surface"
         )
+
+
+def _corner_shares(mesh: Mesh, spot: Spot) -> FloatArray:
+    """Return the shape functions (4,) or (3,) at a spot."""
+    if spot.element < len(mesh.quads):
+        return shape(spot.xi, spot.eta)
+    return np.array([1.0 - spot.xi - spot.eta, spot.xi, spot.eta])
 
 
 def _places(mesh: Mesh, elements: IntArray, position: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -193,31 +212,65 @@ def point_strain_row(
     return np.asarray(weights @ (operator.membrane + height * operator.curvature))
 
 
-def element_weights(mesh: Mesh, gauges: Sequence[StrainGauge]) -> list[dict[int, float]]:
-    """Return for each gauge the elements whose centre strains it averages, and their weights, which sum to one."""
-    adjoining = _quads_at_nodes(mesh)
+def element_weights(
+    mesh: Mesh, gauges: Sequence[StrainGauge], thickness: FloatArray | None = None
+) -> list[dict[int, float]]:
+    """Return for each gauge the elements whose centre strains it averages, and their weights, which sum to one.
+
+    With `thickness` (n_elements,) [m] a gauge that lies off the surface is refused.
+    """
+    around = _elements_at_nodes(mesh)
     areas = np.linalg.norm(mesh.area_vectors(), axis=1)
-    return [_weights(mesh, locate(mesh, gauge), adjoining, areas) for gauge in gauges]
+    found = []
+    for gauge in gauges:
+        spot = locate(mesh, gauge)
+        if thickness is not None:
+            _check_distance(mesh, gauge, spot, float(thickness[spot.element]), around)
+        found.append(_weights(mesh, spot, around, areas))
+    return found
 
 
-def _weights(mesh: Mesh, spot: Spot, adjoining: list[IntArray], areas: FloatArray) -> dict[int, float]:
-    if spot.element >= len(mesh.quads):
-        return {spot.element: 1.0}
+def _weights(mesh: Mesh, spot: Spot, around: list[IntArray], areas: FloatArray) -> dict[int, float]:
     patch = mesh.patch_of_element[spot.element]
+    is_triangle = spot.element >= len(mesh.quads)
     weights: dict[int, float] = {}
-    for corner, share in zip(mesh.quads[spot.element], shape(spot.xi, spot.eta), strict=True):
-        around = [int(e) for e in adjoining[corner] if mesh.patch_of_element[e] == patch]
-        inverse = np.array([1.0 / areas[e] for e in around])
-        for element, part in zip(around, share * inverse / inverse.sum(), strict=True):
-            weights[element] = weights.get(element, 0.0) + float(part)
+    for corner, share in zip(mesh.corners_of(spot.element), _corner_shares(mesh, spot), strict=True):
+        own = around[corner][mesh.patch_of_element[around[corner]] == patch]
+        if is_triangle:
+            own, parts = _fitted(mesh, int(corner), own, around, patch)
+        else:
+            own = own[own < len(mesh.quads)]
+            inverse = np.array([1.0 / areas[e] for e in own])
+            parts = inverse / inverse.sum()
+        for element, part in zip(own.tolist(), (share * parts).tolist(), strict=True):
+            weights[element] = weights.get(element, 0.0) + part
     return weights
 
 
-def _quads_at_nodes(mesh: Mesh) -> list[IntArray]:
-    """Return for each node the quadrilaterals that touch it."""
-    order = np.argsort(mesh.quads.ravel(), kind="stable")
-    counts = np.bincount(mesh.quads.ravel(), minlength=len(mesh.nodes))
-    return np.split(order // quad4.N_NODES, np.cumsum(counts)[:-1])
+def _fitted(
+    mesh: Mesh, corner: int, own: IntArray, around: list[IntArray], patch: np.int64
+) -> tuple[IntArray, FloatArray]:
+    """Return elements of a patch at a node and the weights (n,) of their values in a linear fit's value at the node."""
+    if len(own) < LEAST_FITTED:
+        nodes = np.unique(np.concatenate([mesh.corners_of(e) for e in own]))
+        own = np.unique(np.concatenate([around[k] for k in nodes]))
+        own = own[mesh.patch_of_element[own] == patch]
+    corners = [mesh.nodes[mesh.corners_of(e)].mean(axis=0) for e in own]
+    offset = np.array(corners) - mesh.nodes[corner]
+    normal = mesh.area_vectors()[own].sum(axis=0)
+    _, _, axes = np.linalg.svd(np.eye(3) - np.outer(normal, normal) / (normal @ normal))
+    flat = offset @ axes[:2].T / np.abs(offset).max()
+    basis = np.column_stack([np.ones(len(own)), flat])
+    return own, np.asarray(np.linalg.pinv(basis, rcond=1e-6)[0])
+
+
+def _elements_at_nodes(mesh: Mesh) -> list[IntArray]:
+    """Return for each node the elements that touch it, in increasing order."""
+    corners = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
+    sizes = np.repeat([quad4.N_NODES, tria3.N_NODES], [len(mesh.quads), len(mesh.trias)])
+    element = np.repeat(np.arange(mesh.n_elements), sizes)
+    order = np.argsort(corners, kind="stable")
+    return np.split(element[order], np.cumsum(np.bincount(corners, minlength=len(mesh.nodes)))[:-1])
 
 
 def _natural(points: FloatArray, position: FloatArray) -> FloatArray:

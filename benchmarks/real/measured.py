@@ -20,7 +20,7 @@ from benchmarks.data import tip_test, vibration_test
 from benchmarks.main_program import run_main
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
-from femlib.assembly import Mode, natural_modes, point_masses
+from femlib.assembly import Mode, matrix_modes, point_masses
 from femlib.wing import Wing, tapered_wing
 from femlib.wing.effects.planform import manufactured_wing
 from femlib.wing.effects.root_flexibility import rolled
@@ -56,7 +56,7 @@ def answer(wing: Wing, masses: Mapping[float, float] | None = None) -> Answer:
     shells = wing.structure.shells
     nodes = {_cap(wing, eta): mass for eta, mass in (masses or {}).items()}
     mass = shells.mass() + point_masses(shells.mesh, nodes)
-    modes = natural_modes(shells.stiffness(), mass, wing.structure.supports, 4)
+    modes = matrix_modes(shells.stiffness(), mass, wing.structure.supports, 4)
     flapping = [mode for mode in modes if _flaps(wing, mode.shape)][:2]
     squares = np.array([mode.frequency**-2 for mode in flapping])
     return Answer(1e3 * GRAVITY / wing.tip_stiffness(), SCALES[1:] * squares)
@@ -170,7 +170,7 @@ def library(wing: Wing, own: Answer) -> dict[str, Effect]:
 def _masses(wing: Wing, own: Answer) -> dict[str, FloatArray]:
     """Return what a kilogram at each station changes, as the secant to TYPICAL_MASS."""
     shells = wing.structure.shells
-    modes = natural_modes(shells.stiffness(), shells.mass(), wing.structure.supports, 12)
+    modes = matrix_modes(shells.stiffness(), shells.mass(), wing.structure.supports, 12)
     loaded = {eta: Answer(own.tip, carrying(wing, modes, eta, TYPICAL_MASS)) for eta in STATIONS}
     return {f"eta {eta:g}": _apart(other, own) / TYPICAL_MASS for eta, other in loaded.items()}
 
@@ -187,7 +187,7 @@ def _mount(wing: Wing) -> FloatArray:
     """
     shells = wing.structure.shells
     turned, mass = rolled(wing), shells.mass()
-    modes = natural_modes(shells.stiffness(), mass, wing.structure.supports, 4)
+    modes = matrix_modes(shells.stiffness(), mass, wing.structure.supports, 4)
     flapping = [mode for mode in modes if _flaps(wing, mode.shape)][:2]
     moment = np.array([float(turned @ (mass @ mode.shape)) for mode in flapping])
     tip = 1e3 * GRAVITY * 1e-3 * wing.span**2

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import Quality, Shells, Supports, factorise, solution_quality
+from femlib.assembly import Judge, Quality, Shells, Supports, factorise, solution_quality
 from femlib.material import Laminate
 from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
 
@@ -61,10 +61,12 @@ class Case:
         """Return the answer of displacements (n_dofs,), femlib's if not given, over the reference."""
         return float(self.read @ (self.displacements() if moved is None else moved)) / self.reference
 
-    def judged(self) -> tuple[float, Quality]:
-        """Return femlib's ratio and the estimate of its error."""
+    def judged(self, is_refined: bool = True) -> tuple[float, Quality]:
+        """Return femlib's ratio and the estimate of its error, by a finer mesh too where that is wanted and small."""
         moved = self.displacements()
-        return self.ratio(moved), solution_quality(self.shells, moved)
+        if not is_refined:
+            return self.ratio(moved), solution_quality(self.shells, moved)
+        return self.ratio(moved), Judge(self.shells, self.supports).quality(self.load, moved, moved, None)
 
     def in_triangles(self, diagonal: str) -> "Case":
         """Return the case with each quadrilateral cut in two along its first or second diagonal; loads stay."""

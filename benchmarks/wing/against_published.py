@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from benchmarks.data import vibration_test
 from benchmarks.tables import Line
-from femlib.assembly import natural_modes, point_masses
+from femlib.assembly import matrix_modes, point_masses
 from femlib.dataset import MeanStrains, build_dataset
 from femlib.wing import Wing
 
@@ -32,7 +32,7 @@ def frequencies(wing: Wing) -> Iterator[Line]:
     for places, names in MASS_PLACES.items():
         masses = _masses(wing, {eta: test.masses[name] for eta, name in names.items()})
         mass = shells.mass() + point_masses(shells.mesh, masses)
-        modes = natural_modes(shells.stiffness(), mass, wing.structure.supports, 6)
+        modes = matrix_modes(shells.stiffness(), mass, wing.structure.supports, 6)
         ours = [modes[k].frequency for k in _flapping(wing, [mode.shape for mode in modes])[:2]]
         line = {"size": f"frequencies, point masses: {places}", "seed": 0, "places": places, "unit": "Hz"}
         yield {**line, "measured": list(test.measured), "published": list(test.model), "ours": ours}

@@ -1,22 +1,32 @@
 """From elements to the system K u = f: assembly, supports, factors and consistent loads."""
 
-from femlib.assembly.buckling import BucklingMode, buckling_modes, geometric_stiffness
+from femlib.assembly.buckling import BucklingMode, buckling_modes, geometric_stiffness, is_buckled, matrix_buckling
 from femlib.assembly.built_up import Beams, BuiltUp, Springs
 from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
-from femlib.assembly.modes import Mode, natural_modes, point_masses
-from femlib.assembly.quality import Quality, checked_solution, solution_quality
+from femlib.assembly.modes import Mode, matrix_modes, natural_modes, point_masses
+from femlib.assembly.quality import (
+    MOST_ERROR,
+    Judge,
+    Quality,
+    checked_solution,
+    refuse_error,
+    relative_distance,
+    solution_quality,
+)
 from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 
 __all__ = [
+    "MOST_ERROR",
     "Beams",
     "BucklingMode",
     "BuiltUp",
     "CorotatedShells",
     "Deflection",
     "Factors",
+    "Judge",
     "Mode",
     "Quality",
     "Shells",
@@ -29,9 +39,14 @@ __all__ = [
     "factored_by",
     "factorise",
     "geometric_stiffness",
+    "is_buckled",
     "line_load",
+    "matrix_buckling",
+    "matrix_modes",
     "natural_modes",
     "point_masses",
+    "refuse_error",
+    "relative_distance",
     "solution_quality",
     "surface_load",
     "thermal_forces",

@@ -2,13 +2,14 @@
 
 K_sigma = sum over the integration points of area N_ab u,a . u,b holds what the membrane forces N of the given load do
 along all three displacements; the work of the moments on curvatures is left out. Displacements before buckling count
-as small.
+as small. Each factor is compared with that on a finer mesh (`refined`); where that would be too large its error is the
+share of the mode's energy that is the mesh's (`quality`).
 
 Sources: K.-J. Bathe, Finite Element Procedures (1996), section 6.8.2 (linearised buckling); eigenvalues by ARPACK
 (Lehoucq, Sorensen, Yang 1998) with K as the inner product.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sparse
@@ -17,6 +18,8 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
 from femlib.assembly.integration import point_strains
+from femlib.assembly.quality import MOST_ERROR, refuse_error, solution_quality
+from femlib.assembly.refined import Refined
 from femlib.assembly.shells import Shells, assemble
 from femlib.assembly.supports import Supports
 from femlib.elements import quad4, tria3
@@ -40,10 +43,13 @@ class BucklingMode:
         Factor on the given load at which the structure buckles so, above 0.
     shape : FloatArray
         Displacements (n_dofs,), the largest translation 1.
+    error : float
+        Estimated relative error of the factor by the mesh; NaN if it was found of matrices alone.
     """
 
     factor: float
     shape: FloatArray
+    error: float = float("nan")
 
 
 def geometric_stiffness(
@@ -65,6 +71,26 @@ def geometric_stiffness(
             f"the structure has {shells.n_elements - mesh.n_elements} beams and springs; expected shells alone, whose "
             "forces buckle them; make the beams of shells"
         )
+    return _of_shells(shells, displacements, factor)
+
+
+def is_buckled(shells: Shells, supports: Supports, displacements: FloatArray) -> bool:
+    """Return whether the load that displaces shells by (n_dofs,) is beyond their buckling load.
+
+    K + K_sigma is then not positive definite: its factors have a negative pivot. What the forces of beams do is left
+    out.
+    """
+    stiffness = supports.reduce(shells.stiffness() + _of_shells(shells, displacements, None))
+    try:
+        factors = factorise(sparse.csc_array(stiffness), supports.groups, definite=False)
+    except SolveError:  # singular: at the buckling load
+        return True
+    return factors.has_negative_pivot()
+
+
+def _of_shells(shells: Shells, displacements: FloatArray, factor: FloatArray | None) -> sparse.csc_array:
+    """Return K_sigma (n_dofs, n_dofs) of the shells."""
+    mesh = shells.mesh
     moved = frozen_floats(displacements, "displacements", (mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
     scale = np.ones(mesh.n_elements) if factor is None else frozen_floats(factor, "factor", (mesh.n_elements,))
     places = [(r, s) for r, s in GAUSS.tolist()]
@@ -82,9 +108,53 @@ def geometric_stiffness(
 
 
 def buckling_modes(
+    shells: Shells,
+    supports: Supports,
+    load: FloatArray,
+    n_modes: int = 1,
+    factor: FloatArray | None = None,
+    limit: float = MOST_ERROR,
+    is_refined: bool = True,
+) -> list[BucklingMode]:
+    """Return the modes of least positive factor on a load (n_dofs,), least first, each with an estimate of its error.
+
+    There may be fewer than `n_modes`: a structure that the load only pulls does not buckle. `factor` (n_elements,)
+    scales each element's stiffness, for damage. With `is_refined` they are compared with a finer mesh where it is small
+    enough.
+
+    Raises
+    ------
+    InputError
+        If the number of modes is none that the structure has, the load is not finite, or there are beams or springs.
+    SolveError
+        If the structure can move freely, the iteration does not converge, or an error is estimated beyond `limit`.
+    """
+    force = frozen_floats(load, "load", (supports.n_dofs,))
+    modes = _loaded_modes(shells, supports, force, n_modes, factor)
+    finer = Refined.finest(shells, supports) if is_refined else None
+    if finer is None:
+        errors = [solution_quality(shells, mode.shape, factor).displacement_error for mode in modes]
+    else:
+        fine = _loaded_modes(finer.shells, finer.supports, finer.load(force), n_modes, finer.factor(factor))
+        missing = [np.inf] * (len(modes) - len(fine))
+        pairs = zip(modes, fine, strict=False)
+        errors = [finer.share * abs(own.factor / other.factor - 1.0) for own, other in pairs] + missing
+    refuse_error(max(errors, default=0.0), "buckling loads", limit)
+    return [replace(mode, error=error) for mode, error in zip(modes, errors, strict=True)]
+
+
+def _loaded_modes(
+    shells: Shells, supports: Supports, load: FloatArray, n_modes: int, factor: FloatArray | None
+) -> list[BucklingMode]:
+    stiffness = shells.stiffness(factor=factor)
+    moved = supports.expand(factorise(supports.reduce(stiffness), supports.groups).solve(load[supports.free]))
+    return matrix_buckling(stiffness, geometric_stiffness(shells, moved, factor), supports, n_modes)
+
+
+def matrix_buckling(
     stiffness: sparse.csc_array, geometric: sparse.csc_array, supports: Supports, n_modes: int = 1
 ) -> list[BucklingMode]:
-    """Return the modes of least positive factor, least first, of matrices (n_dofs, n_dofs) over all freedoms.
+    """Return the modes of least positive factor, least first, of matrices (n_dofs, n_dofs), not judged.
 
     There may be fewer than `n_modes`: a structure that the load only pulls does not buckle.
 

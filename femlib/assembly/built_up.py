@@ -150,10 +150,19 @@ class BuiltUp(Shells):
         scale = np.ones(n_parts) if factor is None else frozen_floats(factor, "factor", (n_parts,))
         kept = scale if elements is None else np.where(elements, scale, 0.0)
         total = Shells.stiffness(self, None if elements is None else elements[:n_shells], scale[:n_shells])
+        return sparse.csc_array(total + self._others(kept))
+
+    def other_energy(self, moved: FloatArray, factor: FloatArray) -> float:
+        """Return u' K u of beams and springs, of displacements (n_dofs,), with a factor on each part (n_parts,)."""
+        return float(moved @ (self._others(factor) @ moved))
+
+    def _others(self, factor: FloatArray) -> sparse.csc_array:
+        """Return the stiffness (n_dofs, n_dofs) of beams and springs with a factor on each part (n_parts,)."""
+        left = factor[self.mesh.n_elements :]
         ends = np.concatenate([self.beams.ends, self.springs.ends])
         matrices = np.concatenate([self._beam_matrices, self.springs.matrices(self.mesh.nodes)])
-        own = kept[n_shells:] != 0.0
-        return sparse.csc_array(total + _joined(self.mesh, ends[own], matrices[own] * kept[n_shells:][own, None, None]))
+        own = left != 0.0
+        return _joined(self.mesh, ends[own], matrices[own] * left[own, None, None])
 
     def touched(self, elements: BoolArray) -> BoolArray:
         """Return which degrees of freedom (n_dofs,) the parts have where `elements` (n_elements,) is true."""

@@ -75,6 +75,12 @@ class Factors:
         solution[self.order] = self.lu.solve(right[self.order])
         return solution
 
+    def has_negative_pivot(self) -> bool:
+        """Return whether SuperLU met a negative pivot: the symmetric matrix is then not positive definite."""
+        if not isinstance(self.lu, SuperLU):
+            raise SolveError("only SuperLU's factors show pivots; expected those; factorise with definite=False")
+        return bool((self.lu.U.diagonal() < 0.0).any())
+
     def schur(self) -> FloatArray:
         """Return the Schur complement on the ports (n_ports, n_ports): the last block of L times that of U or L'.
 

@@ -84,6 +84,10 @@ class Shells:
         scale, k = frozen_floats(factor, "factor", (self.mesh.n_elements,))[:, None, None], len(self.mesh.quads)
         return assemble(self.mesh, self._matrices[0] * scale[:k], self._matrices[1] * scale[k:], elements)
 
+    def other_energy(self, moved: FloatArray, factor: FloatArray) -> float:
+        """Return u' K u of what is no shell, of displacements (n_dofs,), with a factor on each part (n_parts,)."""
+        return 0.0
+
     def touched(self, elements: BoolArray) -> BoolArray:
         """Return which degrees of freedom (n_dofs,) the elements have where `elements` (n_elements,) is true."""
         is_touched, k = np.zeros((len(self.mesh.nodes), DOFS_PER_NODE), dtype=bool), len(self.mesh.quads)

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.assembly import Mode, assemble, factorise, natural_modes
+from femlib.assembly import Mode, assemble, factorise, matrix_modes
 from femlib.calibration.design import Design, element_masses
 from femlib.calibration.observation import FrequencyReading, MassReading, Observation, OutputReading
 from femlib.calibration.varying import Varying
@@ -186,7 +186,7 @@ def _modes(design: Design, observations: Sequence[Observation]) -> list[Mode]:
     if design.point_mass is not None:
         heavy = heavy + design.point_mass
     n_modes = min(max(asked) + MOST_MODES, len(design.supports.free) - 2)
-    return natural_modes(stiffness, heavy, design.supports, n_modes)
+    return matrix_modes(stiffness, heavy, design.supports, n_modes)
 
 
 def _mass_matrices(design: Design) -> _Matrices:

@@ -152,6 +152,8 @@ def couplings(own: FloatArray, across: FloatArray, first: IntArray) -> tuple[Flo
 def _largest(across: FloatArray, root: FloatArray) -> float:
     """Return the largest eigenvalue of root across root."""
     n = len(root)
+    if not across.any():  # one region: the iteration would have nothing to start from
+        return 0.0
     if n <= FEW:
         return float(np.linalg.eigvalsh(root[:, None] * across * root).max(initial=0.0))
     scaled = LinearOperator((n, n), matvec=lambda v: root * (across @ (root * v)), dtype=np.float64)

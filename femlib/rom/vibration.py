@@ -25,7 +25,7 @@ import scipy.linalg as linalg
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.assembly import factorise, natural_modes
+from femlib.assembly import factorise, matrix_modes
 from femlib.components import DamagedStructure, checked_damage
 from femlib.errors import InputError, frozen_floats, is_whole
 
@@ -166,7 +166,7 @@ def reduce_modes(
     sampled = _sampled(len(structure.parameters), n_joint, seed)
     squares, shapes = [], []
     for damage in sampled:
-        modes = natural_modes(_full_stiffness(structure, damage), mass, structure.supports, n_modes + 1)
+        modes = matrix_modes(_full_stiffness(structure, damage), mass, structure.supports, n_modes + 1)
         squares.append([(2.0 * np.pi * mode.frequency) ** 2 for mode in modes])
         shapes += [mode.shape[structure.supports.free] for mode in modes]
     return _projected(structure, mass, np.array(squares), np.array(shapes).T, sampled, n_modes, tolerance)

@@ -20,8 +20,9 @@ from femlib.structure.model import MICRO, Structure
 
 LARGEST = 1e3
 """Strain that is believed, at most."""
-N_POINTS = 8
-"""Integration points of a quadratic quadrilateral: four in the lower half, then four in the upper."""
+LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
+"""By the number of integration points, 8 of S8R and 9 of S6: points a layer, the lowest first, and the height of the
+outer layers over half the thickness."""
 
 
 def write_deck(
@@ -81,17 +82,19 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
     for gauge, weights in zip(gauges, weights_of(structure, gauges), strict=True):
         total = 0.0
         for element, weight in weights.items():
-            if len(points.get(element, ())) != N_POINTS:
+            n_points = 8 if element < len(mesh.quads) else 9
+            if len(points.get(element, ())) != n_points:
                 raise InputError(
                     f"{path} has {len(points.get(element, ()))} strains of element {element + 1}, which gauge "
-                    f"{gauge.name} reads; expected {N_POINTS}; run the deck of these gauges"
+                    f"{gauge.name} reads; expected {n_points}; run the deck of these gauges"
                 )
             normal = mesh.area_vectors()[element]
             along = gauge.direction - normal * (gauge.direction @ normal) / (normal @ normal)
             along = along / np.linalg.norm(along)
             values = np.einsum("i,pij,j->p", along, _tensors(np.array(points[element])), along)
-            low, high = values[:4].mean(), values[4:].mean()  # at -+ t / (2 sqrt 3)
-            total += weight * float((low + high) / 2.0 + gauge.side * np.sqrt(3.0) * (high - low) / 2.0)
+            n_layer, height = LAYERS[n_points]
+            low, high = values[:n_layer].mean(), values[-n_layer:].mean()
+            total += weight * float((low + high) / 2.0 + gauge.side / height * (high - low) / 2.0)
         strains.append(total)
     return MICRO * np.array(strains)
 

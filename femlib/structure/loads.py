@@ -49,7 +49,7 @@ def line_load(mesh: NamedMesh, name: str, force: Sequence[float]) -> FloatArray:
     Raises
     ------
     InputError
-        If the set has no line, or its nodes are an area.
+        If the set has no line, or its nodes are all of a shell's.
     """
     per_length = frozen_floats(force, "line force", (3,))
     ends = _lines(mesh, name)
@@ -61,7 +61,22 @@ def line_load(mesh: NamedMesh, name: str, force: Sequence[float]) -> FloatArray:
 
 
 def gravity_load(built: BuiltUp, acceleration: Sequence[float]) -> FloatArray:
-    """Return the weight (n_dofs,) of all parts and point masses under an acceleration (3,) [m/s^2]."""
+    """Return the weight (n_dofs,) of all parts and point masses under an acceleration (3,) [m/s^2].
+
+    Raises
+    ------
+    InputError
+        If a section that a part has is without density.
+    """
+    weights = [("shell", built.section, [own.mass for own in built.laminates])]
+    weights.append(("beam", built.beams.section, [own.density for own in built.beams.sections]))
+    for what, section, masses in weights:
+        bare = np.flatnonzero(np.array([*masses, 1.0])[section] <= 0.0)
+        if bare.size:
+            raise InputError(
+                f"gravity acts on {what} {bare[0]} (and {bare.size - 1} more), whose section has no density; expected "
+                "one of each section; give it in kg/m^3, 1e-6 to a part that weighs nothing"
+            )
     field = np.zeros((len(built.mesh.nodes), DOFS_PER_NODE))
     field[:, :3] = frozen_floats(acceleration, "acceleration", (3,))
     return np.asarray(built.mass() @ field.ravel())
@@ -91,18 +106,23 @@ def _check_sides(mesh: NamedMesh, elements: BoolArray, name: str) -> None:
 
 
 def _lines(mesh: NamedMesh, name: str) -> IntArray:
-    """Return the ends (n, 2) of the lines that a set names."""
+    """Return the ends (n, 2) of the lines that a set names; they may branch."""
     nodes = mesh.nodes_of(name)
     if name in mesh.element_sets and name not in mesh.node_sets:
         ends = mesh.lines[mesh.element_sets[name][mesh.n_shells :]]
     else:
+        inside = [np.flatnonzero(np.isin(corners, nodes).all(axis=1)) for corners in (mesh.quads, mesh.trias)]
+        whole = np.concatenate([inside[0], len(mesh.quads) + inside[1]])
+        if whole.size:
+            raise InputError(
+                f"line load acts on {name!r}, which holds all corners of shell {whole[0]}, so that its edges are no "
+                "curve; expected nodes along one; name an element set of lines"
+            )
         sides, _ = _sides(mesh)
         every = np.unique(np.sort(np.concatenate([sides, mesh.lines]), axis=1), axis=0)
         ends = every[np.isin(every, nodes).all(axis=1)]
-    most = np.bincount(ends.ravel()).max(initial=0)
-    if not len(ends) or most > 2:
-        got = "no line" if not len(ends) else f"an area: {most} edges meet at one node"
+    if not len(ends):
         raise InputError(
-            f"line load acts on {name!r}, which is {got}; expected lines, or nodes along one; name the set of a curve"
+            f"line load acts on {name!r}, which is no line; expected lines, or nodes along one; name the set of a curve"
         )
     return ends

@@ -8,11 +8,24 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib import sensors
-from femlib.arrays import FloatArray, IntArray
-from femlib.assembly import BuiltUp, Mode, Quality, Supports, natural_modes, solution_quality
+from femlib.arrays import FloatArray, IntArray, Judged, judged
+from femlib.assembly import (
+    MOST_ERROR,
+    BuiltUp,
+    Judge,
+    Mode,
+    Quality,
+    Shells,
+    Supports,
+    is_buckled,
+    natural_modes,
+    refuse_error,
+    relative_distance,
+)
+from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import Component, DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, SolveError, frozen_floats
-from femlib.kept import ReadOnly
+from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
 from femlib.sensors import StrainGauge
 from femlib.structure import loads
@@ -22,6 +35,8 @@ from femlib.structure.parts import Parts, Section, Spring, parts_of
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
+MOST_GAUGE_ERROR = 0.1
+"""Estimated error of gauge strains beyond which they are refused."""
 MOST_CARRIED = 150_000_000
 """Degrees of freedom of a damage region times those at its border: a dense matrix of 1.2 GB."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
@@ -54,6 +69,8 @@ class Structure:
         The parts, numbered shells, beams, springs.
     damaged : DamagedStructure
         The same, ready to be solved in any damage state.
+    judge : Judge
+        What estimates the error of its solutions.
 
     Raises
     ------
@@ -70,6 +87,9 @@ class Structure:
     axis: FloatArray = (1.0, 0.0, 0.0)  # type: ignore[assignment]  # frozen as an array below
     parts: Parts = field(init=False, repr=False)
     damaged: DamagedStructure = field(init=False, repr=False)
+    judge: Judge = field(init=False, repr=False)
+    _buckled: Kept[str, bool] = field(init=False, repr=False, default_factory=Kept)
+    _gauge_errors: Kept[str, float] = field(init=False, repr=False, default_factory=Kept)
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, NamedMesh):
@@ -91,6 +111,7 @@ class Structure:
         supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
         components = tuple(_component(self.mesh, parts, name) for name in self.damage)
         object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
+        object.__setattr__(self, "judge", Judge(parts.built, supports))
 
     @property
     def built(self) -> BuiltUp:
@@ -135,26 +156,48 @@ class Structure:
         """Return the weight (n_dofs,) of all parts and masses under an acceleration (3,) [m/s^2]."""
         return loads.gravity_load(self.built, acceleration)
 
-    def solve(self, state: Mapping[str, float], load: FloatArray) -> FloatArray:
+    def solve(self, state: Mapping[str, float], load: FloatArray, limit: float = MOST_ERROR) -> Judged:
         """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions under nodal forces.
+
+        Their `error` is the larger of both estimates of `femlib.assembly.quality`.
 
         Raises
         ------
         InputError
             If the state names an unknown parameter, a damage is outside [0, 1), or the load is not finite.
         SolveError
-            If the displacements are larger than the structure.
+            If the displacements are larger than the structure, or estimated to be farther off than `limit`.
         """
-        row = damage_row(state, self.parameters)[None, :]
-        moved = self.damaged.solve(row, load)[0].reshape(-1, DOFS_PER_NODE)
+        moved, quality = self._judged(state, load)
+        quality.refuse(limit)
+        return judged(moved, quality.displacement_error)
+
+    def _judged(self, state: Mapping[str, float], load: FloatArray) -> tuple[FloatArray, Quality]:
+        """Return displacements (n_nodes, 6) of a state and what they are worth."""
+        row = damage_row(state, self.parameters)
+        pristine, moved = self.damaged.solve(np.stack([0.0 * row, row]), load)
+        places = moved.reshape(-1, DOFS_PER_NODE)
         size = self.built.mesh.size
-        most = float(np.abs(moved[:, :3]).max())
+        most = float(np.abs(places[:, :3]).max())
         if not most <= size:
             raise SolveError(
                 f"the structure moves by {most:.3g} m, more than its size of {size:.3g} m; expected small motion; "
                 "check that lengths are in m, forces in N, moduli in Pa"
             )
-        return np.asarray(moved)
+        self._check_buckling(load, pristine)
+        return places, self.judge.quality(np.asarray(load), moved, pristine, self.stiffness_left(state))
+
+    def _check_buckling(self, load: FloatArray, pristine: FloatArray) -> None:
+        """Refuse a load under which the undamaged shells would have buckled, on meshes where that is quickly told."""
+        supports = self.damaged.supports
+        if len(supports.free) > MOST_UNKNOWNS or not np.any(load):
+            return
+        name = hashlib.sha256(np.asarray(load, dtype=np.float64).tobytes()).hexdigest()
+        if self._buckled.get(name, lambda: is_buckled(self.built, supports, pristine)):
+            raise SolveError(
+                "the load is beyond the buckling load of the shells, where displacements in proportion to it say "
+                "nothing; expected a load that they carry unbuckled; lower it, or stiffen what it compresses"
+            )
 
     def strain_rows(self, gauges: Sequence[StrainGauge]) -> sparse.csr_array:
         """Return the map (n_gauges, n_dofs) from displacements to strain, tension positive [-].
@@ -166,34 +209,67 @@ class Structure:
         InputError
             If a gauge names an unknown set, lies off its shells or measures along their normal.
         """
-        built = self.built
+        return self._rows_on(self.built, gauges)
+
+    def _rows_on(self, built: Shells, gauges: Sequence[StrainGauge]) -> sparse.csr_array:
         thickness = np.array([own.thickness for own in built.laminates])[built.section]
         return sensors.strain_rows(built.mesh, thickness, [self.on_patches(gauge) for gauge in gauges])
 
     def strain_microstrain(
-        self, state: Mapping[str, float], load: FloatArray, gauges: Sequence[StrainGauge]
-    ) -> FloatArray:
+        self,
+        state: Mapping[str, float],
+        load: FloatArray,
+        gauges: Sequence[StrainGauge],
+        limit: float = MOST_ERROR,
+        gauge_limit: float = MOST_GAUGE_ERROR,
+    ) -> Judged:
         """Return the gauge strains (n_gauges,) of a state of named damage fractions, tension positive.
+
+        Their `error` is `gauge_error`, or that of the displacements if it is larger.
 
         Raises
         ------
         InputError, SolveError
-            As `solve` and `strain_rows`, or if a strain exceeds `MOST_STRAIN`.
+            As `solve` and `strain_rows`, or if a strain exceeds `MOST_STRAIN`, or they are estimated to be farther off
+            than `gauge_limit`.
         """
-        return checked_strains(MICRO * (self.strain_rows(gauges) @ self.solve(state, load).ravel()))
+        moved = self.solve(state, load, limit)
+        strains = checked_strains(MICRO * (self.strain_rows(gauges) @ np.asarray(moved).ravel()))
+        error = self.gauge_error(load, gauges)
+        refuse_error(error, "gauge strains", gauge_limit)
+        return judged(strains, max(error, moved.error))
 
-    def natural_modes(self, n_modes: int, state: Mapping[str, float] | None = None) -> list[Mode]:
-        """Return the lowest natural modes of a state, lowest first.
+    def gauge_error(self, load: FloatArray, gauges: Sequence[StrainGauge]) -> float:
+        """Return the estimated relative error of the undamaged structure's gauge strains, by a finer mesh.
+
+        A difference of second order, over all gauges as roots of sums of squares; 0 where no finer mesh was made.
+        """
+        name = hashlib.sha256(np.asarray(load, dtype=np.float64).tobytes() + repr(gauges).encode()).hexdigest()
+        return self._gauge_errors.get(name, lambda: self._gauge_distance(load, gauges))
+
+    def _gauge_distance(self, load: FloatArray, gauges: Sequence[StrainGauge]) -> float:
+        fine, finer = self.judge.finer_solution(load), self.judge.finer
+        if fine is None or finer is None:
+            return 0.0
+        pristine = self.damaged.solve(np.zeros((1, len(self.parameters))), load)[0]
+        own, other = self.strain_rows(gauges) @ pristine, self._rows_on(finer.shells, gauges) @ fine
+        return relative_distance(own, other, finer.share)
+
+    def natural_modes(
+        self, n_modes: int, state: Mapping[str, float] | None = None, limit: float = MOST_ERROR
+    ) -> list[Mode]:
+        """Return the lowest natural modes of a state, lowest first, each with the estimated error of its frequency.
 
         Raises
         ------
         InputError
             If nothing has mass, or as `solve`.
+        SolveError
+            If an error is estimated beyond `limit`.
         """
         if not self.total_mass > 0.0:
             raise InputError("the structure has no mass; expected a density or a point mass; give the sections theirs")
-        stiffness = self.built.stiffness(factor=self.stiffness_left(state or {}))
-        return natural_modes(stiffness, self.built.mass(), self.damaged.supports, n_modes)
+        return natural_modes(self.built, self.damaged.supports, n_modes, self.stiffness_left(state or {}), limit=limit)
 
     def stiffness_left(self, state: Mapping[str, float]) -> FloatArray:
         """Return the share of its stiffness that each part (n_parts,) keeps in a state."""
@@ -204,9 +280,8 @@ class Structure:
         return factor
 
     def quality(self, state: Mapping[str, float], load: FloatArray) -> Quality:
-        """Return what a solution is worth: the estimated error of the shells' mesh; `.refuse()` raises beyond 3 %."""
-        factor = self.stiffness_left(state)[: self.built.mesh.n_elements]
-        return solution_quality(self.built, self.solve(state, load).ravel(), factor)
+        """Return what a solution is worth, however little: `solve` refuses it beyond 3 %."""
+        return self._judged(state, load)[1]
 
     def on_patches(self, gauge: StrainGauge) -> StrainGauge:
         """Return a gauge that names the patches of the shell mesh that its element sets are made of."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Beams, BuiltUp, Springs
@@ -18,6 +19,8 @@ Section = Laminate | BeamSection
 Kind = TypeVar("Kind", Laminate, BeamSection)
 SLENDEREST = 5000.0
 """Length of the middle element over the thinnest shell's thickness, and beyond HUGE, where lengths are in two units."""
+APART = 1e-3
+"""Distance of two nodes over the shortest side, below which they lie at one place."""
 HUGE = 100.0
 """Size of a mesh [m] from which it is asked whether it is in millimetres."""
 
@@ -107,6 +110,7 @@ def parts_of(
         point_masses=_masses(mesh, masses),
     )
     _check_lines(mesh, built)
+    _check_merged(mesh, built)
     return Parts(built, line_of_beam, names)
 
 
@@ -223,6 +227,25 @@ def _check_lines(mesh: NamedMesh, built: BuiltUp) -> None:
         raise InputError(
             f"{free.size} lines end at nodes of no shell and have no section, the first is of the sets {listed(own)}; "
             "expected a BeamSection for them; add one, or take them out of the mesh"
+        )
+
+
+def _check_merged(mesh: NamedMesh, built: BuiltUp) -> None:
+    """Refuse two nodes at one place that no spring joins: the mesh is open there."""
+    sides = [
+        np.linalg.norm(np.roll(p, -1, axis=1) - p, axis=2) for p in (mesh.nodes[mesh.quads], mesh.nodes[mesh.trias])
+    ]
+    shortest = min(float(own.min()) for own in sides if own.size)
+    pairs = cKDTree(mesh.nodes).query_pairs(APART * shortest, output_type="ndarray")
+    joined = np.sort(built.links, axis=1) @ [len(mesh.nodes), 1]
+    pairs = np.sort(pairs, axis=1)
+    open_pairs = pairs[~np.isin(pairs @ [len(mesh.nodes), 1], joined)]
+    if len(open_pairs):
+        first, second = open_pairs[np.lexsort(open_pairs.T[::-1])[0]].tolist()
+        raise InputError(
+            f"nodes {first} and {second} lie at one place, {mesh.nodes[first].round(6).tolist()} m, and are not joined "
+            f"({len(open_pairs)} pairs); expected one node there; merge them in the mesh program, or put "
+            "springs between them"
         )
 
 

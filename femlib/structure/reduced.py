@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.assembly import MOST_ERROR
 from femlib.components import damage_row
 from femlib.errors import InputError, is_number
 from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
 from femlib.sensors import StrainGauge
-from femlib.structure.model import MICRO, Structure, checked_strains
+from femlib.structure.model import MICRO, MOST_GAUGE_ERROR, Structure, checked_strains
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,6 +79,11 @@ class ReducedStructure:
         """Return bounds (n_states, n_gauges) [microstrain] of the difference from the full model."""
         return abs(_checked_factor(load_factor)) * self.model.error_bound(states)
 
+    @property
+    def mesh_error(self) -> float:
+        """Estimated relative error of the gauge strains by the mesh, of the undamaged structure; NaN in older files."""
+        return float(self.provenance.get("mesh_error", "nan"))
+
     def save(self, path: str | Path) -> None:
         """Write the model to one .npz file; InputError if it cannot be written."""
         self.model.save(path)
@@ -93,6 +99,8 @@ def reduce(
     load: FloatArray,
     gauges: Sequence[StrainGauge],
     settings: ReductionSettings | None = None,
+    limit: float = MOST_ERROR,
+    gauge_limit: float = MOST_GAUGE_ERROR,
 ) -> ReducedStructure:
     """Return the reduced model of a structure's gauges under one load.
 
@@ -106,23 +114,29 @@ def reduce(
         The gauges.
     settings : ReductionSettings, optional
         How fine; the defaults if not given.
+    limit, gauge_limit : float
+        Estimated errors by the mesh beyond which it is refused, as by `Structure.strain_microstrain`.
 
     Raises
     ------
     InputError
         If the structure has no damage region, the load is not finite, or a gauge cannot be placed.
+    SolveError
+        If the undamaged structure's displacements or gauge strains are estimated to be too far off, or all regions
+        damaged by half its displacements.
     """
     if not structure.parameters:
         raise InputError("the structure has no damage region; expected at least one; name element sets in damage")
     rows = MICRO * structure.strain_rows(gauges)
+    structure.solve(dict.fromkeys(structure.parameters, 0.5), load, limit)
+    error = structure.strain_microstrain({}, load, gauges, limit, gauge_limit).error
     names = [gauge.name for gauge in gauges]
-    if len(set(names)) != len(names):
-        raise InputError(f"gauges are named {names}; expected each name once; rename one")
     provenance = {
         "model": structure.model_hash,
         "load": hashlib.sha256(np.asarray(load, dtype=np.float64).tobytes()).hexdigest(),
         "unknowns": str(len(structure.damaged.supports.free)),
         "octmip": version("octmip"),
+        "mesh_error": repr(error),
     }
     return ReducedStructure(reduce_structure(structure.damaged, load, rows, names, settings, provenance))
 

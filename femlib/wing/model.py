@@ -15,7 +15,7 @@ import scipy.sparse as sparse
 
 from femlib import sensors
 from femlib.arrays import FloatArray
-from femlib.assembly import Supports
+from femlib.assembly import MOST_ERROR, Supports, refuse_error, solution_quality
 from femlib.components import MOST_PORTS, Component, DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
@@ -37,6 +37,8 @@ from femlib.wing.structure import WingGrid, WingMaterials, tapered_materials, wi
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] that linear analysis gives out: carbon breaks at a third of it."""
+JUDGED_DAMAGE = 0.8
+"""Damage of all regions at which the mesh is judged besides the sound wing."""
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to gauge strains (n_states, n_gauges)."""
 
@@ -77,6 +79,7 @@ class Wing:
     strain_rows: sparse.csr_array = field(init=False, repr=False)
     element_rows: tuple[Mapping[int, FloatArray], ...] = field(init=False, repr=False)
     _strain_maps: Kept[float, StrainMap] = field(init=False, repr=False, default_factory=Kept)
+    _mesh_errors: Kept[str, float] = field(init=False, repr=False, default_factory=Kept)
 
     def __post_init__(self) -> None:
         mesh = self.structure.shells.mesh
@@ -96,6 +99,25 @@ class Wing:
         """The gauges on the shells: they read at the height of the skin's carbon face."""
         side = self.materials.face_height / (self.materials.skin_thickness / 2.0)
         return self.gauges.strain_gauges(("top",), side)
+
+    @property
+    def mesh_error(self) -> float:
+        """Estimated relative error of the displacements under the wing's lift by the mesh, made once.
+
+        The larger of the sound wing's and of that with every region damaged by `JUDGED_DAMAGE`, by energy alone.
+        """
+        return self._mesh_errors.get("", self._estimated)
+
+    def _estimated(self) -> float:
+        shells, errors = self.structure.shells, []
+        for damage in (0.0, JUDGED_DAMAGE):
+            state = np.full((1, len(self.parameters)), damage)
+            factor = np.ones(shells.n_elements)
+            for component in self.structure.components:
+                factor[component.elements] -= damage
+            quality = solution_quality(shells, self.structure.solve(state, self.lift)[0], factor)
+            errors.append(quality.displacement_error)
+        return max(errors)
 
     @property
     def span(self) -> float:
@@ -139,9 +161,12 @@ class Wing:
         InputError
             If the state names an unknown parameter, a damage is outside [0, 1), the load factor is not finite, or the
             answer is none that linear analysis can give: a motion beyond the wing's size, strain beyond `MOST_STRAIN`.
+        SolveError
+            If `mesh_error` is beyond 3 %.
         """
         row = damage_row(state, self.parameters)[None, :]
         load = self.load(load_factor, lift)
+        refuse_error(self.mesh_error, "displacements", MOST_ERROR)
         moved = np.asarray(self.structure.solve(row, load)[0].reshape(-1, DOFS_PER_NODE))
         return checked_motion(moved, self.structure.shells.mesh.size)
 
@@ -167,6 +192,7 @@ class Wing:
         """
         if lift is not None:
             forces = self.load(load_factor, lift)
+            refuse_error(self.mesh_error, "displacements", MOST_ERROR)
             return checked_strains(MICRO * self.structure.solve_outputs(states, forces, self.strain_rows))
         factor = checked_load_factor(load_factor)
         strain_map = self._strain_maps.get(1.0, lambda: self.strain_map(1.0))
@@ -195,6 +221,7 @@ class Wing:
             If the load factor or a force is not finite, or the forces are not as many as the degrees of freedom.
         """
         load, rows = MICRO * self.load(load_factor, lift), self.strain_rows
+        refuse_error(self.mesh_error, "displacements", MOST_ERROR)
         everything = tuple(range(len(self.parameters)))
         if self.structure.n_ports(everything) > MOST_PORTS:
             return partial(_checked_map, partial(self.structure.solve_outputs, load=load, rows=rows))

@@ -5,14 +5,18 @@ from collections.abc import Mapping
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.assembly import BucklingMode, Mode, buckling_modes, geometric_stiffness, natural_modes, point_masses
+from femlib.assembly import MOST_ERROR, BucklingMode, Mode, buckling_modes, natural_modes, point_masses
 from femlib.wing.bent import stiffness_factor
 from femlib.wing.inertia import payload_masses
 from femlib.wing.model import Wing
 
 
 def vibrate(
-    wing: Wing, state: Mapping[str, float], n_modes: int = 4, payload: Mapping[float, float] | None = None
+    wing: Wing,
+    state: Mapping[str, float],
+    n_modes: int = 4,
+    payload: Mapping[float, float] | None = None,
+    limit: float = MOST_ERROR,
 ) -> list[Mode]:
     """Return the lowest natural modes of a damaged wing, lowest first.
 
@@ -26,19 +30,27 @@ def vibrate(
         How many.
     payload : mapping, optional
         Masses [kg] by span fraction, on the spar.
+    limit : float
+        Estimated error beyond which the frequencies are refused; by their modes' energy alone, without a finer mesh.
 
     Raises
     ------
     InputError
         If state, number or payload are bad.
+    SolveError
+        If an error is estimated beyond `limit`.
     """
-    structure = wing.structure
-    stiffness = structure.shells.stiffness(factor=stiffness_factor(wing, state))
-    return natural_modes(stiffness, mass_matrix(wing, payload), structure.supports, n_modes)
+    structure, factor = wing.structure, stiffness_factor(wing, state)
+    masses = point_masses(structure.shells.mesh, payload_masses(wing, payload))
+    return natural_modes(structure.shells, structure.supports, n_modes, factor, masses, limit, is_refined=False)
 
 
 def buckle(
-    wing: Wing, state: Mapping[str, float], n_modes: int = 1, lift: FloatArray | None = None
+    wing: Wing,
+    state: Mapping[str, float],
+    n_modes: int = 1,
+    lift: FloatArray | None = None,
+    limit: float = MOST_ERROR,
 ) -> list[BucklingMode]:
     """Return the buckling modes of a damaged wing, least load factor first; their `factor` is the load factor.
 
@@ -48,16 +60,19 @@ def buckle(
         As for `vibrate`.
     lift : FloatArray, optional
         Nodal forces (n_dofs,) at load factor 1 [N, N m]; the wing's own lift if not given.
+    limit : float
+        Estimated error beyond which the factors are refused; by their modes' energy alone, without a finer mesh.
 
     Raises
     ------
     InputError
         If state, number or forces are bad.
+    SolveError
+        If an error is estimated beyond `limit`.
     """
     structure, factor = wing.structure, stiffness_factor(wing, state)
-    moved = wing.solve(state, 1.0, lift).ravel()
-    stressed = geometric_stiffness(structure.shells, moved, factor)
-    return buckling_modes(structure.shells.stiffness(factor=factor), stressed, structure.supports, n_modes)
+    load = wing.load(1.0, lift)
+    return buckling_modes(structure.shells, structure.supports, load, n_modes, factor, limit, is_refined=False)
 
 
 def mass_matrix(wing: Wing, payload: Mapping[float, float] | None = None) -> sparse.csc_array:

@@ -37,8 +37,8 @@ def plate_mesh(n_x=6, n_y=4, length=0.6, width=0.4):
     )
 
 
-def plate_with_mast(damage=("middle", "mast"), springs=(), supports=None, **others):
-    """The structure of `plate_mesh`: its left edge is clamped, a mass stands on the mast."""
+def plate_with_mast(damage=("middle", "mast"), springs=(), supports=None, finer=1, **others):
+    """The structure of `plate_mesh`, 6 x 4 or `finer`: its left edge is clamped, a mass stands on the mast."""
     given = {
         "sections": {"skin": ALUMINIUM, "mast": rectangular_beam(70e9, 0.33, 0.01, 0.02, (1, 0, 0), 2700.0)},
         "supports": {"left": "clamped"} if supports is None else supports,
@@ -46,7 +46,7 @@ def plate_with_mast(damage=("middle", "mast"), springs=(), supports=None, **othe
         "masses": {"top": 0.5},
         "springs": springs,
     }
-    return Structure(read(plate_mesh()), **(given | others))
+    return Structure(read(plate_mesh(6 * finer, 4 * finer)), **(given | others))
 
 
 def corner_spring(stiffness=2e4):

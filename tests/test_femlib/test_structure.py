@@ -20,7 +20,7 @@ GAUGES = [
 
 @pytest.fixture(scope="module")
 def plate():
-    return plate_with_mast(damage=("middle", "mast", "foot"), springs=(corner_spring(),))
+    return plate_with_mast(damage=("middle", "mast", "foot"), springs=(corner_spring(),), finer=2)
 
 
 @pytest.fixture(scope="module")
@@ -82,8 +82,8 @@ def test_loads_by_name_have_their_resultants(plate):
 
 def test_damage_is_less_stiffness_of_that_set(plate, load):
     soft = isotropic_plate(0.4 * 70e9, 0.33, 0.003, 2700.0)
-    mesh = plate_mesh()
-    mesh.cell_sets["outer"] = [np.setdiff1d(np.arange(24), mesh.cell_sets["middle"][0]), np.zeros(0, dtype=int)]
+    mesh = plate_mesh(12, 8)
+    mesh.cell_sets["outer"] = [np.setdiff1d(np.arange(96), mesh.cell_sets["middle"][0]), np.zeros(0, dtype=int)]
     mast = rectangular_beam(0.3 * 70e9, 0.33, 0.01, 0.02, (1, 0, 0), 2700.0)
     sections = {"outer": ALUMINIUM, "middle": soft, "mast": mast}
     other = Structure(read(mesh), sections, {"left": "clamped"}, (), {"top": 0.5}, (corner_spring(1e4),))
@@ -91,7 +91,8 @@ def test_damage_is_less_stiffness_of_that_set(plate, load):
     np.testing.assert_allclose(plate.solve(state, load), other.solve({}, load), rtol=1e-7, atol=1e-12)
     found = plate.strain_microstrain(state, load, GAUGES)
     np.testing.assert_allclose(found, other.strain_microstrain({}, load, GAUGES), rtol=1e-7)
-    ours, theirs = ([m.frequency for m in s.natural_modes(3, w)] for s, w in ((plate, state), (other, None)))
+    # the mast twists one node of the plate, which never converges
+    ours, theirs = ([m.frequency for m in s.natural_modes(3, w, limit=1.0)] for s, w in ((plate, state), (other, None)))
     np.testing.assert_allclose(ours, theirs, rtol=1e-7)
 
 
@@ -150,7 +151,7 @@ def test_springs_alone_can_carry_a_structure():
     feet = tuple(Spring(f"foot{k}", name, [1e4] * 6) for k, name in enumerate(("left", "corner")))
     structure = plate_with_mast(supports={}, springs=feet, damage=())
     weight = structure.gravity().reshape(-1, 6)[:, 2].sum()
-    moved = structure.solve({}, structure.gravity())
+    moved = structure.solve({}, structure.gravity(), limit=1.0)  # a corner on one spring
     feet_at = [*structure.mesh.nodes_of("left"), *structure.mesh.nodes_of("corner")]
     assert 1e4 * moved[feet_at, 2].sum() == pytest.approx(weight, rel=1e-9)
 
@@ -166,7 +167,8 @@ def test_a_structure_is_written_as_paraview_reads_it(plate, load, tmp_path):
     assert np.isnan(top[1]).all()
 
 
-def test_strains_in_the_picture_are_those_of_a_pulled_strip(plate, tmp_path):
+def test_strains_in_the_picture_are_those_of_a_pulled_strip(tmp_path):
+    plate = plate_with_mast(finer=3)
     write_vtu(plate, tmp_path / "pulled.vtu", {}, plate.line_load("right", (1e4, 0.0, 0.0)))
     found = meshio.read(tmp_path / "pulled.vtu").cell_data
     for face in ("top", "bottom"):
@@ -174,7 +176,7 @@ def test_strains_in_the_picture_are_those_of_a_pulled_strip(plate, tmp_path):
 
 
 def test_a_strip_of_triangles_is_pulled_as_one_of_quadrilaterals(tmp_path):
-    quads = plate_mesh(n_x=12, n_y=8)
+    quads = plate_mesh(n_x=18, n_y=12)
     a, b, c, d = quads.cells[0].data.T
     trias = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
     mesh = meshio.Mesh(quads.points[:-2], [("triangle", trias)], cell_sets={"skin": [np.arange(len(trias))]})

@@ -116,7 +116,7 @@ CASES = {
         lambda f: built(
             meshio.Mesh(plate_mesh().points, plate_mesh().cells, cell_sets=plate_mesh().cell_sets,
                         point_sets={"all": np.arange(35)})).line_load("all", (1, 0, 0)),
-        "an area: 4 edges meet",
+        "holds all corners of shell 0",
     ),
     "damage without stiffness": (
         lambda f: built(

@@ -137,9 +137,7 @@ def test_what_has_no_answer_gets_a_sentence(attempt: Callable[[], object], sente
         lambda: DamagedStructure(PLATE, Supports(MESH.n_dofs, np.arange(MESH.n_dofs)), ()).solve(
             np.zeros((1, 0)), LOAD
         ),
-        lambda: natural_modes(
-            PLATE.stiffness(), PLATE.mass(), Supports(MESH.n_dofs, np.arange(1, MESH.n_dofs)), n_modes=1
-        ),
+        lambda: natural_modes(PLATE, Supports(MESH.n_dofs, np.arange(1, MESH.n_dofs)), n_modes=1),
     ],
     ids=["factors", "components", "modes"],
 )

@@ -94,7 +94,7 @@ def panels(count: int, n: int, kind: str) -> Line:
         shape = random_shape(rng)
         try:
             case = shape(n, rng)
-            work, quality = (case if kind not in DIAGONALS else case.in_triangles(kind)).judged()
+            work, quality = (case if kind not in DIAGONALS else case.in_triangles(kind)).judged(is_refined=False)
             quality.refuse()
         except (MeshError, SolveError):
             continue
