@@ -141,7 +141,7 @@ SILENT = {
     "one name twice": (lambda: skin().strain_rows([GAUGE, GAUGE]), "gauges are named .*; rename one"),
     "far beyond Euler": (squeezed, "beyond the buckling load .*; lower it"),
     "20 mm off": (
-        lambda: skin().strain_rows([StrainGauge("g", (0.3, 0.2, 0.02), (1, 0, 0), ("skin",))]),
+        lambda: plate_with_mast().strain_rows([StrainGauge("g", (0.3, 0.2, 0.02), (1, 0, 0), ("skin",))]),
         "lies 0.02 m off element .*; move the gauge onto the surface",
     ),
 }
