@@ -64,8 +64,7 @@ class Refined:
         """Return the refined structure."""
         mesh = shells.mesh
         quads, trias, n = mesh.quads, mesh.trias, len(mesh.nodes)
-        built = shells if isinstance(shells, BuiltUp) else None
-        ends = np.zeros((0, 2), dtype=np.int64) if built is None else built.beams.ends
+        ends = shells.beams.ends if isinstance(shells, BuiltUp) else np.zeros((0, 2), dtype=np.int64)
         sides = [np.stack([c, np.roll(c, -1, axis=1)], axis=2).reshape(-1, 2) for c in (quads, trias)]
         every = np.sort(np.concatenate([*sides, ends]), axis=1)
         edges, number = np.unique(every, axis=0, return_inverse=True)
@@ -83,23 +82,10 @@ class Refined:
             np.repeat(mesh.patch_of_element, 4),
             ANY_SHAPE,
         )
+        parts = _on(shells, fine, of_beams)
         repeats = np.full(shells.n_elements, 4)
-        given = {
-            "mesh": fine,
-            "laminates": shells.laminates,
-            "section": np.repeat(shells.section, 4),
-            "scale": np.repeat(shells.scale, 4),
-            "axis": shells.axis,
-        }
-        if built is None:
-            parts: Shells = Shells(**given)
-        else:
-            repeats[mesh.n_elements :] = 1
-            repeats[mesh.n_elements : mesh.n_elements + len(ends)] = 2
-            halves = np.stack([ends[:, 0], of_beams, of_beams, ends[:, 1]], axis=1).reshape(-1, 2)
-            beams = Beams(halves, built.beams.sections, np.repeat(built.beams.section, 2))
-            masses = np.concatenate([built.point_masses, np.zeros(len(nodes) - n)])
-            parts = BuiltUp(**given, beams=beams, springs=built.springs, point_masses=masses)
+        repeats[mesh.n_elements :] = 1
+        repeats[mesh.n_elements : mesh.n_elements + len(ends)] = 2
         free = np.zeros(mesh.n_dofs)
         free[supports.free] = 1.0
         moves = (between @ free.reshape(n, DOFS_PER_NODE)).ravel() > 0.0
@@ -143,6 +129,25 @@ class Refined:
         force[self.spread] = 0.0
         fine[: len(force)] += force
         return np.asarray(fine).ravel()
+
+
+def _on(shells: Shells, fine: Mesh, middle: IntArray) -> Shells:
+    """Return the parts of shells on the finer mesh; `middle` (n_beams,) are the nodes that the beams gain."""
+    section, scale = np.repeat(shells.section, 4), np.repeat(shells.scale, 4)
+    if not isinstance(shells, BuiltUp):
+        return Shells(fine, shells.laminates, section, scale, shells.axis)
+    ends = shells.beams.ends
+    halves = np.stack([ends[:, 0], middle, middle, ends[:, 1]], axis=1).reshape(-1, 2)
+    return BuiltUp(
+        mesh=fine,
+        laminates=shells.laminates,
+        section=section,
+        scale=scale,
+        axis=shells.axis,
+        beams=Beams(halves, shells.beams.sections, np.repeat(shells.beams.section, 2)),
+        springs=shells.springs,
+        point_masses=np.concatenate([shells.point_masses, np.zeros(len(fine.nodes) - len(shells.mesh.nodes))]),
+    )
 
 
 def _between(n: int, edges: IntArray, quads: IntArray) -> sparse.csr_array:
