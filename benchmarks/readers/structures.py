@@ -20,6 +20,8 @@ from femlib.structure import Structure, calculix
 
 SKIN = isotropic_plate(70e9, 0.33, 0.003, 2700.0)
 N_ACROSS = 3
+N_POINTS = 8
+"""Strains that CalculiX prints of a quadrilateral."""
 
 
 def _plate() -> meshio.Mesh:
@@ -96,7 +98,7 @@ def make_results(number: int, folder: Path) -> None:
     rng = np.random.default_rng([96, number])
     rows = [" strains (elem, integ.pnt.,exx,eyy,ezz,exy,exz,eyz) for set GAUGES and time  1.0\n"]
     for element in range(1, N_ACROSS**2 + 1):
-        for point in range(1, calculix.N_POINTS + 1):
+        for point in range(1, N_POINTS + 1):
             rows.append(f"{element:10d}{point:4d}" + "".join(f"{v:14.6E}" for v in 1e-4 * rng.normal(size=6)))
     (folder / "strains.dat").write_text("\n".join(rows) + "\n")
     modes = [f"{k:7d} {9.0 * k:.7E} {3.0 * k:.7E} {0.5 * k:.7E} 0.0000000E+00" for k in range(1, 4)]
