@@ -11,6 +11,8 @@ from benchmarks.cases.regression.agreement import complaint
 from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip import Leaf, Limits, RegressionProblem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
+from octmip.proof import check_proof
+from octmip.regression.exact import exact_regression
 from octmip.regression.exact_sums import best_constant, sum_of_errors
 
 LOSSES = ("squared", "absolute")
@@ -35,6 +37,17 @@ def test_the_optimum_is_that_of_enumeration_and_no_bound_lies_above_it(loss):
         found = problem.exact_objective(solution.tree)
         assert found == least or float(found - least) <= 1e-12 * problem.baseline, seed
         assert certificate.objective == solution.objective, seed
+
+
+def test_a_cluster_that_begins_in_the_last_of_the_bins_of_targets_is_counted(tmp_path):
+    # One far target among 31: the best leaf of it alone lies inside the last bin.
+    targets = [2.65, 0.38, 3.81, 0.06, 27.99, 0.68, 2.91, 4.73, 1.63, 1.43, 0.07, 0.69, 0.34, 1, 0, 0.04]
+    targets += [0.56, 1.68, 0.67, 0.11, 0.31, 0.42, 0, 0.21, 0.22, 0.26, 1.89, 0.1, 2.44, 1.89, 2.4, 1.66]
+    problem = RegressionProblem(np.arange(32.0)[:, None], np.array(targets), depth=2)
+    solution = exact_regression(problem, proof=tmp_path / "proof.log")
+    assert solution.is_optimal
+    assert solution.objective == pytest.approx(33.26635)
+    assert check_proof(problem, tmp_path / "proof.log").bound <= 33.26635
 
 
 @pytest.mark.parametrize(("seed", "loss"), [(540, "squared"), (615, "absolute")])

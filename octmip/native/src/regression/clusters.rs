@@ -89,6 +89,18 @@ impl Bins {
     }
 
     /// Lower bound of the error of at most `c` constants for the samples of a histogram.
+    ///
+    /// **Theorem.** Let `best(j, b)` be the least sum of what runs of bins before `b` cost as one cluster each, at most
+    /// `j` runs, where the next run starts at the bin after the last one, or one later if the bin between holds several
+    /// targets (it is left out), and where a run may be empty. Then `best(c, n_bins)` is at most what the best `c`
+    /// clusters of the targets cost.
+    ///
+    /// *Proof.* The best clusters are runs of the sorted targets, none of them parting equal ones. Let `p(j)` be the
+    /// number of bins that end within the first `j` clusters, `p(0) = 0`, `p(c) = n_bins`; by induction the first `j`
+    /// clusters cost `best(j, p(j))` or more. Cluster `j + 1` starts with the bin `p(j)`, or inside it, which then holds
+    /// several targets. So the whole bins of that cluster are those from `p(j)`, or from `p(j) + 1`, to before
+    /// `p(j + 1)`: a run that `best` allows, empty where the cluster has no whole bin: inside one bin, from one into
+    /// the next, **or as the end of the last bin**. It costs no more than the cluster, as fewer samples never do. QED
     pub(crate) fn bound(&self, histogram: &Histogram, c: usize, is_absolute: bool) -> f64 {
         let n_bins = self.ends.len();
         if c >= n_bins {
@@ -97,31 +109,42 @@ impl Bins {
         if is_absolute && self.is_single {
             return self.few_targets(histogram, c);
         }
-        // best[j]: least cost of the bins before j by so many clusters; a bin of several values may be left out.
+        // Of one cluster: nothing is left out.
         let mut best = [f64::INFINITY; N_BINS + 1];
         best[0] = 0.0;
-        for round in 1..c {
+        self.extend(&mut best, histogram, 0.0, 0, is_absolute);
+        for _ in 2..c {
             let mut next = best;
-            for from in 0..if round == 1 { 1 } else { n_bins } {
+            for from in 1..=n_bins {
                 let start = self.start(&best, from);
-                let mut sums = Sums::default();
-                for to in from..n_bins {
-                    sums += histogram[to];
-                    let cost = if is_absolute { self.absolute(histogram, from, to) } else { sums.squared_error() };
-                    next[to + 1] = next[to + 1].min(start + cost);
-                }
+                next[from] = next[from].min(start);
+                self.extend(&mut next, histogram, start, from, is_absolute);
             }
             best = next;
         }
-        // The last cluster ends with the last bin.
-        let mut least = best[n_bins];
+        if c == 1 {
+            return best[n_bins];
+        }
+        // The last cluster ends with the last bin, or inside it.
+        let mut least = self.start(&best, n_bins);
         let mut sums = Sums::default();
-        for from in (0..n_bins).rev() {
+        for from in (1..n_bins).rev() {
             sums += histogram[from];
             let cost = if is_absolute { self.absolute(histogram, from, n_bins - 1) } else { sums.squared_error() };
             least = least.min(self.start(&best, from) + cost);
         }
         least
+    }
+
+    /// Lower `next` by the runs from a bin on that begin at a cost of `start`.
+    #[inline(always)]
+    fn extend(&self, next: &mut [f64; N_BINS + 1], histogram: &Histogram, start: f64, from: usize, is_absolute: bool) {
+        let mut sums = Sums::default();
+        for to in from..self.ends.len() {
+            sums += histogram[to];
+            let cost = if is_absolute { self.absolute(histogram, from, to) } else { sums.squared_error() };
+            next[to + 1] = next[to + 1].min(start + cost);
+        }
     }
 
     /// The same where each bin is one target: the least absolute error of `c` constants.
@@ -182,5 +205,121 @@ impl Bins {
         let (low, high) = self.ends[middle];
         let mean = if own.weight > 0.0 { (own.target / own.weight).clamp(low, high) } else { low };
         cost(low).min(cost(high)).min(cost(mean)).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use octmip_check::regression::grid::{Samples, Scale};
+    use octmip_check::regression::question::RegressionQuestion;
+
+    use super::{Bins, Histogram, N_BINS, Sums};
+
+    /// Whole targets with a spread top, with ties, or in clusters.
+    fn targets(rng: &mut fastrand::Rng, n: usize) -> Vec<f64> {
+        let normal = |rng: &mut fastrand::Rng| (0..12).map(|_| rng.f64()).sum::<f64>() - 6.0;
+        let kind = rng.u8(0..6);
+        let draw = |rng: &mut fastrand::Rng| match kind {
+            0 => 64.0 * (1.5 * normal(rng)).exp(),
+            1 => (64.0 * (std::f64::consts::PI * (rng.f64() - 0.5)).tan()).clamp(-1e6, 1e6),
+            2 => f64::from(rng.u8(0..30)),
+            3 => 1024.0 * normal(rng),
+            4 => 4.0 * normal(rng).exp(),
+            _ => 1000.0 * f64::from(rng.u8(0..4)) + 64.0 * normal(rng),
+        };
+        (0..n).map(|_| draw(rng).round()).collect()
+    }
+
+    /// The least error of one constant for targets with weights.
+    fn run(own: &[(f64, f64)], is_absolute: bool) -> f64 {
+        let error = |m: f64| -> f64 {
+            own.iter().map(|(y, w)| if is_absolute { w * (y - m).abs() } else { w * (y - m).powi(2) }).sum()
+        };
+        if is_absolute {
+            return own.iter().map(|(m, _)| error(*m)).fold(f64::INFINITY, f64::min);
+        }
+        let weight: f64 = own.iter().map(|(_, w)| w).sum();
+        error(own.iter().map(|(y, w)| y * w).sum::<f64>() / weight)
+    }
+
+    /// The least error of 1, 2, ... runs of sorted targets, by every run that there is.
+    fn optima(sorted: &[(f64, f64)], most: usize, is_absolute: bool) -> Vec<f64> {
+        let n = sorted.len();
+        let costs: Vec<Vec<f64>> =
+            (0..n).map(|from| (from + 1..=n).map(|to| run(&sorted[from..to], is_absolute)).collect()).collect();
+        let mut best: Vec<f64> = (0..=n).map(|to| if to == 0 { 0.0 } else { costs[0][to - 1] }).collect();
+        let mut found = vec![best[n]];
+        for _ in 1..most {
+            let reach =
+                |to: usize| (0..to).map(|from| best[from] + costs[from][to - from - 1]).fold(best[to], f64::min);
+            best = (0..=n).map(reach).collect();
+            found.push(best[n]);
+        }
+        found
+    }
+
+    #[test]
+    fn neither_bound_is_above_the_best_clusters_and_both_meet_them_where_each_bin_is_one_target() {
+        let (mut n_met, mut n_many) = (0, 0);
+        for seed in 0..4000 {
+            let rng = &mut fastrand::Rng::with_seed(seed);
+            let n = rng.usize(2..48);
+            let all = targets(rng, n);
+            let heaviest = if rng.bool() { 9 } else { 2 };
+            let weights: Vec<f64> = (0..n).map(|_| f64::from(rng.u8(1..heaviest))).collect();
+            let mut values = all.clone();
+            values.sort_unstable_by(f64::total_cmp);
+            values.dedup();
+            let ranks: Vec<u32> = all.iter().map(|y| values.partition_point(|v| v < y) as u32).collect();
+            let bins = Bins::of(&values, &ranks);
+            // Some of the samples, as at a node.
+            let mut kept: Vec<usize> = (0..n).filter(|_| rng.u8(0..4) > 0).collect();
+            kept.sort_by(|&i, &j| all[i].total_cmp(&all[j]));
+            let mut histogram: Histogram = [Sums::default(); N_BINS];
+            for &i in &kept {
+                let (weight, target) = (weights[i], weights[i] * all[i]);
+                histogram[bins.of_sample[i] as usize] += Sums { weight, target, square: target * all[i] };
+            }
+            let sorted: Vec<(f64, f64)> = kept.iter().map(|&i| (all[i], weights[i])).collect();
+            for is_absolute in [false, true] {
+                let question = question(&all, &weights, is_absolute);
+                let checked = Samples::on_grid(&question, Scale { weight: 0, target: 0, cost: 0 }).expect("small");
+                let set: Vec<u32> = kept.iter().map(|&i| i as u32).collect();
+                let size: f64 = sorted.iter().map(|(y, w)| w * if is_absolute { y.abs() } else { y * y }).sum();
+                for (c, least) in (1..).zip(optima(&sorted, 8, is_absolute)) {
+                    let bounds = [bins.bound(&histogram, c, is_absolute), checked.clusters(&set, c) as f64];
+                    for bound in bounds {
+                        assert!(bound <= least + 1e-12 * size, "seed {seed}, {c} clusters: {bound} above {least}");
+                    }
+                    n_many += usize::from(values.len() > N_BINS);
+                    if values.len() <= N_BINS {
+                        let is_met = |bound: f64, off: f64| bound >= least - off - 1e-12 * size;
+                        assert!(
+                            is_met(bounds[0], 0.0) && is_met(bounds[1], 1.0),
+                            "seed {seed}, {c}: {bounds:?}, {least}"
+                        );
+                        n_met += 1;
+                    }
+                }
+            }
+        }
+        assert!(n_met > 20_000 && n_many > 20_000, "{n_met} and {n_many} bounds");
+    }
+
+    fn question(targets: &[f64], weights: &[f64], is_absolute: bool) -> RegressionQuestion {
+        RegressionQuestion {
+            n: targets.len(),
+            p: 1,
+            features: (0..targets.len()).map(|i| i as f64).collect(),
+            targets: targets.to_vec(),
+            weights: weights.to_vec(),
+            is_absolute,
+            depth: 1,
+            leaf_size: 1,
+            leaf_penalty: 0.0,
+            sensor_of_feature: vec![0],
+            sensor_cost: vec![1.0],
+            sensor_limit: f64::INFINITY,
+        }
     }
 }
