@@ -21,6 +21,7 @@ FAMILIES = {
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",
     "fuzz_regression": "benchmarks.cases.regression.agreement",
+    "fuzz_regression_wide": "benchmarks.cases.regression.wide",
     "regression_speed": "benchmarks.cases.regression.speed",
     "search_hits": "benchmarks.cases.search.hits",
     "search_planes": "benchmarks.cases.search.planes",

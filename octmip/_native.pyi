@@ -97,7 +97,7 @@ class RegressionQuestion:
     def check(self, log: str) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
 
-    def prove(self, scale: tuple[int, int, int], wanted: int) -> tuple[int, str, float] | None:
+    def prove(self, scale: tuple[int, int, int, int], wanted: int) -> tuple[int, str, float] | None:
         """Return claim, body and bound of a log: `wanted`, or what the best tree costs. None if it was stopped.
 
         `scale`: exponents of weights, targets and costs of the log's grid.

@@ -12,7 +12,7 @@ from octmip.formats.messages import several
 from octmip.problem import Problem
 from octmip.regression.certificate import RegressionCertificate, certify_regression
 from octmip.regression.problem import RegressionProblem
-from octmip.solution import Solution, Stop
+from octmip.solution import Solution, Stop, is_tolerable
 from octmip.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
 
 
@@ -156,7 +156,7 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
             f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {objective}"
         )
     least = problem.least_saving
-    if solution.tolerance != 0 and not 0 < solution.tolerance < least:  # `least` itself may underflow to 0
+    if not is_tolerable(solution.tolerance, least):
         raise CertificateError(
             f"{solution.solver} claims the tolerance {solution.tolerance}, too wide to call anything proven: one "
             f"sample or split alone can save {least}; expected 0 or more and less than that"

@@ -72,6 +72,27 @@ def relative_gap(objective: float, bound: float) -> float:
     return (objective - bound) / max(abs(objective), 1e-300)
 
 
+def is_tolerable(tolerance: float, least_saving: float) -> bool:
+    """Whether a bound within this tolerance of an objective proves its tree optimal: 0, or less than can be saved.
+
+    `least_saving` is `Problem.least_saving`, or `RegressionProblem.least_saving` of the tree's objective; it may
+    underflow to 0.
+    """
+    return tolerance == 0 or 0 < tolerance < least_saving
+
+
+def closing_tolerance(objective: float, bound: float, least_saving: float) -> float:
+    """Return how far a bound is from the objective of a tree that a finished search found; -1 if too far for a proof.
+
+    The distance is rounding alone. It proves the tree optimal if `is_tolerable`; beyond, two trees may have been taken
+    for equal.
+    """
+    distance = max(0.0, objective - bound)
+    while objective - distance > bound:
+        distance = math.nextafter(distance, math.inf)
+    return distance if is_tolerable(distance, least_saving) else -1.0
+
+
 @dataclass(frozen=True, slots=True)
 class Solution:
     """A tree with its objective and the bound below which no tree of the problem lies.
@@ -96,7 +117,7 @@ class Solution:
         of its random choices.
     tolerance
         how far `bound` may stand from `objective` and still meet it: 0 where weights and costs are integers,
-        always below `Problem.least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
+        always below the problem's `least_saving` (a solver that cannot keep that says `Stop.NUMERICS`, not optimal).
     details
         what else the solver has to say (ties broken, strictness, model size); JSON values only.
     """

@@ -7,7 +7,7 @@ from octmip.drift.bands import Amount
 from octmip.drift.recount import WorstCase, worst_case
 from octmip.errors import CertificateError
 from octmip.problem import Problem
-from octmip.solution import Solution, Stop
+from octmip.solution import Solution, Stop, is_tolerable
 
 
 def certify_drift(
@@ -49,7 +49,7 @@ def _check_bound(problem: Problem, solution: Solution, least: float) -> None:
         raise CertificateError(
             f"{solution.solver} says optimal but its bound {solution.bound} does not meet {solution.objective}"
         )
-    if solution.tolerance != 0 and not 0 < solution.tolerance < problem.least_saving:
+    if not is_tolerable(solution.tolerance, problem.least_saving):
         raise CertificateError(
             f"{solution.solver} claims the tolerance {solution.tolerance}; expected 0 or more and less than "
             f"{problem.least_saving}, what one sample or split alone can save"

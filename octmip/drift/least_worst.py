@@ -22,7 +22,6 @@ from octmip.encoding import (
     IntegerCosts,
     NodeRow,
     Ranks,
-    closing_tolerance,
     integer_costs,
     native_problem,
     rows_from_tree,
@@ -31,7 +30,7 @@ from octmip.encoding import (
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.methods.native_call import native_progress
 from octmip.problem import Problem
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
 from octmip.solver import solve as solve_plain
 from octmip.tree import Node, complexity, depth, without_empty_sides
 
@@ -237,7 +236,7 @@ class _Search:
         self.bound = max(self.bound, costs.value(bound))
         self.stop = Stop(stop)
         if costs.is_rounded and self.stop is Stop.OPTIMAL:
-            tolerance = closing_tolerance(self.problem, self.objective, self.bound)
+            tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
             self.tolerance, self.stop = max(0.0, tolerance), Stop.NUMERICS if tolerance < 0 else Stop.OPTIMAL
 
     def solution(self) -> Solution:

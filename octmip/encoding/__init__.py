@@ -7,7 +7,7 @@ costs     weights, costs and penalty as whole numbers
 grid      the same where they are not whole
 """
 
-from octmip.encoding.costs import CAPACITY, IntegerCosts, closing_tolerance
+from octmip.encoding.costs import CAPACITY, IntegerCosts
 from octmip.encoding.grid import integer_costs
 from octmip.encoding.ranks import Ranks, native_arguments, native_problem, rank_features
 from octmip.encoding.rows import NodeRow, cut_as_split, rows_from_tree, split_as_cut, tree_from_rows
@@ -17,7 +17,6 @@ __all__ = [
     "IntegerCosts",
     "NodeRow",
     "Ranks",
-    "closing_tolerance",
     "cut_as_split",
     "integer_costs",
     "native_arguments",

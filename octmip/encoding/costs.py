@@ -74,18 +74,6 @@ class IntegerCosts:
         return int(paid.sum()) + self.penalty * complexity(tree)
 
 
-def closing_tolerance(problem: Problem, objective: float, bound: float) -> float:
-    """Return how far a bound is from the objective of a tree that is best on whole numbers; -1 if too far for a proof.
-
-    The grid was searched to its end, so the distance is rounding alone. It proves the tree optimal if one sample or one
-    split is worth more (`Problem.least_saving`); beyond, two trees may have been taken for equal.
-    """
-    distance = max(0.0, objective - bound)
-    while objective - distance > bound:
-        distance = math.nextafter(distance, math.inf)
-    return distance if distance < problem.least_saving else -1.0
-
-
 def whole_costs(problem: Problem) -> IntegerCosts | None:
     """Return the costs of a problem whose objectives are whole numbers of some power of two, all below `CAPACITY`."""
     weight_exponent, cost_exponent = (max(0, whole_exponent(array)) for array in (problem.weights, problem.costs))

@@ -18,7 +18,6 @@ from octmip.cluster import Cluster, Future, opened
 from octmip.encoding import (
     IntegerCosts,
     Ranks,
-    closing_tolerance,
     integer_costs,
     native_arguments,
     native_problem,
@@ -45,7 +44,7 @@ from octmip.methods.shared_work import submitter
 from octmip.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.problem import Problem
 from octmip.proof import log_header
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
 from octmip.tree import Node, centred
 
 SOLVER = "exact"
@@ -256,7 +255,7 @@ class _Search:
         """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
         if not costs.is_rounded:
             return True
-        tolerance = closing_tolerance(self.problem, self.objective, self.bound)
+        tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
         self.tolerance = max(0.0, tolerance)
         return tolerance >= 0
 

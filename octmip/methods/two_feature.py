@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 from octmip import _native
 from octmip.encoding import (
     IntegerCosts,
-    closing_tolerance,
     integer_costs,
     native_problem,
     rank_features,
@@ -46,7 +45,7 @@ from octmip.methods.native_call import (
 )
 from octmip.problem import Problem
 from octmip.proof import check_proof, log_header
-from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
+from octmip.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
 MOST_DEPTH = 2
@@ -142,7 +141,7 @@ def two_feature_branch_and_bound(
     tree, objective = better(problem, better(problem, found, first)[0], known)
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
-    tolerance = max(0.0, closing_tolerance(problem, objective, lower)) if stop == Stop.OPTIMAL else 0.0
+    tolerance = max(0.0, closing_tolerance(objective, lower, problem.least_saving)) if stop == Stop.OPTIMAL else 0.0
     met = lower >= objective - tolerance
     solution = Solution(
         tree=tree,

@@ -9,7 +9,7 @@ import numpy as np
 
 from octmip.errors import CertificateError, ProblemError
 from octmip.regression.problem import RegressionProblem
-from octmip.solution import Solution, Stop
+from octmip.solution import Solution, Stop, is_tolerable
 from octmip.tree import (
     HyperplaneSplit,
     Leaf,
@@ -165,8 +165,9 @@ def _check_claims(problem: RegressionProblem, solution: Solution, exact: Fractio
         raise CertificateError(
             f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {float(exact)}"
         )
-    if solution.tolerance != 0 and not 0 < solution.tolerance < problem.resolution:
+    least = problem.least_saving(float(exact))
+    if not is_tolerable(solution.tolerance, least):
         raise CertificateError(
             f"{solution.solver} claims the tolerance {solution.tolerance}, too wide to call anything proven; expected "
-            f"less than {problem.resolution}"
+            f"less than {least}, a hundred-millionth of the tree's objective"
         )

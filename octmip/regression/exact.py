@@ -1,8 +1,9 @@
 """Branch and bound over thresholds for regression trees: a thin wrapper of the native core.
 
 The core counts ranks and scaled targets (see `octmip.regression.grid`); the algorithm, its bounds and their proofs are
-in docs/theory/regression.md. With a sensor budget the trees are parted by the sensors that they may read: a set of
-trees is solved without the budget, and parted by a sensor of its best tree where that costs too much.
+in docs/theory/regression.md. Where the grid is too coarse for the tree that is found, the search is done again on the
+finer one that its objective allows. With a sensor budget the trees are parted by the sensors that they may read: a set
+of trees is solved without the budget, and parted by a sensor of its best tree where that costs too much.
 """
 
 import heapq
@@ -26,7 +27,7 @@ from octmip.regression.certificate import checked_incumbent
 from octmip.regression.grid import Grid
 from octmip.regression.problem import RegressionProblem
 from octmip.regression.proof_log import write_proof
-from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, relative_gap
+from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance, relative_gap
 from octmip.tree import Node, centred
 
 SOLVER = "exact"
@@ -112,7 +113,7 @@ class _Search:
     tree: Node | None = None
     objective: float = math.inf
     room: float = math.inf  # what the best tree costs on the grid
-    bound: float = 0.0
+    bound: float = 0.0  # in the problem's units
     proven: float = math.inf  # by the log, where one was written
     n_cuts: int = 0
     stop: Stop = Stop.OPTIMAL
@@ -122,8 +123,8 @@ class _Search:
 
     def __post_init__(self) -> None:
         self.ranks = Ranks.of(self.problem.features)
-        self.grid = Grid.of(self.problem)
-        self.leaf = self.problem.baseline
+        self.grid = Grid.of(self.problem, self.problem.baseline)
+        self.leaf = self.grid.leaf
 
     def keep(self, tree: Node | None) -> None:
         """Take up a tree that is better than the best so far."""
@@ -134,6 +135,22 @@ class _Search:
             self.tree, self.objective, self.room = tree, float(exact), self.grid.room(exact)
 
     def search(self) -> None:
+        """Search on finer and finer grids, until the best tree is proven or a limit is reached."""
+        self._search_parts()
+        while self.stop is Stop.OPTIMAL and self.tolerance(self.bound) < 0:
+            finer = Grid.of(self.problem, self.objective)
+            if finer.span > self.grid.span / 2:
+                break
+            assert self.tree is not None
+            self.grid, self.leaf = finer, finer.leaf
+            self.room = finer.room(self.problem.exact_objective(self.tree))
+            self._search_parts()
+
+    def tolerance(self, bound: float) -> float:
+        """Return the tolerance of a bound, -1 where it proves nothing of the tree."""
+        return closing_tolerance(self.objective, bound, self.problem.least_saving(self.objective))
+
+    def _search_parts(self) -> None:
         """Search the parts of the trees, the least bound first, until no open one may hold a better tree."""
         numbers = count()
         open_parts = [_Part(0.0, next(numbers), frozenset(), frozenset())]
@@ -152,7 +169,8 @@ class _Search:
                 for held, banned in (({extra}, set()), (set(), {extra})):
                     open_parts.append(_Part(bound, next(numbers), part.held | held, part.banned | banned))
                 heapq.heapify(open_parts)
-        self.bound = min([closed, *(part.bound for part in open_parts)])
+        least = min([closed, *(part.bound for part in open_parts)])
+        self.bound = max(self.bound, self.grid.lower(least))
         if self.tree is None:
             self.keep(self.problem.best_leaf(np.arange(self.problem.n_samples)))
 
@@ -211,19 +229,17 @@ class _Search:
         """What a log is to prove: the tree's objective if the search ended, else the bound."""
         assert self.tree is not None
         exact = self.problem.exact_objective(self.tree)
-        return exact if self.stop is Stop.OPTIMAL else min(exact, Fraction(self.grid.lower(self.bound)))
+        return exact if self.stop is Stop.OPTIMAL else min(exact, Fraction(self.bound))
 
     def solution(self, seed: int) -> Solution:
         """Return the tree with its bound; what rounding alone keeps them apart by is the tolerance."""
         assert self.tree is not None
-        bound = self.grid.lower(self.bound) if math.isinf(self.proven) else self.proven
+        bound = self.bound if math.isinf(self.proven) else self.proven
         bound = min(bound, rounded_down(self.problem.exact_objective(self.tree)))
         tolerance, stop = 0.0, self.stop
-        if stop is Stop.OPTIMAL and bound < self.objective:
-            tolerance = self.objective - bound
-            while self.objective - tolerance > bound:
-                tolerance = math.nextafter(tolerance, math.inf)
-            if tolerance >= self.problem.resolution:
+        if stop is Stop.OPTIMAL:
+            tolerance = self.tolerance(bound)
+            if tolerance < 0:
                 tolerance, stop = 0.0, Stop.NUMERICS
         elif stop is Stop.GAP and relative_gap(self.objective, bound) > self.limits.gap:
             stop = Stop.NUMERICS

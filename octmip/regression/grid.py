@@ -1,6 +1,8 @@
 """A regression problem as the native core counts it, and what its bounds prove of the true one.
 
-The core adds float64. Targets are moved to the middle of their range and scaled by a power of two, so that
+The core adds float64. Gaps between targets that no leaf of a better tree spans are closed up
+(`octmip.regression.reach`); then the targets are moved to the middle of their range and scaled by a power of two, so
+that
 
 * where targets and weights are whole numbers of some power of two, small enough together, nothing is rounded;
 * where only the weights are, targets are rounded to a grid so fine that all sums of weighted targets still are whole
@@ -19,7 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding.numbers import power_of_two, rounded_down, whole_exponent
+from octmip.regression.exact_sums import best_constant
 from octmip.regression.problem import RegressionProblem
+from octmip.regression.reach import closed_up, reach
 
 Floats = NDArray[np.float64]
 CAPACITY = 2.0**53
@@ -55,6 +59,8 @@ class Grid:
         whether all costs are whole numbers.
     loss, total
         of the problem; sum of the weights.
+    span
+        of the targets that were closed up, in the problem's units.
     """
 
     targets: Floats
@@ -69,12 +75,14 @@ class Grid:
     is_whole: bool
     loss: str
     total: float
+    span: float
 
     @classmethod
-    def of(cls, problem: RegressionProblem) -> "Grid":
-        """Return the grid of a problem."""
+    def of(cls, problem: RegressionProblem, objective: float) -> "Grid":
+        """Return the grid of a problem on which trees of less than this objective cost what they do."""
         weight_exponent, weights = _scaled_weights(problem.weights)
-        exponent, targets, distance = _scaled_targets(problem.targets, weights)
+        near = closed_up(problem.targets, reach(problem, objective))
+        exponent, targets, distance = _scaled_targets(near, weights)
         total, most = math.fsum(weights), float(np.abs(targets).max())
         is_exact = bool((weights == np.floor(weights)).all()) and total * max(most, 1.0) <= CAPACITY
         power = 2 if problem.loss == "squared" else 1
@@ -93,8 +101,26 @@ class Grid:
         # A split that costs more than the best leaf saves nothing: any such price is as good as another.
         price = float(min(penalty, Fraction(4 * size + 4)))
         return cls(
-            targets, weights, squares, grain, price, unit, base, distance, rounding, is_whole, problem.loss, total
+            targets=targets,
+            weights=weights,
+            squares=squares,
+            grain=grain,
+            penalty=price,
+            unit=unit,
+            base=base,
+            distance=distance,
+            rounding=rounding,
+            is_whole=is_whole,
+            loss=problem.loss,
+            total=total,
+            span=float(near.max() - near.min()),
         )
+
+    @property
+    def leaf(self) -> float:
+        """Objective of the best leaf for the targets that were closed up, but for rounding."""
+        misses = np.abs(self.targets - best_constant(self.weights, self.targets, self.loss))
+        return float(self.weights @ (misses if self.loss == "absolute" else misses**2)) * float(self.unit)
 
     def lower(self, bound: float) -> float:
         """Return the largest float64 that a bound of the core proves to be one of the problem."""
@@ -146,8 +172,9 @@ def _scaled_targets(targets: Floats, weights: Floats) -> tuple[int, Floats, floa
         exponent = math.frexp(CAPACITY / total / most)[1] - 2
         rounded = np.rint(np.ldexp(moved, exponent))
         return exponent, rounded, 0.5 + 2.0**-50 * float(np.abs(rounded).max())
+    # Targets that were closed up have been rounded three times, by 2^-53 of twice the largest each.
     exponent = -math.frexp(most)[1]
-    return exponent, np.ldexp(moved, exponent), 2.0**-51
+    return exponent, np.ldexp(moved, exponent), 2.0**-50
 
 
 def _rounded_squares(weights: Floats, targets: Floats) -> tuple[Floats, float, Fraction]:

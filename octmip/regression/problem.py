@@ -25,6 +25,8 @@ Loss = Literal["squared", "absolute"]
 LOSSES: tuple[Loss, ...] = ("squared", "absolute")
 _DERIVED: Any = None  # a field that is filled in when it is left out
 MAX_DEPTH = 30
+LEAST_SAVING = 1e-8
+"""Share of the objective of a tree that another must save to be called better."""
 LEAST_SIZE, MOST_SIZE = 1e-120, 1e120
 """Targets differ by this much, weights add up to this much: squares of float64 are numbers then."""
 
@@ -200,10 +202,13 @@ class RegressionProblem:
         """Objective of the best tree without a split."""
         return self.objective(self.best_leaf(np.arange(self.n_samples)))
 
-    @property
-    def resolution(self) -> float:
-        """What the tolerance of a proof must stay below: a hundred-millionth of the objective without a split."""
-        return 1e-8 * self.baseline
+    def least_saving(self, objective: float) -> float:
+        """Return the least that a tree must save to be called better than one of this objective: 1e-8 of it.
+
+        Errors of real numbers may differ by as little as one likes, so no tolerance tells all trees apart. A proof
+        whose tolerance is not below this is none: see `octmip.solution.closing_tolerance`.
+        """
+        return LEAST_SAVING * objective
 
     def best_leaf(self, rows: NDArray[np.int64]) -> ValueLeaf:
         """Return the leaf that predicts these samples with the least error by one number, rounded once."""

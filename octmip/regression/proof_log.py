@@ -16,6 +16,7 @@ from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import PathLike, write_bytes
 from octmip.regression.problem import RegressionProblem
+from octmip.regression.reach import FARTHEST, reach
 
 FORMAT = "octmip-proof 3 regression"
 """First words of a log; the loss stands behind them."""
@@ -54,7 +55,7 @@ def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) 
     DataError
         the file cannot be written.
     """
-    question, scale = checker_question(problem), log_scale(problem)
+    question, scale = checker_question(problem), log_scale(problem, float(wanted))
     power = 1 if problem.loss == "absolute" else 2
     unit = power_of_two(scale[0] + power * scale[1] - scale[2])
     found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
@@ -68,30 +69,27 @@ def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) 
     return bound
 
 
-def log_scale(problem: RegressionProblem) -> tuple[int, int, int]:
-    """Return the exponents of weights, targets and costs: as fine a grid as the checker has room for."""
+def log_scale(problem: RegressionProblem, wanted: float) -> tuple[int, int, int, int]:
+    """Return the exponents of weights, targets, costs and reach: as fine a grid as the checker has room for."""
     exponent = whole_exponent(problem.weights)
     total = _bits(problem.weights, exponent)
     if total > WEIGHT_BITS:
         exponent -= total - WEIGHT_BITS
         total = WEIGHT_BITS
-    span = Fraction(float(problem.targets.max())) - Fraction(float(problem.targets.min()))
-    if span == 0:
-        return exponent, 0, 0
-    finest = SUM_BITS - total - _exponent_of(span)
+    farthest = reach(problem, wanted)
+    gaps = np.minimum(np.diff(np.unique(problem.targets)), math.ldexp(1.0, min(farthest, 1000)))
+    if not len(gaps):
+        return exponent, 0, 0, FARTHEST
+    # Gaps and their sum are rounded.
+    finest = SUM_BITS - total - math.frexp(math.fsum(gaps) * (1 + 1e-12))[1]
     if problem.loss == "absolute":
-        return exponent, finest, 0
-    return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS)
+        return exponent, finest, 0, farthest
+    return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest
 
 
 def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: int) -> int:
     """Return b with the sum of the weights, times 2**exponent, below 2**b."""
     return math.frexp(math.fsum(weights))[1] + exponent + 1
-
-
-def _exponent_of(number: Fraction) -> int:
-    """Return e with the number below 2**e."""
-    return number.numerator.bit_length() - number.denominator.bit_length() + 1
 
 
 def write_regression_problem(path: PathLike, problem: RegressionProblem) -> None:

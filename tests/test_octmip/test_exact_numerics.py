@@ -8,11 +8,11 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import wide_problem
 from octmip import Limits, Problem, certify, predict
-from octmip.encoding import closing_tolerance, grid
+from octmip.encoding import grid
 from octmip.errors import CertificateError, ProblemError
 from octmip.methods.exact import branch_and_bound
 from octmip.proof import check_proof
-from octmip.solution import Stop
+from octmip.solution import Stop, closing_tolerance
 from octmip.tree import n_splits
 
 BLOCK = 30
@@ -125,6 +125,6 @@ def test_costs_beyond_float64_are_refused_with_a_way_out(weight, cost):
 
 def test_a_tolerance_is_as_wide_as_the_bound_is_away_and_no_sample_is_lighter():
     problem = Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[0.1, 5.0])
-    assert closing_tolerance(problem, 1.0, 1.5) == 0
-    assert 1.0 - closing_tolerance(problem, 1.0, 0.95) <= 0.95
-    assert closing_tolerance(problem, 1.0, 0.89) == -1
+    assert closing_tolerance(1.0, 1.5, problem.least_saving) == 0
+    assert 1.0 - closing_tolerance(1.0, 0.95, problem.least_saving) <= 0.95
+    assert closing_tolerance(1.0, 0.89, problem.least_saving) == -1

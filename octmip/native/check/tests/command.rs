@@ -65,7 +65,7 @@ fn a_proof_of_a_regression_problem_is_verified_or_refused() {
     let (data, asked) = (question.data_digest(), question.question_digest());
     let log = |claim: i64| {
         format!(
-            "octmip-proof 3 regression absolute\ndata {data}\nquestion {asked}\ngrid 0 0 0\nclaim {claim}\n\
+            "octmip-proof 3 regression absolute\ndata {data}\nquestion {asked}\ngrid 0 0 0 1100\nclaim {claim}\n\
              N 1 1 {claim}\nE\nend\n"
         )
     };

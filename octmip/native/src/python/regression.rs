@@ -117,8 +117,8 @@ impl PyRegressionQuestion {
 
     /// Claim, body and bound of a log on the grid of these exponents; the claim is `wanted` or, where a tree costs
     /// less, the cost of the best one. None if it was stopped.
-    fn prove(&self, py: Python<'_>, scale: (i64, i64, u32), wanted: i64) -> PyResult<Option<(i64, String, f64)>> {
-        let scale = Scale { weight: scale.0, target: scale.1, cost: scale.2 };
+    fn prove(&self, py: Python<'_>, scale: (i64, i64, u32, i64), wanted: i64) -> PyResult<Option<(i64, String, f64)>> {
+        let scale = Scale { weight: scale.0, target: scale.1, cost: scale.2, reach: scale.3 };
         let samples = Samples::on_grid(&self.inner, scale).map_err(PyValueError::new_err)?;
         let found = written(py, wanted, |supervision| {
             let flag = supervision.flag();

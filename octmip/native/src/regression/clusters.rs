@@ -283,7 +283,8 @@ mod tests {
             let sorted: Vec<(f64, f64)> = kept.iter().map(|&i| (all[i], weights[i])).collect();
             for is_absolute in [false, true] {
                 let question = question(&all, &weights, is_absolute);
-                let checked = Samples::on_grid(&question, Scale { weight: 0, target: 0, cost: 0 }).expect("small");
+                let checked =
+                    Samples::on_grid(&question, Scale { weight: 0, target: 0, cost: 0, reach: 1100 }).expect("small");
                 let set: Vec<u32> = kept.iter().map(|&i| i as u32).collect();
                 let size: f64 = sorted.iter().map(|(y, w)| w * if is_absolute { y.abs() } else { y * y }).sum();
                 for (c, least) in (1..).zip(optima(&sorted, 8, is_absolute)) {

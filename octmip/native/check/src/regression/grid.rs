@@ -1,5 +1,9 @@
 //! A regression problem in whole numbers, and what a bound of theirs proves of the true one.
 //!
+//! Gaps between neighbouring targets that are longer than `2^D` are made as long as that. Targets so moved are no farther
+//! apart than they were, any two of them, so that no tree costs more: where a leaf predicts m, let it predict what m is
+//! moved to (inside a gap as far up as the moved gap is long), and no sample errs by more.
+//!
 //! Weights are `floor(w 2^A)` and targets `floor((y - least y) 2^B)`, costs are whole multiples of `2^C` of the unit
 //! `2^-(A + qB)`, q = 2 for squared errors, rounded down wherever they are not. Lower weights and penalties cost every
 //! tree less. Targets that are not whole move by less than 1, and that moves a bound G of trees
@@ -26,6 +30,8 @@ pub struct Scale {
     pub target: i64,
     /// Costs are divided by this power of two.
     pub cost: u32,
+    /// No gap between two targets counts more than this power of two.
+    pub reach: i64,
 }
 
 /// Samples and limits in whole numbers.
@@ -67,8 +73,7 @@ impl Samples {
     pub fn on_grid(question: &RegressionQuestion, scale: Scale) -> Result<Self, String> {
         let RegressionQuestion { n, p, .. } = *question;
         let unit = scale.weight + if question.is_absolute { 1 } else { 2 } * scale.target - i64::from(scale.cost);
-        let low = question.targets.iter().copied().fold(f64::INFINITY, f64::min);
-        let exact: Vec<Exact> = question.targets.iter().map(|&y| above(y, low).scaled(scale.target)).collect();
+        let exact = closed_up(&question.targets, scale);
         let weights = floors(question.weights.iter().map(|&w| Exact::of(w).scaled(scale.weight)), "weights")?;
         let places = floors(exact.iter().cloned(), "targets")?;
         let is_rounded = places.iter().zip(&exact).any(|(&place, exact)| Exact::whole(place as u64) < *exact);
@@ -154,6 +159,19 @@ impl Samples {
         orders.push(self.by_target.clone());
         orders
     }
+}
+
+/// Targets from the least one, long gaps made shorter, in units of the grid and not rounded.
+fn closed_up(targets: &[f64], scale: Scale) -> Vec<Exact> {
+    let mut order: Vec<usize> = (0..targets.len()).collect();
+    order.sort_by(|&i, &j| targets[i].total_cmp(&targets[j]));
+    let most = Exact::of(1.0).scaled(scale.reach);
+    let (mut moved, mut place) = (vec![Exact::default(); targets.len()], Exact::default());
+    for pair in order.windows(2) {
+        place = place.plus(&above(targets[pair[1]], targets[pair[0]]).min(most.clone()));
+        moved[pair[1]] = place.clone();
+    }
+    moved.into_iter().map(|place| place.scaled(scale.target)).collect()
 }
 
 /// How far a number lies above another that is not larger, exactly.

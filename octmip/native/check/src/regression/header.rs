@@ -22,10 +22,10 @@ pub(super) fn read(question: &RegressionQuestion, cursor: &mut Cursor<'_>) -> Ch
         let got = cursor.read().unwrap_or("");
         ensure!(got == expected, cursor.line(), "got {}, expected {expected:?}: {meaning}", shown(got));
     }
-    let exponents = numbers(cursor, "grid", EXPONENT, Some(3), "three exponents within 2200, the last 0 to 100")?;
+    let exponents = numbers(cursor, "grid", EXPONENT, Some(4), "four exponents within 2200, the third 0 to 100")?;
     let line = cursor.line();
     ensure!((0..=100).contains(&exponents[2]), line, "the exponent of costs is {}, expected 0 to 100", exponents[2]);
-    let scale = Scale { weight: exponents[0], target: exponents[1], cost: exponents[2] as u32 };
+    let scale = Scale { weight: exponents[0], target: exponents[1], cost: exponents[2] as u32, reach: exponents[3] };
     let samples = Samples::on_grid(question, scale).map_err(|reason| Refusal { line, reason })?;
     let claim = numbers(cursor, "claim", (0, MOST_CLAIM), Some(1), "one whole number below 2^61")?[0];
     Ok((samples, claim))

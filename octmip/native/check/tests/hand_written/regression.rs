@@ -39,7 +39,7 @@ fn ten() -> RegressionQuestion {
 fn log(question: &RegressionQuestion, grid: &str, claim: i64, body: &str) -> String {
     let loss = if question.is_absolute { "absolute" } else { "squared" };
     let lines: String = body.split('|').map(|line| format!("{}\n", line.trim())).collect();
-    format!("octmip-proof 3 regression {loss}\ndata DATA\nquestion QUESTION\ngrid {grid}\nclaim {claim}\n{lines}")
+    format!("octmip-proof 3 regression {loss}\ndata DATA\nquestion QUESTION\ngrid {grid} 1100\nclaim {claim}\n{lines}")
 }
 
 fn run(question: &RegressionQuestion, log: &str) -> Result<Report, Refusal> {
@@ -91,7 +91,7 @@ pub fn bad_logs() -> Vec<BadLog> {
         ("another loss", four(false), stump("0 0 0", 9), 1, "got \"octmip-proof 3 regression absolute\", expected"),
         ("other data", four(true), stump("0 0 0", 9).replace("DATA", "0"), 2, "got \"data 0\", expected"),
         ("another question", four(true), stump("0 0 0", 9).replace("QUESTION", "0"), 3, "got \"question 0\", expected"),
-        ("two exponents", four(true), stump("0 0", 9), 4, "got \"grid 0 0\", expected \"grid\" and three exponents"),
+        ("two exponents", four(true), stump("0 0", 9), 4, "got \"grid 0 0 1100\", expected \"grid\" and four exp"),
         ("an exponent too large", four(true), stump("0 0 101", 9), 4, "the exponent of costs is 101, expected 0 to"),
         ("no whole costs", four(true), stump("0 0 1", 9), 4, "costs divided by 2^1, expected them below 2^60"),
         ("too fine a grid", four(true), stump("40 40 0", 9), 4, "weights of 4398046511104 and targets of 98956046"),
