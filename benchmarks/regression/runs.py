@@ -10,6 +10,7 @@ import math
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,10 +41,10 @@ class Runs:
         self.found: dict[tuple[bytes, int], Fraction] = {}
 
     @cached_property
-    def misses(self) -> NDArray[np.generic]:
+    def misses(self) -> NDArray[Any]:
         """(n_samples, n_targets) absolute error of each sample under each target: small whole numbers if they are."""
         values = np.unique(self.targets)
-        misses = self.weights[:, None] * np.abs(self.targets[:, None] - values[None, :])
+        misses: NDArray[Any] = self.weights[:, None] * np.abs(self.targets[:, None] - values[None, :])
         return misses.astype(np.int64) if int(misses.sum()) < 2**62 else misses
 
     def least(self) -> Fraction:

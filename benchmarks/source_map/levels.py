@@ -39,6 +39,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "regression.leaf_models": 3,
         "regression.questions": 3,
         "regression.certificate": 3,
+        "regression.far_targets": 3,
         "regression.grid": 4,
         "regression.proof_log": 4,
         "regression.exact": 6,

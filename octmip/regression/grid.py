@@ -1,8 +1,8 @@
 """A regression problem as the native core counts it, and what its bounds prove of the true one.
 
 The core adds float64. Gaps between targets that no leaf of a better tree spans are closed up
-(`octmip.regression.reach`); then the targets are moved to the middle of their range and scaled by a power of two, so
-that
+(`octmip.regression.far_targets`); then the targets are moved to the middle of their range and scaled by a power of two,
+so that
 
 * where targets and weights are whole numbers of some power of two, small enough together, nothing is rounded;
 * where only the weights are, targets are rounded to a grid so fine that all sums of weighted targets still are whole
@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from octmip.encoding.numbers import power_of_two, rounded_down, whole_exponent
 from octmip.regression.exact_sums import best_constant
+from octmip.regression.far_targets import closed_up, reach
 from octmip.regression.problem import RegressionProblem
-from octmip.regression.reach import closed_up, reach
 
 Floats = NDArray[np.float64]
 CAPACITY = 2.0**53

@@ -15,8 +15,8 @@ from octmip import _native
 from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import PathLike, write_bytes
+from octmip.regression.far_targets import FARTHEST, reach
 from octmip.regression.problem import RegressionProblem
-from octmip.regression.reach import FARTHEST, reach
 
 FORMAT = "octmip-proof 3 regression"
 """First words of a log; the loss stands behind them."""

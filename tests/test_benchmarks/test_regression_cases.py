@@ -1,9 +1,13 @@
 """The regression families: no problem of the first chunk disagrees, and the study's row of numbers has every rule."""
 
+from collections import Counter
+
 import numpy as np
+import pytest
 
 from benchmarks.cases.regression.agreement import complaint
 from benchmarks.cases.regression.speed import made_up
+from benchmarks.cases.regression.wide import STREAMS, judged, wide_problem
 from benchmarks.uav.numbers import markdown, rows_of
 from femlib.dataset import Recipe, build_dataset, simulated_strains
 from femlib.wing import uav_wing
@@ -11,6 +15,22 @@ from femlib.wing import uav_wing
 
 def test_random_problems_agree_with_enumeration():
     assert [reason for seed in range(20) for loss in ("squared", "absolute") if (reason := complaint(seed, loss))] == []
+
+
+@pytest.mark.parametrize(("kind", "n"), [("wide", 60), ("far", 150)])
+def test_many_samples_and_far_targets_are_proven_right_and_their_corrupted_logs_are_refused(kind, n):
+    outcomes = [judged(kind, seed) for seed in range(n)]
+    assert [reason for reason, _ in outcomes if reason] == []
+    counts = sum((counts for _, counts in outcomes), Counter())
+    assert counts[f"{kind}: problems"] == n
+    assert counts[f"{kind}: corrupted logs, refused"] > 4 * n
+
+
+def test_a_problem_that_the_bound_of_clusters_got_wrong_is_among_them():
+    rng = np.random.default_rng([STREAMS["wide"], 60])
+    problem = wide_problem(rng)
+    assert len(np.unique(problem.targets)) > 16
+    assert judged("wide", 60)[0] is None
 
 
 def test_made_up_samples_are_the_same_every_time():

@@ -136,7 +136,7 @@ def wide_problem(rng: np.random.Generator) -> RegressionProblem:
     most = 400 if n_columns == 1 or depth == 1 else (60 if depth == 2 else 14)
     n = int(np.exp(rng.uniform(np.log(8), np.log(most))))
     features = [rng.normal(size=(n, n_columns)), rng.integers(0, max(2, n // 3), (n, n_columns)).astype(float)]
-    return RegressionProblem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n))
+    return RegressionProblem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n))  # type: ignore[arg-type]
 
 
 def wide_targets(rng: np.random.Generator, n: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:

@@ -18,6 +18,8 @@ from octmip.tree import Leaf, Node, prediction, tree_lines
 def numbers_text(solution: Solution, certificate: RegressionCertificate, loss: str, n_samples: int) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
+    if solution.tolerance > 0:
+        proof += f" within {solution.tolerance:.1g}"
     if math.isinf(solution.bound):
         proof = "no proof"
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")

@@ -97,7 +97,7 @@ impl Bins {
     ///
     /// *Proof.* The best clusters are runs of the sorted targets, none of them parting equal ones. Let `p(j)` be the
     /// number of bins that end within the first `j` clusters, `p(0) = 0`, `p(c) = n_bins`; by induction the first `j`
-    /// clusters cost `best(j, p(j))` or more. Cluster `j + 1` starts with the bin `p(j)`, or inside it, which then holds
+    /// clusters cost `best(j, p(j))` or more. Cluster `j + 1` starts with the bin `p(j)`, or inside it: then it holds
     /// several targets. So the whole bins of that cluster are those from `p(j)`, or from `p(j) + 1`, to before
     /// `p(j + 1)`: a run that `best` allows, empty where the cluster has no whole bin: inside one bin, from one into
     /// the next, **or as the end of the last bin**. It costs no more than the cluster, as fewer samples never do. QED

@@ -5,10 +5,10 @@
 //! places `0 = q_0 <= q_1 <= ... <= q_c = end`, of what the cells between `q_(j-1)` and `q_j` cost as one cluster each
 //! (no cell between: 0).
 //!
-//! *Proof.* The best clusters are runs of the sorted targets, and part no equal ones. Put each of the `c - 1` boundaries
-//! between them where it is: between two cells, or inside one. The cells between two boundaries belong to one cluster,
-//! which costs no less than they do, as fewer samples never cost more. So the sum over these places is at most what the
-//! clusters cost, and the least sum over all places is no larger. QED
+//! *Proof.* The best clusters are runs of the sorted targets, and part no equal ones. Put each of the `c - 1`
+//! boundaries between them where it is: between two cells, or inside one. The cells between two boundaries belong to
+//! one cluster, which costs no less than they do, as fewer samples never cost more. So the sum over these places is at
+//! most what the clusters cost, and the least sum over all places is no larger. QED
 //!
 //! Nothing is assumed of where the boundaries are, or how many are in one cell.
 

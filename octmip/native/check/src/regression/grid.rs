@@ -1,8 +1,8 @@
 //! A regression problem in whole numbers, and what a bound of theirs proves of the true one.
 //!
-//! Gaps between neighbouring targets that are longer than `2^D` are made as long as that. Targets so moved are no farther
-//! apart than they were, any two of them, so that no tree costs more: where a leaf predicts m, let it predict what m is
-//! moved to (inside a gap as far up as the moved gap is long), and no sample errs by more.
+//! Gaps between neighbouring targets that are longer than `2^D` are made as long as that. Targets so moved are no
+//! farther apart than they were, any two of them, so that no tree costs more: where a leaf predicts m, let it predict
+//! what m is moved to (inside a gap as far up as the moved gap is long), and no sample errs by more.
 //!
 //! Weights are `floor(w 2^A)` and targets `floor((y - least y) 2^B)`, costs are whole multiples of `2^C` of the unit
 //! `2^-(A + qB)`, q = 2 for squared errors, rounded down wherever they are not. Lower weights and penalties cost every
