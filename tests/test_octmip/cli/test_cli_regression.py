@@ -158,3 +158,18 @@ def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
 
 def test_the_published_schema_is_that_of_the_reader():
     assert json.loads(SCHEMA.read_text()) == schema()
+
+
+def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp_path):
+    table, tree = tmp_path / "far.csv", tmp_path / "t.json"
+    table.write_text("x,w,price\n0,.1,1000000000.3\n1,.3,.1\n2,.7,.2\n3,.9,5\n")
+    asked = ("solve", table, "--target", "price", "--weights", "w")
+    code, out, err = run(*asked, "--depth", 2)
+    assert (code, err) == (0, "")
+    assert out.startswith("objective 0, bound 0: proven optimal (squared error)")
+    code, out, err = run(*asked, "--depth", 1, "--out", tree)
+    assert (code, err) == (0, "")
+    solution = read_regression_file(tree).solution
+    assert solution.is_optimal
+    assert f"proven optimal within {solution.tolerance:.1g} (squared error)" in out
+    assert 0 < json.loads(run(*asked, "--depth", 1, "--json")[1])["tolerance"] < 1e-8 * solution.objective
