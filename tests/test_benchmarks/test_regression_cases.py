@@ -33,6 +33,10 @@ def test_a_problem_that_the_bound_of_clusters_got_wrong_is_among_them():
     assert judged("wide", 60)[0] is None
 
 
+def test_a_log_closes_only_what_the_checker_finds_closed_where_rounded_bounds_do_not_grow_from_cut_to_cut():
+    assert judged("far", 1485)[0] is None
+
+
 def test_made_up_samples_are_the_same_every_time():
     features, targets = made_up(50)
     assert features.shape == (50, 10)

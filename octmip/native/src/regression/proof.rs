@@ -147,7 +147,9 @@ impl Writer<'_> {
         let mut open = VecDeque::from([cuts.ends(end.0, end.1)]);
         while let Some([a, b]) = open.pop_front() {
             let target = found.bound - q.penalty;
-            let Some(k) = cuts.open((&a, &b), target, true) else { continue };
+            // Rounded bounds need not grow from cut to cut: closed is only what the checker finds so, in its order.
+            let next = |from_middle| cuts.open((&a, &b), target, from_middle);
+            let Some(k) = next(true).or_else(|| next(false)) else { continue };
             if (self.is_stopped)() {
                 return None;
             }
