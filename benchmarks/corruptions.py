@@ -93,7 +93,7 @@ def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     else:
         weights[row] += 1.0
     labels = np.array(problem.class_names)[codes]
-    return dataclasses.replace(problem, features=features, labels=labels, weights=weights)
+    return dataclasses.replace(problem, features=features, targets=labels, weights=weights)
 
 
 def summary(lines: Sequence[Line]) -> str:

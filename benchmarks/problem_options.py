@@ -6,6 +6,8 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.losses import Loss
+
 
 class ProblemOptions(TypedDict, total=False):
     """Keyword arguments of `octmip.problem.Problem`, any of them left out."""
@@ -16,7 +18,7 @@ class ProblemOptions(TypedDict, total=False):
     leaf_size: int
     leaf_penalty: float
     weights: NDArray[np.float64]
-    costs: NDArray[np.float64]
+    loss: Loss
     sensor_of_feature: Sequence[str]
     sensor_cost: dict[str, float] | Sequence[float]
     sensor_budget: float

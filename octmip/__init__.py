@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 from octmip.certificate import Certificate, certify
 from octmip.errors import OctmipError
+from octmip.losses import AbsoluteError, ClassCosts, SquaredError
 from octmip.prediction import predict, predict_values
 from octmip.problem import Problem
-from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits, Progress, Solution, Stop
 from octmip.solver import solve
 from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
@@ -35,7 +35,9 @@ def __dir__() -> list[str]:
 
 __version__ = "0.1.0"
 __all__ = [
+    "AbsoluteError",
     "Certificate",
+    "ClassCosts",
     "HyperplaneSplit",
     "Leaf",
     "Limits",
@@ -44,9 +46,9 @@ __all__ = [
     "OptimalTreeRegressor",
     "Problem",
     "Progress",
-    "RegressionProblem",
     "Solution",
     "Split",
+    "SquaredError",
     "Stop",
     "ValueLeaf",
     "certify",

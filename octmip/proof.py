@@ -24,7 +24,6 @@ from octmip.formats.problem_file import data_digest, question_digest
 from octmip.problem import Problem
 from octmip.problem_values import refuse_gaps
 from octmip.regression import proof_log
-from octmip.regression.problem import RegressionProblem
 
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
 """First line of a log, by `Problem.split`; where readings are missing " gaps" stands behind it."""
@@ -76,9 +75,7 @@ def _identity(problem: Problem) -> list[str]:
     return [f"{FORMATS[problem.split]}{gaps}", f"data {data_digest(problem)}", f"question {question_digest(problem)}"]
 
 
-def check_proof(
-    problem: Problem | RegressionProblem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1
-) -> ProofReport:
+def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
     """Check that a log proves a bound of every tree of a problem; refuse one that proves less than `bound`.
 
     `n_jobs` threads check the parts of a log; that of a regression tree takes one.
@@ -93,7 +90,7 @@ def check_proof(
         the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
-    if isinstance(problem, RegressionProblem):
+    if problem.loss.predicts == "number":
         proof_log.check_provable(problem)
         content = read_bytes(path)
         report, refusal = proof_log.checker_question(problem).check(content.decode("ascii", errors="replace"))

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import expit, ndtr
 
 from octmip.errors import ProblemError
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 
 Floats = NDArray[np.float64]
@@ -216,7 +217,7 @@ class RiskModel:
         names = tuple(losses_of_label)
         losses = self.losses_of_classes(losses_of_label)
         costs = self.regrets(losses)[:, self.decisions(losses)] + error_cost * (1.0 - np.eye(len(names)))
-        return Problem(features, labels, depth=depth, costs=costs, class_names=names, **options)  # type: ignore[arg-type]
+        return Problem(features, labels, depth=depth, loss=ClassCosts(costs), class_names=names, **options)  # type: ignore[arg-type]
 
     @staticmethod
     def losses_of_classes(losses_of_label: Mapping[Any, float | Sequence[float]]) -> Floats:

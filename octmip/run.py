@@ -11,9 +11,8 @@ import numpy as np
 from octmip.errors import ProblemError
 from octmip.methods import interruption
 from octmip.problem import Problem
-from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.tree import Leaf, Node
+from octmip.tree import Node
 
 Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "benders", "cart"]
 NO_OPTIONS: Mapping[str, Any] = MappingProxyType({})
@@ -77,9 +76,7 @@ def check_options(who: str, known: set[str], options: Mapping[str, Any]) -> None
         raise ProblemError(f"assist is {assist!r}; expected a tuple of some of {', '.join(ASSISTANTS)}")
 
 
-def until_interrupted(
-    problem: Problem | RegressionProblem, solve: Callable[[], Solution], name: str, known: Node | None
-) -> Solution:
+def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str, known: Node | None) -> Solution:
     """Return the solution of `solve`; once the call is interrupted, the tree that is known, or the best single leaf.
 
     Parameters
@@ -103,13 +100,5 @@ def until_interrupted(
                 if solution.stop is Stop.INTERRUPTED:
                     interruption.note()
                 return solution
-        tree = best_leaf(problem) if known is None else known
+        tree = problem.best_leaf() if known is None else known
         return Solution(tree, problem.objective(tree), -np.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
-
-
-def best_leaf(problem: Problem | RegressionProblem) -> Node:
-    """Return the best tree without a split."""
-    rows = np.arange(problem.n_samples)
-    if isinstance(problem, RegressionProblem):
-        return problem.best_leaf(rows)
-    return Leaf(int(problem.class_costs(rows).argmin()))

@@ -75,7 +75,7 @@ def relative_gap(objective: float, bound: float) -> float:
 def is_tolerable(tolerance: float, least_saving: float) -> bool:
     """Whether a bound within this tolerance of an objective proves its tree optimal: 0, or less than can be saved.
 
-    `least_saving` is `Problem.least_saving`, or `RegressionProblem.least_saving` of the tree's objective; it may
+    `least_saving` is `Problem.least_saving`, or `Problem.least_saving` of the tree's objective; it may
     underflow to 0.
     """
     return tolerance == 0 or 0 < tolerance < least_saving

@@ -22,16 +22,15 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, cast
+from typing import Any
 
-from octmip.certificate import certify, checked_leaf_index
+from octmip.certificate import certify, checked_incumbent
 from octmip.cluster import opened
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.methods.interruption import held_back
 from octmip.problem import Problem
-from octmip.regression.certificate import checked_incumbent
-from octmip.regression.problem import RegressionProblem
+from octmip.registry import METHODS, TWO_FEATURE, solvers_of
 from octmip.run import ASSISTANTS as ASSISTANTS
 from octmip.run import NO_OPTIONS, Run, check_options, options_of, until_interrupted
 from octmip.run import Method as Method
@@ -46,70 +45,8 @@ TURN_SECONDS = 5.0
 """A search that assists takes so long at most, so that it ends soon after HiGHS."""
 
 
-class Solver(Protocol):
-    """The call that every solver answers."""
-
-    def __call__(
-        self,
-        problem: Problem,
-        *,
-        limits: Limits,
-        incumbent: Node | None,
-        seed: int,
-        n_jobs: int,
-        progress: ProgressCallback | None,
-        **options: Any,
-    ) -> Solution:
-        """Return the best tree found within the limits and the bound proven for it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Registration:
-    """A method's solver: module and function, whether it proves (and so wants an incumbent first), whether by HiGHS."""
-
-    module: str
-    function: str
-    proves: bool
-    is_mixed_integer: bool = False
-
-    def load(self) -> Solver:
-        """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
-
-        Raises
-        ------
-        SolverError
-            the module, or a package that it needs, is not installed.
-        """
-        try:
-            module = importlib.import_module(self.module)
-        except ModuleNotFoundError as error:
-            raise SolverError(
-                f"solver {self.module} needs the module {error.name}, which is not installed; choose another method"
-            ) from error
-        return cast(Solver, getattr(module, self.function))
-
-
-REGISTRY = {
-    "cart": Registration("octmip.methods.cart", "greedy_tree", proves=False),
-    "search": Registration("octmip.methods.search", "local_search", proves=False),
-    "exact": Registration("octmip.methods.exact", "branch_and_bound", proves=True),
-    "oct": Registration("octmip.mip.oct", "solve_oct", proves=True, is_mixed_integer=True),
-    "oct_h": Registration("octmip.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True),
-    "flow": Registration("octmip.mip.flow", "solve_flow", proves=True, is_mixed_integer=True),
-    "benders": Registration("octmip.mip.benders.solver", "solve_benders", proves=True),
-}
-METHODS = ("auto", *REGISTRY)
-REGRESSION = {
-    "exact": Registration("octmip.regression.exact", "exact_regression", proves=True),
-    "search": Registration("octmip.regression.search", "search_regression", proves=False),
-}
-"""Solvers of regression problems; "auto" is "exact" where that proves."""
-# What "exact" means for splits over one or two features.
-TWO_FEATURE = Registration("octmip.methods.two_feature", "two_feature_branch_and_bound", proves=True)
-
-
 def solve(
-    problem: Problem | RegressionProblem,
+    problem: Problem,
     method: Method = "auto",
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     incumbent: Node | Solution | None = None,
@@ -127,7 +64,7 @@ def solve(
     Parameters
     ----------
     problem
-        the problem; a `RegressionProblem` takes the methods "auto", "exact" and "search".
+        the problem; which methods answer it, `REGISTRY` says by its loss and split.
     method
         see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
     limits
@@ -157,32 +94,7 @@ def solve(
         the solver failed, or its solution fails its certificate.
     """
     run = Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress)
-    if isinstance(problem, RegressionProblem):
-        return _solve_regression(problem, run, incumbent)
     return solve_run(problem, run, incumbent)
-
-
-def _solve_regression(problem: RegressionProblem, run: Run, incumbent: Node | Solution | None) -> Solution:
-    """Return a regression tree: by the exact core where it has a proof for what is asked, else by search."""
-    known = {"auto": REGRESSION["exact" if problem.is_provable else "search"]} | REGRESSION
-    if run.method not in known:
-        raise ProblemError(f"method is {run.method!r}; a regression problem takes one of {', '.join(known)}")
-    solver = cast(Callable[..., Solution], known[run.method].load())
-    check_options(f"regression by {run.method!r}", options_of(solver), run.options)
-
-    def result() -> Solution:
-        return solver(
-            problem,
-            limits=run.limits,
-            incumbent=incumbent,
-            seed=run.seed,
-            n_jobs=run.n_jobs,
-            progress=run.progress,
-            **run.options,
-        )
-
-    solution = until_interrupted(problem, result, run.method, checked_incumbent(problem, incumbent))
-    return _checked(problem, solution)
 
 
 def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:
@@ -200,7 +112,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     name = chosen_method(problem, run.method)
     # Loaded before the clock starts: its import is not the solver's time.
     check_options(f"method {name!r}", _options_of(problem, name), run.options)
-    first = _checked_incumbent(problem, incumbent, run)
+    first = _known(problem, incumbent, run)
     start = time.perf_counter()
 
     def result() -> Solution:
@@ -231,26 +143,26 @@ def chosen_method(problem: Problem, method: str) -> str:
     Raises
     ------
     ProblemError
-        there is no such method.
+        there is no such method, or none for this loss and split.
     """
+    known = solvers_of(problem)
     if method not in METHODS:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
     if method != "auto":
+        if method not in known:
+            raise ProblemError(
+                f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
+                f"{', '.join(('auto', *known))}"
+            )
         return method
-    return "exact" if problem.split == "axis" else "search"
-
-
-def _registration(problem: Problem, name: str) -> Registration:
-    return TWO_FEATURE if name == "exact" and problem.split == "hyperplane" else REGISTRY[name]
+    is_exact = problem.split == "axis" and problem.is_provable
+    return "exact" if is_exact else "search"
 
 
 def _wants_incumbent(problem: Problem, name: str) -> bool:
-    """Whether a local search first shortens the proof.
-
-    To depth 4 the exact core's own start on axis-aligned trees, the best tree of one level fewer, is at the optimum
-    early, and the search would take as long as many a proof.
-    """
-    return REGISTRY[name].proves and not (name == "exact" and problem.split == "axis" and problem.depth <= 4)
+    """Whether a local search first shortens the proof."""
+    solver = solvers_of(problem)[name]
+    return solver.proves and problem.depth > solver.alone_to_depth
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,7 +186,7 @@ class _Call:
         run, spent = self.run, time.perf_counter() - self.start
         seconds = share * max(0.0, run.limits.seconds - spent)
         limits = replace(run.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
-        solution = _registration(self.problem, name).load()(
+        solution = solvers_of(self.problem)[name].load()(
             self.problem,
             limits=limits,
             incumbent=tree,
@@ -293,12 +205,12 @@ class _Call:
 
 
 def _options_of(problem: Problem, name: str) -> set[str]:
-    solver = _registration(problem, name).load()
-    if not REGISTRY[name].is_mixed_integer:
-        return options_of(solver)
+    solver = solvers_of(problem)[name]
+    if not solver.is_mixed_integer:
+        return options_of(solver.load())
     from octmip.mip.engine import Request
 
-    return options_of(solver, Request)
+    return options_of(solver.load(), Request)
 
 
 def _fitting(problem: Problem, solution: Solution, options: Mapping[str, Any]) -> Solution:
@@ -322,12 +234,12 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
     solution = _checked(call.problem, _solved(call, name, first), call.run.options)
-    return _with_better_tree(solution, first) if REGISTRY[name].proves else solution
+    return _with_better_tree(solution, first) if solvers_of(call.problem)[name].proves else solution
 
 
 def _first_tree(call: _Call, name: str) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
-    if _registration(call.problem, name) is TWO_FEATURE:
+    if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
@@ -368,15 +280,14 @@ def _assisted(call: _Call, name: str, first: Solution | None) -> Solution:
         return call.solve(name, tree, options=own | {"inject": injector})
 
 
-def _checked_incumbent(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
-    tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
+def _known(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
+    """Return the incumbent as a solution without a bound, once it is a tree of the problem."""
+    tree = checked_incumbent(problem, incumbent)
     if tree is None:
         return None
-    try:
-        checked_leaf_index(problem, tree)
-    except CertificateError as error:
-        raise ProblemError(f"the incumbent is no tree of this problem: {error}") from error
     objective = problem.objective(tree)
+    if math.isinf(objective):  # no float64: worse than any tree that a solver begins with
+        return None
     given = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
     return _fitting(problem, given, run.options)
 
@@ -390,9 +301,7 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     return better
 
 
-def _checked(
-    problem: Problem | RegressionProblem, solution: Solution, options: Mapping[str, Any] = NO_OPTIONS
-) -> Solution:
+def _checked(problem: Problem, solution: Solution, options: Mapping[str, Any] = NO_OPTIONS) -> Solution:
     if solution.tree is None:
         return solution
     most, read = options.get("max_splits"), complexity(solution.tree)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 from octmip.tree import Leaf, Node, Split
 
@@ -26,7 +27,7 @@ def random_problem(rng: Generator, *, max_samples: int = 10, max_features: int =
     if rng.random() < 0.4:
         options["weights"] = _weights(rng, n)
     if rng.random() < 0.3:
-        options["costs"] = _costs(rng, n_classes)
+        options["loss"] = ClassCosts(_costs(rng, n_classes))
     if rng.random() < 0.3:
         options["leaf_size"] = int(rng.integers(1, max(2, n // 2) + 1))
     if rng.random() < 0.3:
@@ -65,7 +66,7 @@ def wide_problem(rng: Generator, *, orders: float = 12.0, max_samples: int = 10,
     steps = np.abs(state[:, None] - state[None, :]) * power
     costs = [None, spread((k, k)) * off_diagonal, spread((k, k)), spread((k, k), 1) * off_diagonal, steps]
     if (chosen := costs[rng.integers(5)]) is not None:
-        options["costs"] = chosen
+        options["loss"] = ClassCosts(chosen)
     if rng.random() < 0.3:
         options["leaf_penalty"] = float(spread(1, 1.5 * orders)[0])
     if rng.random() < 0.3:
@@ -88,14 +89,14 @@ def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
         allowed = [group for group in groups if group] or [[0]]
     return Problem(
         axis.features,
-        axis.labels,
+        axis.targets,
         depth=axis.depth,
         split="hyperplane",
         split_size=size,
         leaf_size=axis.leaf_size,
         leaf_penalty=axis.leaf_penalty,
         weights=axis.weights,
-        costs=axis.costs,
+        loss=axis.loss,
         sensor_of_feature=axis.sensor_of_feature,
         sensor_cost=axis.sensor_costs.tolist(),
         sensor_budget=axis.sensor_budget,

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 
 
@@ -22,7 +23,7 @@ def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samp
         options["weights"] = rng.integers(0, 5, n).astype(float)
         options["weights"][0] = 1.0
     if rng.random() < 0.3:
-        options["costs"] = rng.integers(0, 6, (k, k)).astype(float)
+        options["loss"] = ClassCosts(rng.integers(0, 6, (k, k)).astype(float))
     if rng.random() < 0.3:
         options["leaf_size"] = int(rng.integers(1, max(2, n // 2)))
     if rng.random() < 0.4:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 
 Generator = np.random.Generator
@@ -37,7 +38,7 @@ def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_sa
         options["weights"] = numbers(rng, n)
         options["weights"][int(rng.integers(n))] = 10.0 ** rng.uniform(-12, 12)
     if rng.random() < 0.35:
-        options["costs"] = _costs(rng, n_classes)
+        options["loss"] = ClassCosts(_costs(rng, n_classes))
     if rng.random() < 0.3:
         options["leaf_size"] = int(rng.integers(1, max(2, n // 2) + 1))
     if rng.random() < 0.3:

@@ -13,6 +13,7 @@ import pandas as pd
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
 from octmip.certificate import certify
+from octmip.losses import AbsoluteError, SquaredError
 from octmip.methods.checkpoint.envelope import FIRST
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
@@ -20,7 +21,6 @@ from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.regression.exact import exact_regression
-from octmip.regression.problem import RegressionProblem
 from octmip.solution import Limits
 
 
@@ -120,7 +120,7 @@ def read_regression_log(rng: Generator, folder: Path) -> None:
     frame = pd.read_csv(folder / "table.csv")
     features, targets = frame[["a", "b"]].to_numpy(), frame["y"].to_numpy()
     is_odd = int((folder / "number").read_text()) % 2
-    problem = RegressionProblem(features, targets, depth=2, loss="absolute" if is_odd else "squared")
+    problem = Problem(features, targets, depth=2, loss=AbsoluteError() if is_odd else SquaredError())
     bound = check_proof(problem, folder / "proof.log").bound
     assert bound <= exact_regression(problem).objective * (1 + 1e-12)
 

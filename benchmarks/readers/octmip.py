@@ -23,6 +23,7 @@ from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.formats.tree_schema import CONTENT, FORMAT, VERSION
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -46,7 +47,7 @@ def problem_of(number: int) -> Problem:
         split="hyperplane",
         split_size=2,
         weights=rng.random(24).round(2) + 0.1,
-        costs=np.array([[0, 2.5], [1, 0]]),
+        loss=ClassCosts(np.array([[0, 2.5], [1, 0]])),
         sensor_of_feature=["left", "left", "right"],
         sensor_cost={"left": 1.5, "right": 2},
         sensor_budget=4,
@@ -76,7 +77,7 @@ def make_tree(number: int, folder: Path) -> None:
 def write_table(problem: Problem, path: Path) -> None:
     """Write the samples of a problem."""
     frame = pd.DataFrame(problem.features, columns=list(problem.feature_names))
-    frame["y"], frame["w"] = problem.labels, problem.weights
+    frame["y"], frame["w"] = problem.targets, problem.weights
     frame.to_csv(path, index=False) if path.suffix == ".csv" else frame.to_parquet(path)
 
 
@@ -273,7 +274,7 @@ def make_log(number: int, folder: Path) -> None:
     else:
         names = ("a", "b")
         problem = Problem(
-            problem.features[:, :2], problem.labels, depth=1, split="hyperplane", split_size=2, feature_names=names
+            problem.features[:, :2], problem.targets, depth=1, split="hyperplane", split_size=2, feature_names=names
         )
         solution = two_feature_branch_and_bound(problem, proof=folder / "proof.log")
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))

@@ -12,7 +12,8 @@ from octmip.certificate import certify
 from octmip.cli.regression.question import read_numbers
 from octmip.errors import OctmipError
 from octmip.formats.regression_file import read_regression_file, record_regression, write_regression_file
-from octmip.regression.problem import RegressionProblem
+from octmip.losses import AbsoluteError, SquaredError
+from octmip.problem import Problem
 from octmip.solver import solve
 from octmip.tree import predict_values
 
@@ -25,7 +26,7 @@ def make_regression(number: int, folder: Path) -> None:
     rng = np.random.default_rng([92, number])
     features, targets = rng.normal(size=(24, 3)).round(3), rng.normal(size=24).round(2)
     if number % 2:
-        problem = RegressionProblem(
+        problem = Problem(
             features,
             targets,
             depth=2,
@@ -35,9 +36,10 @@ def make_regression(number: int, folder: Path) -> None:
             sensor_budget=4,
             feature_names=NAMES,
             target_name="y",
+            loss=SquaredError(),
         )
     else:
-        problem = RegressionProblem(features, targets, depth=2, loss="absolute", feature_names=NAMES, target_name="y")
+        problem = Problem(features, targets, depth=2, loss=AbsoluteError(), feature_names=NAMES, target_name="y")
     solution = solve(problem, options={"restarts": 2} if number % 2 else None)
     write_regression_file(folder / "tree.json", record_regression(problem, solution, None, None))
     frame = pd.DataFrame(features, columns=list(NAMES)).assign(y=targets)

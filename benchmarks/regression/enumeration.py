@@ -12,12 +12,13 @@ from itertools import combinations
 
 import numpy as np
 
-from octmip.regression.problem import RegressionProblem
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
 
 Cut = int  # mask of the samples that go left
 
 
-def least_objective(problem: RegressionProblem) -> Fraction:
+def least_objective(problem: Problem) -> Fraction:
     """Return the least objective of an axis-aligned tree with the best constant in each leaf."""
     found = []
     for n_sensors in range(len(problem.sensors) + 1):
@@ -27,7 +28,7 @@ def least_objective(problem: RegressionProblem) -> Fraction:
     return min(found)
 
 
-def _cuts(problem: RegressionProblem, sensors: tuple[int, ...]) -> Iterator[Cut]:
+def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
     for feature in range(problem.n_features):
         if problem.sensor_index[feature] in sensors:
             column = problem.features[:, feature]
@@ -35,7 +36,7 @@ def _cuts(problem: RegressionProblem, sensors: tuple[int, ...]) -> Iterator[Cut]
                 yield sum(1 << int(i) for i in np.flatnonzero(column <= low))
 
 
-def _least(problem: RegressionProblem, cuts: list[Cut]) -> Fraction:
+def _least(problem: Problem, cuts: list[Cut]) -> Fraction:
     targets = [Fraction(y) for y in problem.targets.tolist()]
     weights = [Fraction(w) for w in problem.weights.tolist()]
 
@@ -43,7 +44,7 @@ def _least(problem: RegressionProblem, cuts: list[Cut]) -> Fraction:
     def leaf(samples: int) -> Fraction:
         rows = [i for i in range(len(targets)) if samples >> i & 1]
         total = sum((weights[i] for i in rows), Fraction(0))
-        if problem.loss == "squared":
+        if problem.loss.name == "squared":
             first = sum((weights[i] * targets[i] for i in rows), Fraction(0))
             square = sum((weights[i] * targets[i] ** 2 for i in rows), Fraction(0))
             return square - first * first / total if total else square
@@ -65,7 +66,7 @@ def _least(problem: RegressionProblem, cuts: list[Cut]) -> Fraction:
 
 def random_problem(
     rng: np.random.Generator, loss: str, *, max_samples: int = 10, max_features: int = 3, max_depth: int = 3
-) -> RegressionProblem:
+) -> Problem:
     """Return a random problem: ties, weights (0 too), leaf sizes, penalties, budgets, targets of many kinds."""
     n, p = int(rng.integers(1, max_samples + 1)), int(rng.integers(1, max_features + 1))
     features = [
@@ -81,7 +82,7 @@ def random_problem(
         1e6 + rng.normal(size=n),
         np.full(n, 0.1),
     ][rng.choice(6, p=[0.3, 0.25, 0.2, 0.15, 0.08, 0.02])]
-    options: dict[str, object] = {"depth": int(rng.integers(1, max_depth + 1)), "loss": loss}
+    options: dict[str, object] = {"depth": int(rng.integers(1, max_depth + 1)), "loss": NUMBER_LOSSES[loss]}
     if rng.random() < 0.4:
         weights = [rng.random(n), rng.integers(0, 4, n).astype(float), rng.integers(1, 3, n) / 4][rng.integers(3)]
         weights[0] = max(weights[0], 0.25)
@@ -96,4 +97,4 @@ def random_problem(
         n_present = len(set(options["sensor_of_feature"]))  # type: ignore[call-overload]
         options["sensor_cost"] = rng.integers(0, 4, n_present).astype(float)
         options["sensor_budget"] = float(rng.integers(0, 6))
-    return RegressionProblem(features, targets, **options)  # type: ignore[arg-type]
+    return Problem(features, targets, **options)  # type: ignore[arg-type]

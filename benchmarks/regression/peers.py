@@ -19,7 +19,8 @@ from sklearn.tree import DecisionTreeRegressor
 from benchmarks.data import SHARED, published
 from benchmarks.main_program import run_main
 from benchmarks.regression.samples import made_up
-from octmip import Limits, RegressionProblem, solve
+from octmip import Limits, Problem, solve
+from octmip.losses import SquaredError
 
 Floats = NDArray[np.float64]
 SECONDS = 100.0
@@ -41,7 +42,7 @@ def sets() -> Iterator[tuple[str, Floats, Floats, tuple[int, ...]]]:
 def rows(features: Floats, targets: Floats, depth: int) -> Iterator[tuple[str, float, float, str]]:
     """Yield who, squared error, CPU seconds and what is said of the tree."""
     start = time.process_time()
-    solution = solve(RegressionProblem(features, targets, depth=depth), limits=Limits(seconds=SECONDS))
+    solution = solve(Problem(features, targets, depth=depth, loss=SquaredError()), limits=Limits(seconds=SECONDS))
     gap = f"gap {100 * solution.gap:.2g} %" if solution.gap > 0 else "proven"
     yield "octmip", solution.objective, time.process_time() - start, gap
     peers = [("scikit-learn", DecisionTreeRegressor(max_depth=depth, random_state=0), "greedy")]

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 
 Rows = NDArray[np.int64]
 Numbers = NDArray[np.object_]
@@ -32,11 +32,11 @@ class Runs:
         what one unit of their errors is worth.
     """
 
-    def __init__(self, problem: RegressionProblem) -> None:
+    def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.weights, weight_unit = _whole(problem.weights)
         self.targets, target_unit = _whole(problem.targets)
-        self.unit = weight_unit * target_unit ** (2 if problem.loss == "squared" else 1)
+        self.unit = weight_unit * target_unit ** (2 if problem.loss.name == "squared" else 1)
         self.penalty = Fraction(problem.leaf_penalty) / self.unit
         self.found: dict[tuple[bytes, int], Fraction] = {}
 
@@ -57,7 +57,7 @@ class Runs:
 
     def prefixes(self, order: Rows) -> tuple[Numbers, Numbers]:
         """Return numerators and denominators of the errors of one constant for the first 1, 2, ... samples."""
-        if self.problem.loss == "absolute":
+        if self.problem.loss.name == "absolute":
             least = np.cumsum(self.misses[order], axis=0).min(axis=1)
             return least.astype(object), np.full(len(order), 1, dtype=object)
         weights, targets = self.weights[order], self.targets[order]

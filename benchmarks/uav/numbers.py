@@ -14,7 +14,8 @@ from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor
 from benchmarks.uav.bayes import class_posterior
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
-from octmip import Limits, Problem, RegressionProblem, Solution, predict, predict_values, solve
+from octmip import Limits, Problem, Solution, predict, predict_values, solve
+from octmip.losses import NUMBER_LOSSES
 from octmip.tree import Node
 
 Floats = NDArray[np.float64]
@@ -42,7 +43,7 @@ def _rules(
     targets = levels.astype(float)
     for depth in depths:
         for loss in ("squared", "absolute"):
-            asked = RegressionProblem(features, targets, depth=depth, loss=loss)
+            asked = Problem(features, targets, depth=depth, loss=NUMBER_LOSSES[loss])
             solution = solve(asked, limits=Limits(seconds=seconds))
             tree = solution.tree
             assert tree is not None

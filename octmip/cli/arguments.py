@@ -12,8 +12,9 @@ from octmip.cluster import open_cluster
 from octmip.errors import DataError
 from octmip.formats.messages import shown
 from octmip.problem import Problem
+from octmip.registry import METHODS
 from octmip.solution import Limits
-from octmip.solver import METHODS, chosen_method
+from octmip.solver import chosen_method
 
 MOST_THREADS = 1024
 

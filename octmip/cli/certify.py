@@ -8,7 +8,7 @@ one line says which. 2: a file cannot be read.
 import argparse
 import dataclasses
 
-from octmip.certificate import Certificate, certify
+from octmip.certificate import certify
 from octmip.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
 from octmip.cli.regression.files import certify_numbers
@@ -18,7 +18,7 @@ from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
 from octmip.formats.messages import shown
 from octmip.formats.regression_file import is_regression_file
-from octmip.formats.tree_file import TreeFile, finite_or_none, read_tree_file
+from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
 from octmip.report.text import number, percent, solution_text
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
         held = {} if held_out is None else {"held_out": score_json(held_out)}
         n_samples = training.problem.n_samples
-        print_json({"is_certified": True, "n_samples": n_samples, **_fields(certificate), **held, **log})
+        print_json({"is_certified": True, "n_samples": n_samples, **certificate.to_json(), **held, **log})
         return 0
     print("certified: every claim was recomputed from tree and data alone")
     print(printable(solution_text(file.solution, certificate, training.problem.n_samples)))
@@ -108,8 +108,3 @@ def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFi
         return None
     with ElapsedLine("checking the proof"):
         return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
-
-
-def _fields(certificate: Certificate) -> dict[str, object]:
-    fields = dataclasses.asdict(certificate)
-    return {k: finite_or_none(v) if isinstance(v, float) else v for k, v in fields.items()}

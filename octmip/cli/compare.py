@@ -20,10 +20,11 @@ from octmip.errors import DataError, ProblemError, SolverError
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.problem import Problem
+from octmip.registry import METHODS
 from octmip.report.markdown import markdown_table
 from octmip.report.text import narrow_scope
 from octmip.solution import Limits, Stop, relative_gap
-from octmip.solver import REGISTRY, solve
+from octmip.solver import solve
 from octmip.tradeoff import score
 from octmip.tree import Node
 
@@ -98,9 +99,9 @@ def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
         has_boxes = problem.split == "hyperplane" and problem.max_split_size <= 2
         return list(DEFAULTS["two features" if has_boxes else problem.split])
     names = [name.strip() for name in arguments.methods.split(",")]
-    unknown = [name for name in names if name not in REGISTRY]
+    unknown = [name for name in names if name not in METHODS[1:]]
     if unknown:
-        raise DataError(f"--methods names {unknown[0]!r}; expected some of {', '.join(REGISTRY)}")
+        raise DataError(f"--methods names {unknown[0]!r}; expected some of {', '.join(METHODS[1:])}")
     return names
 
 

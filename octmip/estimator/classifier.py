@@ -26,10 +26,12 @@ from octmip.estimator.settings import (
     sensors_of,
     threads_of,
 )
+from octmip.losses import ClassCosts
 from octmip.prediction import predict
-from octmip.problem import MAX_DEPTH, Problem
+from octmip.problem import Problem
 from octmip.problem_values import whole_of
 from octmip.run import Method
+from octmip.shape import MAX_DEPTH
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import solve
 from octmip.uncertainty import LeafDistribution
@@ -192,7 +194,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             split_size=self.split_size,
             leaf_size=leaf_size_of(self.min_samples_leaf, len(labels)),
             leaf_penalty=self.leaf_penalty,
-            costs=self.costs,  # type: ignore[arg-type]
+            loss=ClassCosts(self.costs),
             weights=weights,
             sensor_of_feature=sensors_of(self.columns_, self.sensor_of_feature),
             sensor_cost=self.sensor_cost,

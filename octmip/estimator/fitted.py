@@ -17,7 +17,6 @@ from octmip.formats.files import PathLike
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import record_tree
 from octmip.problem import Problem
-from octmip.regression.certificate import RegressionCertificate
 from octmip.solution import Solution
 from octmip.tree import Node, depth, leaves
 
@@ -29,7 +28,7 @@ class SolvedTree:
     """What every estimator with a solution and a certificate says about its tree."""
 
     solution_: Solution
-    certificate_: Certificate | RegressionCertificate
+    certificate_: Certificate
 
     @property
     def tree_(self) -> Node:

@@ -6,8 +6,9 @@ import warnings
 from sklearn.exceptions import ConvergenceWarning
 
 from octmip.problem import Problem
+from octmip.registry import solvers_of
 from octmip.solution import Solution, Stop
-from octmip.solver import REGISTRY, chosen_method
+from octmip.solver import chosen_method
 
 ENDED = {
     Stop.TIME: "at its limit of {seconds:g} s",
@@ -25,7 +26,7 @@ CURE = {
 
 def method_proves(problem: Problem, method: str) -> bool:
     """Whether a method promises a proof: "search", "cart", and "auto" for hyperplanes do not."""
-    return REGISTRY[chosen_method(problem, method)].proves
+    return solvers_of(problem)[chosen_method(problem, method)].proves
 
 
 def warn_unproven(solution: Solution, proves: bool, seconds: float) -> None:

@@ -15,9 +15,11 @@ from octmip.estimator.fitted import SolvedTree
 from octmip.estimator.proof import warn_unproven
 from octmip.estimator.samples import learn_samples, read_samples
 from octmip.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
+from octmip.losses import NUMBER_LOSSES, NumberLossName
 from octmip.prediction import predict_values
+from octmip.problem import Problem
 from octmip.problem_values import whole_of
-from octmip.regression.problem import MAX_DEPTH, Loss, RegressionProblem
+from octmip.shape import MAX_DEPTH
 from octmip.solution import Limits, Stop
 from octmip.solver import solve
 from octmip.tree import condition, prediction, tree_lines
@@ -58,7 +60,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
     columns_
         how the columns of X became features (`octmip.formats.columns.Columns`).
     problem_, solution_, certificate_
-        the RegressionProblem that was solved, its Solution, and what was recounted from problem and tree alone.
+        the Problem that was solved, its Solution, and what was recounted from problem and tree alone.
 
     A sample of weight 0 is left out of the training, as if it were not there.
     """
@@ -67,7 +69,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         self,
         max_depth: int = 3,
         *,
-        loss: Loss = "squared",
+        loss: NumberLossName = "squared",
         split: Literal["axis", "hyperplane"] = "axis",
         split_size: int | None = None,
         leaf_model: Literal["constant", "linear"] = "constant",
@@ -142,12 +144,12 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
 
     def _problem(
         self, features: NDArray[np.float64], targets: NDArray[np.float64], weights: NDArray[np.float64]
-    ) -> RegressionProblem:
-        return RegressionProblem(
+    ) -> Problem:
+        return Problem(
             features,
             targets,
             depth=whole_of(self.max_depth, "max_depth", 1, MAX_DEPTH),
-            loss=self.loss,
+            loss=NUMBER_LOSSES[self.loss],
             split=self.split,
             split_size=self.split_size,
             leaf_model=self.leaf_model,

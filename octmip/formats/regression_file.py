@@ -4,7 +4,7 @@
      "tree": {"feature": "g01", "threshold": 2.5, "left": {"value": 3.5},
               "right": {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}},
      "feature_names": [...], "target_name": "mu",
-     "problem": {"depth": 3, "loss": "squared", ...},           everything of the RegressionProblem but its samples
+     "problem": {"depth": 3, "loss": "squared", ...},           everything of the Problem but its samples
      "training": {"sha256": ..., "n_samples": ..., "weights": null, "leaf_sizes": [...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
      "table": {"columns": {...}, "index": null, "rows": "all"}}  how columns became features, or null
@@ -30,7 +30,9 @@ from octmip.formats.messages import shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import different
 from octmip.formats.tree_schema import CLAIMS, COST, COUNT, NAME, TABLE, TRAINING
-from octmip.regression.problem import LOSSES, MAX_DEPTH, RegressionProblem
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
+from octmip.shape import MAX_DEPTH
 from octmip.solution import Solution, Stop
 from octmip.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, leaf_index, leaves
 
@@ -65,7 +67,7 @@ _NODES = {
 }
 SETTINGS: dict[str, Kind] = {
     "depth": Whole(1, MAX_DEPTH),
-    "loss": Choice(LOSSES),
+    "loss": Choice(tuple(NUMBER_LOSSES)),
     "split": Choice(("axis", "hyperplane")),
     "split_size": maybe(COUNT),
     "leaf_model": Choice(("constant", "linear")),
@@ -117,9 +119,9 @@ class RegressionFile:
     feature_names, target_name
         of the problem.
     settings
-        keyword arguments of RegressionProblem (all but samples, weights and names).
+        keyword arguments of Problem (all but samples, weights and names).
     sha256
-        of the training data, `RegressionProblem.digest`.
+        of the training data, `Problem.digest`.
     n_samples
         at training.
     weights_column
@@ -148,14 +150,15 @@ class RegressionFile:
 
     def problem(
         self, features: NDArray[np.float64], targets: NDArray[np.float64], weights: NDArray[np.float64]
-    ) -> RegressionProblem:
+    ) -> Problem:
         """Return the problem of this file over other (or the same) samples."""
         names: dict[str, Any] = {"feature_names": self.feature_names, "target_name": self.target_name}
-        return RegressionProblem(features, targets, weights=weights, **names, **self.settings)
+        settings = {**self.settings, "loss": NUMBER_LOSSES[self.settings["loss"]]}
+        return Problem(features, targets, weights=weights, **names, **settings)
 
 
 def record_regression(
-    problem: RegressionProblem, solution: Solution, weights_column: str | None, preparation: Preparation | None
+    problem: Problem, solution: Solution, weights_column: str | None, preparation: Preparation | None
 ) -> RegressionFile:
     """Return the file of a solution.
 
@@ -166,7 +169,7 @@ def record_regression(
     """
     if solution.tree is None:
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
-    settings = {name: getattr(problem, name) for name in SETTINGS}
+    settings = {name: getattr(problem, name) for name in SETTINGS} | {"loss": problem.loss.name}
     settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
     settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
     reached = leaf_index(solution.tree, problem.features)

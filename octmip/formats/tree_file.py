@@ -35,6 +35,7 @@ from octmip.formats.messages import shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import Node, leaf_index, leaves, n_splits, splits
@@ -122,7 +123,9 @@ class TreeFile:
     ) -> Problem:
         """Return the problem of this file over other (or the same) samples."""
         names = {"feature_names": self.feature_names, "class_names": self.class_names}
-        return Problem(features, labels, weights=weights, **names, **self.settings)  # type: ignore[arg-type]
+        settings: dict[str, Any] = {name: value for name, value in self.settings.items() if name != "costs"}
+        loss = ClassCosts(self.settings["costs"])
+        return Problem(features, labels, weights=weights, loss=loss, **names, **settings)  # type: ignore[arg-type]
 
 
 def record_tree(

@@ -25,7 +25,7 @@ from octmip.formats.checked import (
 )
 from octmip.formats.columns.columns import COLUMNS
 from octmip.formats.messages import shown
-from octmip.problem import MAX_DEPTH
+from octmip.shape import MAX_DEPTH
 from octmip.solution import Stop
 from octmip.tree import SIDES
 

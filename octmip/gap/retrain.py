@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 from octmip.solution import Solution
 from octmip.solver import Method, solve
@@ -117,7 +118,9 @@ def trained(lesson: Lesson, mean: ArrayLike, method: Method = "search", seed: in
     classes = np.unique(lesson.labels)
     costs = np.abs(classes[:, None] - classes[None, :])
     names = tuple(classes.tolist())
-    problem = Problem(features, labels, depth=lesson.depth, costs=costs, class_names=names, feature_names=lesson.gauges)
+    problem = Problem(
+        features, labels, depth=lesson.depth, loss=ClassCosts(costs), class_names=names, feature_names=lesson.gauges
+    )
     return solve(problem, method=method, seed=seed)
 
 

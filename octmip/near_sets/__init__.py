@@ -8,16 +8,17 @@ whole_numbers   the problem in whole numbers, none of them rounded
 
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.near_set import NearOptimalSet, NearTree, RootInterval
-from octmip.near_sets.roles import Loss, Role, SensorRole, SensorRoles, sensor_roles
+from octmip.near_sets.roles import Role, SensorRole, SensorRoles, sensor_roles
+from octmip.near_sets.without import Without
 
 __all__ = [
-    "Loss",
     "NearOptimalSet",
     "NearTree",
     "Role",
     "RootInterval",
     "SensorRole",
     "SensorRoles",
+    "Without",
     "near_optimal",
     "sensor_roles",
 ]

@@ -29,7 +29,7 @@ from octmip.errors import ProblemError
 from octmip.methods import interruption
 from octmip.near_sets.counting import near_optimal
 from octmip.near_sets.whole_numbers import whole_problem
-from octmip.near_sets.without import Calls, Loss, loss_of
+from octmip.near_sets.without import Calls, Without, loss_of
 from octmip.problem import Problem
 from octmip.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, Split, goes_left
@@ -67,7 +67,7 @@ class SensorRole:
     """
 
     sensor: str
-    without: Loss
+    without: Without
     forced: float
     forced_is_proven: bool
     role: Role
@@ -100,7 +100,7 @@ class SensorRoles:
     solution: Solution
     limit: Fraction
     roles: tuple[SensorRole, ...]
-    pairs: tuple[Loss, ...]
+    pairs: tuple[Without, ...]
     stop: Stop
     seconds: float
 
@@ -173,7 +173,9 @@ def sensor_roles(
     return replace(found, stop=Stop.INTERRUPTED if interruption.is_heard() else calls.stop)
 
 
-def _role(without: Loss, best: Loss, limit: Fraction, forced: Fraction | float, forced_is_proven: bool) -> SensorRole:
+def _role(
+    without: Without, best: Without, limit: Fraction, forced: Fraction | float, forced_is_proven: bool
+) -> SensorRole:
     if without.least > limit:
         role = Role.NEEDED
     elif without.cost > limit or (forced > limit and not forced_is_proven):
@@ -184,7 +186,7 @@ def _role(without: Loss, best: Loss, limit: Fraction, forced: Fraction | float, 
     return SensorRole(without.sensors[0], without, float(forced), forced_is_proven, role, instead)
 
 
-def _known_to_read(problem: Problem, best: Loss) -> list[Fraction | float]:
+def _known_to_read(problem: Problem, best: Without) -> list[Fraction | float]:
     """Return the cost of the best tree for the sensors that it reads, no tree for the others."""
     return [best.cost if name in best.read else NO_TREE for name in problem.sensors]
 

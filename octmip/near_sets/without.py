@@ -15,7 +15,7 @@ from octmip.tree import Node
 
 
 @dataclass(frozen=True, slots=True)
-class Loss:
+class Without:
     """The optimum without some sensors.
 
     Attributes
@@ -50,13 +50,13 @@ class Loss:
         return self.bound >= self.objective
 
 
-def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Loss:
+def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Without:
     """Return what a solution says of the trees without some sensors."""
     assert solution.tree is not None
     bound = solution.objective if solution.is_optimal else solution.bound
     cost = exact_objective(problem, solution.tree)
     least = min(cost, Fraction(max(solution.bound, 0.0)))
-    return Loss(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
+    return Without(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
 
 
 class Calls:
@@ -73,7 +73,7 @@ class Calls:
     ) -> None:
         self.problem, self.limits, self.seed, self.n_jobs = problem, limits, seed, n_jobs
         self.progress, self.started = progress, started
-        self.known: list[Loss] = []
+        self.known: list[Without] = []
         self.stop = Stop.NUMERICS
 
     @property
@@ -84,13 +84,13 @@ class Calls:
 
     def solve(self, problem: Problem, incumbent: Node | None) -> Solution:
         """Return the solution of one exact search; after a signal the best leaf at once."""
-        arguments = problem, "exact", self.remaining, incumbent, self.seed, self.n_jobs, self.progress
-        found = until_interrupted(problem, lambda: solve(*arguments), "exact", incumbent)
+        arguments = self.remaining, incumbent, self.seed, self.n_jobs, self.progress
+        found = until_interrupted(problem, lambda: solve(problem, "exact", *arguments), "exact", incumbent)
         if not found.is_optimal:
             self.stop = found.stop
         return found
 
-    def without(self, sensors: tuple[str, ...]) -> Loss:
+    def without(self, sensors: tuple[str, ...]) -> Without:
         """Return the optimum without some sensors: known where the best tree without fewer of them reads none."""
         for known in self.known:
             if set(known.sensors) <= set(sensors) and not set(known.read) & set(sensors):
@@ -111,7 +111,7 @@ class Calls:
             return replace(self.problem, allowed_splits=[[f] for f in left])
         return replace(self.problem, leaf_size=self.problem.n_samples)  # no split is left: a leaf
 
-    def compared(self, loss: Loss, limit: Fraction) -> Loss:
+    def compared(self, loss: Without, limit: Fraction) -> Without:
         """Return a loss whose optimum lies within the limit or beyond for certain, where its proof is whole."""
         if not (loss.is_proven and loss.least <= limit < loss.cost):
             return loss
@@ -128,4 +128,4 @@ class Calls:
             return loss
         (best,) = counted.best(1)
         read, paid, cost = self.problem.sensors_used(best.tree), best.objective, counted.optimum
-        return Loss(loss.sensors, paid, paid, best.tree, read, cost, cost)
+        return Without(loss.sensors, paid, paid, best.tree, read, cost, cost)

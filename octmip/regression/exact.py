@@ -15,17 +15,15 @@ from fractions import Fraction
 from itertools import count
 from pathlib import Path
 
-import numpy as np
-
 from octmip import _native
+from octmip.certificate import checked_incumbent
 from octmip.encoding import Ranks, tree_from_rows
 from octmip.encoding.numbers import rounded_down
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
 from octmip.methods.native_call import logged
-from octmip.regression.certificate import checked_incumbent
+from octmip.problem import Problem
 from octmip.regression.grid import Grid
-from octmip.regression.problem import RegressionProblem
 from octmip.regression.proof_log import write_proof
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance, relative_gap
 from octmip.tree import Node, centred
@@ -36,7 +34,7 @@ PARTS = 2.0**50
 
 
 def exact_regression(
-    problem: RegressionProblem,
+    problem: Problem,
     *,
     limits: Limits = Limits(),  # noqa: B008 - frozen
     incumbent: Node | Solution | None = None,
@@ -105,7 +103,7 @@ class _Part:
 class _Search:
     """A search: the best tree, the bound, and what is left of the limits."""
 
-    problem: RegressionProblem
+    problem: Problem
     limits: Limits
     n_jobs: int
     progress: ProgressCallback | None
@@ -148,7 +146,7 @@ class _Search:
 
     def tolerance(self, bound: float) -> float:
         """Return the tolerance of a bound, -1 where it proves nothing of the tree."""
-        return closing_tolerance(self.objective, bound, self.problem.least_saving(self.objective))
+        return closing_tolerance(self.objective, bound, self.problem.least_saving_from(self.objective))
 
     def _search_parts(self) -> None:
         """Search the parts of the trees, the least bound first, until no open one may hold a better tree."""
@@ -172,7 +170,7 @@ class _Search:
         least = min([closed, *(part.bound for part in open_parts)])
         self.bound = max(self.bound, self.grid.lower(least))
         if self.tree is None:
-            self.keep(self.problem.best_leaf(np.arange(self.problem.n_samples)))
+            self.keep(self.problem.best_leaf())
 
     def _sensor_beyond(self, tree: Node, part: _Part) -> int | None:
         """Return a sensor that the tree reads and the part does not hold, if the tree is over the budget."""
@@ -191,7 +189,7 @@ class _Search:
             self.ranks.ranks,
             list(self.ranks.n_values),
             (grid.targets, grid.weights, grid.squares, grid.grain),
-            (problem.loss == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
+            (problem.loss.name == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
             None if math.isinf(self.room) else self.room,
             self.n_jobs,
             left,

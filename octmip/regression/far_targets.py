@@ -12,14 +12,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 
 Floats = NDArray[np.float64]
 FARTHEST = 1100
 """No two numbers of float64 are 2 to this power apart."""
 
 
-def reach(problem: RegressionProblem, objective: float) -> int:
+def reach(problem: Problem, objective: float) -> int:
     """Return an exponent e: a leaf with targets 2**e apart errs by more than four times this objective.
 
     `FARTHEST` where the objective is 0: it needs no proof.
@@ -27,7 +27,7 @@ def reach(problem: RegressionProblem, objective: float) -> int:
     if objective <= 0:
         return FARTHEST
     lightest = float(problem.weights[problem.weights > 0].min())
-    power = 2 if problem.loss == "squared" else 1
+    power = 2 if problem.loss.name == "squared" else 1
     return min(FARTHEST, math.ceil((math.log2(objective) - math.log2(lightest)) / power) + 2)
 
 

@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.encoding.numbers import power_of_two, rounded_down, whole_exponent
-from octmip.regression.exact_sums import best_constant
+from octmip.losses.exact_sums import best_constant
+from octmip.problem import Problem
 from octmip.regression.far_targets import closed_up, reach
-from octmip.regression.problem import RegressionProblem
 
 Floats = NDArray[np.float64]
 CAPACITY = 2.0**53
@@ -78,17 +78,17 @@ class Grid:
     span: float
 
     @classmethod
-    def of(cls, problem: RegressionProblem, objective: float) -> "Grid":
+    def of(cls, problem: Problem, objective: float) -> "Grid":
         """Return the grid of a problem on which trees of less than this objective cost what they do."""
         weight_exponent, weights = _scaled_weights(problem.weights)
         near = closed_up(problem.targets, reach(problem, objective))
         exponent, targets, distance = _scaled_targets(near, weights)
         total, most = math.fsum(weights), float(np.abs(targets).max())
         is_exact = bool((weights == np.floor(weights)).all()) and total * max(most, 1.0) <= CAPACITY
-        power = 2 if problem.loss == "squared" else 1
+        power = 2 if problem.loss.name == "squared" else 1
         size = total * most**power
         squares, grain, base = np.zeros(len(targets)), 0.0, Fraction(0)
-        if problem.loss == "squared":
+        if problem.loss.name == "squared":
             squares, grain, base = _rounded_squares(weights, targets)
             size = math.fsum(squares) if is_exact else size
         rounding = 2.0**-44 * size
@@ -97,7 +97,7 @@ class Grid:
             rounding += 16 * n * UNIT_ROUNDOFF * size * (1 + n * UNIT_ROUNDOFF * total / lightest)
         unit = power_of_two(-weight_exponent - power * exponent)
         penalty = Fraction(problem.leaf_penalty) / unit
-        is_whole = is_exact and problem.loss == "absolute" and distance == 0 and penalty.denominator == 1
+        is_whole = is_exact and problem.loss.name == "absolute" and distance == 0 and penalty.denominator == 1
         # A split that costs more than the best leaf saves nothing: any such price is as good as another.
         price = float(min(penalty, Fraction(4 * size + 4)))
         return cls(
@@ -111,7 +111,7 @@ class Grid:
             distance=distance,
             rounding=rounding,
             is_whole=is_whole,
-            loss=problem.loss,
+            loss=problem.loss.name,
             total=total,
             span=float(near.max() - near.min()),
         )

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 from octmip.tree import Node, ValueLeaf, predict_values
 
 Floats = NDArray[np.float64]
@@ -12,16 +12,16 @@ LARGEST = 1e300
 """Sum of errors that is told from a larger one."""
 
 
-def errors(problem: RegressionProblem, node: Node, rows: Rows) -> Floats:
+def errors(problem: Problem, node: Node, rows: Rows) -> Floats:
     """Return the weighted error of each of some samples under a subtree, shape (n_rows,)."""
-    misses = np.abs(predict_values(node, problem.features[rows]) - problem.targets[rows])
+    misses = problem.targets[rows] - predict_values(node, problem.features[rows])
     with np.errstate(over="ignore"):
-        weighted: Floats = problem.weights[rows] * (misses**2 if problem.loss == "squared" else misses)
+        weighted: Floats = problem.weights[rows] * problem.number_loss.of_misses(misses)
     # Sums stay finite: beyond that size a tree is worse than any other, and how much worse does not matter.
     return np.minimum(weighted, LARGEST / max(1, len(rows)))
 
 
-def fitted_leaf(problem: RegressionProblem, rows: Rows, usable: Rows) -> ValueLeaf:
+def fitted_leaf(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf:
     """Return the leaf for some samples: by least error its number, or a ridge over `usable` where that is better."""
     constant = ValueLeaf(constant_of(problem, rows))
     if problem.leaf_model == "constant":
@@ -31,12 +31,12 @@ def fitted_leaf(problem: RegressionProblem, rows: Rows, usable: Rows) -> ValueLe
     return linear if linear is not None and is_better else constant
 
 
-def constant_of(problem: RegressionProblem, rows: Rows) -> float:
+def constant_of(problem: Problem, rows: Rows) -> float:
     """Return the weighted mean or median of the targets of some samples, in float64."""
     weights, targets = problem.weights[rows], problem.targets[rows]
     if not weights.any():
         weights = np.ones(len(rows))
-    if problem.loss == "squared":
+    if problem.loss.name == "squared":
         return float(np.average(targets, weights=weights))
     return weighted_median(targets, weights)
 
@@ -48,7 +48,7 @@ def weighted_median(values: Floats, weights: Floats) -> float:
     return float(values[order[int(np.searchsorted(below, below[-1] / 2))]])
 
 
-def _ridge(problem: RegressionProblem, rows: Rows, usable: Rows) -> ValueLeaf | None:
+def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
     """Return a ridge regression of the samples over the features that vary, None where none does.
 
     Minimises ``sum_i w_i (y_i - a - sum_j b_j x_ij)^2 + ridge * W * sum_j var_j b_j^2``, W the sum of the weights and
@@ -74,5 +74,5 @@ def _ridge(problem: RegressionProblem, rows: Rows, usable: Rows) -> ValueLeaf | 
     if not len(features) or not np.isfinite(slopes).all():
         return None
     left = problem.targets[rows] - problem.features[np.ix_(rows, features)] @ slopes
-    value = float(weights @ left) if problem.loss == "squared" else weighted_median(left, weights)
+    value = float(weights @ left) if problem.loss.name == "squared" else weighted_median(left, weights)
     return ValueLeaf(value, tuple(features.tolist()), tuple(slopes.tolist()))

@@ -15,8 +15,8 @@ from octmip import _native
 from octmip.encoding.numbers import power_of_two, whole_exponent
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import PathLike, write_bytes
+from octmip.problem import Problem
 from octmip.regression.far_targets import FARTHEST, reach
-from octmip.regression.problem import RegressionProblem
 
 FORMAT = "octmip-proof 3 regression"
 """First words of a log; the loss stands behind them."""
@@ -25,7 +25,7 @@ SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
 """Sums of weighted targets, costs and sums of weights that are not whole stay below 2 to the power of so many."""
 
 
-def check_provable(problem: RegressionProblem) -> None:
+def check_provable(problem: Problem) -> None:
     """Raise a `ProblemError` if the trees of a problem have no proof logs."""
     if not problem.is_provable:
         raise ProblemError(
@@ -34,18 +34,18 @@ def check_provable(problem: RegressionProblem) -> None:
         )
 
 
-def checker_question(problem: RegressionProblem) -> _native.RegressionQuestion:
+def checker_question(problem: Problem) -> _native.RegressionQuestion:
     """Return the problem as the checker reads it: values, targets and weights as they were given."""
     return _native.RegressionQuestion(
         np.ascontiguousarray(problem.features),
         np.ascontiguousarray(problem.targets),
         np.ascontiguousarray(problem.weights),
-        (problem.loss == "absolute", problem.depth, problem.leaf_size, problem.leaf_penalty),
+        (problem.loss.name == "absolute", problem.depth, problem.leaf_size, problem.leaf_penalty),
         (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
     )
 
 
-def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) -> float:
+def write_proof(path: str | Path, problem: Problem, wanted: Fraction) -> float:
     """Write a log that proves that trees cost `wanted`, or what the best one costs; return the bound it proves.
 
     Raises
@@ -56,7 +56,7 @@ def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) 
         the file cannot be written.
     """
     question, scale = checker_question(problem), log_scale(problem, float(wanted))
-    power = 1 if problem.loss == "absolute" else 2
+    power = 1 if problem.loss.name == "absolute" else 2
     unit = power_of_two(scale[0] + power * scale[1] - scale[2])
     found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
     if found is None:
@@ -64,12 +64,12 @@ def write_proof(path: str | Path, problem: RegressionProblem, wanted: Fraction) 
     claim, body, bound = found
     data, asked = question.digests()
     grid = " ".join(map(str, scale))
-    header = f"{FORMAT} {problem.loss}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
+    header = f"{FORMAT} {problem.loss.name}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
     write_bytes(path, (header + body + "end\n").encode("ascii"))
     return bound
 
 
-def log_scale(problem: RegressionProblem, wanted: float) -> tuple[int, int, int, int]:
+def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
     """Return the exponents of weights, targets, costs and reach: as fine a grid as the checker has room for."""
     exponent = whole_exponent(problem.weights)
     total = _bits(problem.weights, exponent)
@@ -82,7 +82,7 @@ def log_scale(problem: RegressionProblem, wanted: float) -> tuple[int, int, int,
         return exponent, 0, 0, FARTHEST
     # Gaps and their sum are rounded.
     finest = SUM_BITS - total - math.frexp(math.fsum(gaps) * (1 + 1e-12))[1]
-    if problem.loss == "absolute":
+    if problem.loss.name == "absolute":
         return exponent, finest, 0, farthest
     return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest
 
@@ -92,7 +92,7 @@ def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: 
     return math.frexp(math.fsum(weights))[1] + exponent + 1
 
 
-def write_regression_problem(path: PathLike, problem: RegressionProblem) -> None:
+def write_regression_problem(path: PathLike, problem: Problem) -> None:
     """Write the problem with its samples as JSON, for `octmip-check`.
 
     Raises
@@ -109,7 +109,7 @@ def write_regression_problem(path: PathLike, problem: RegressionProblem) -> None
         "features": problem.features.tolist(),
         "targets": problem.targets.tolist(),
         "weights": problem.weights.tolist(),
-        "loss": problem.loss,
+        "loss": problem.loss.name,
         "depth": problem.depth,
         "leaf_size": problem.leaf_size,
         "leaf_penalty": problem.leaf_penalty,

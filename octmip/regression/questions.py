@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 from octmip.tree import HyperplaneSplit, Leaf, Split, goes_left, midpoint
 
 Floats = NDArray[np.float64]
@@ -35,7 +35,7 @@ class Samples:
         (n_usable,) features that may be read.
     """
 
-    problem: RegressionProblem
+    problem: Problem
     rows: Rows
     usable: Rows
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip import _native
-from octmip.regression.certificate import checked_incumbent
+from octmip.certificate import checked_incumbent
+from octmip.problem import Problem
 from octmip.regression.leaf_models import constant_of, errors, fitted_leaf
-from octmip.regression.problem import RegressionProblem
 from octmip.regression.questions import Samples, by_means, by_sides, parts
 from octmip.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.tree import Leaf, Node, complexity, without_empty_sides
@@ -28,7 +28,7 @@ Rows = NDArray[np.int64]
 
 
 def search_regression(
-    problem: RegressionProblem,
+    problem: Problem,
     *,
     limits: Limits = Limits(),  # noqa: B008 - frozen
     incumbent: Node | Solution | None = None,
@@ -65,7 +65,7 @@ def search_regression(
     start = checked_incumbent(problem, incumbent)
     stop = Stop.FINISHED
     try:
-        search.keep(problem.best_leaf(search.rows))
+        search.keep(problem.best_leaf())
         if start is not None:
             search.usable = np.unique([j for j in range(problem.n_features) if search.is_affordable(start, j)])
             search.improve_tree(without_empty_sides(start, problem.features))
@@ -84,7 +84,7 @@ def search_regression(
 class _Search:
     """A search: the best tree so far, the features of this restart, what was spent."""
 
-    problem: RegressionProblem
+    problem: Problem
     limits: Limits
     progress: ProgressCallback | None
     rng: np.random.Generator

@@ -82,9 +82,9 @@ def part_of(problem: Problem, rows: Rows, name: str) -> Problem:
     ProblemError
         they make no problem (one class only, too few for a leaf), or a single leaf already costs nothing.
     """
-    features, labels, weights = problem.features[rows], problem.labels[rows], problem.weights[rows]
+    features, labels, weights = problem.features[rows], problem.targets[rows], problem.weights[rows]
     try:
-        part = replace(problem, features=features, labels=labels, weights=weights)
+        part = replace(problem, features=features, targets=labels, weights=weights)
     except ProblemError as error:
         raise ProblemError(f"{name} make no problem: {error}") from error
     if part.baseline == 0:

@@ -5,7 +5,7 @@ import pytest
 from sklearn.datasets import load_iris, load_wine
 from sklearn.tree import DecisionTreeClassifier
 
-from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, predict, solve
+from octmip import ClassCosts, Leaf, Limits, Problem, Solution, Split, Stop, certify, predict, solve
 from octmip.methods.cart import greedy_tree
 from octmip.tree import features_used, leaf_index, n_splits
 
@@ -48,7 +48,7 @@ def test_every_setting_of_a_problem_is_honoured(seed):
         leaf_size=int(rng.integers(1, 12)),
         leaf_penalty=float(rng.choice([0.0, 0.5, 3.0])),
         weights=rng.integers(0, 4, 60),
-        costs=np.abs(np.subtract.outer(np.arange(3), np.arange(3))),
+        loss=ClassCosts(np.abs(np.subtract.outer(np.arange(3), np.arange(3)))),
         sensor_budget=float(rng.integers(0, 3)),
     )
     solution = greedy_tree(problem, seed=seed)
@@ -61,7 +61,7 @@ def test_every_setting_of_a_problem_is_honoured(seed):
 
 
 def test_leaves_take_the_label_of_least_cost():
-    problem = Problem([[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], depth=1, costs=[[0, 1], [5, 0]])
+    problem = Problem([[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], depth=1, loss=ClassCosts([[0, 1], [5, 0]]))
     assert greedy_tree(problem).tree == Leaf(1)  # two zeros taken for ones cost 2, one one taken for a zero 5
 
 

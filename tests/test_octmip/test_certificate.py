@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from benchmarks.oracles.strategies import problems, random_tree
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.errors import CertificateError
+from octmip.losses import ClassCosts
 from octmip.tree import leaf_index, leaves
 
 FEATURES = np.array([[0.0, 5.0], [1.0, 5.0], [2.0, 7.0], [3.0, 7.0], [4.0, 9.0]])
@@ -23,7 +24,7 @@ STUMP = dataclasses.replace(SOLUTION, tree=Split(0, 1.5, Leaf(0), Leaf(1)), obje
 def problem_with(**changes):
     settings = {"depth": 2, "feature_names": ("g", "h")} | changes
     features = settings.pop("features", FEATURES)
-    labels = settings.pop("labels", PROBLEM.labels)
+    labels = settings.pop("targets", PROBLEM.targets)
     return Problem(features, labels, **settings)
 
 
@@ -40,7 +41,7 @@ def test_what_is_true_is_counted():
 
 
 def test_weights_costs_and_penalty_are_paid():
-    problem = problem_with(weights=[1, 1, 1, 1, 10], costs=[[0, 3], [1, 0]], leaf_penalty=0.5)
+    problem = problem_with(weights=[1, 1, 1, 1, 10], loss=ClassCosts([[0, 3], [1, 0]]), leaf_penalty=0.5)
     paid = dataclasses.replace(STUMP, objective=30.5)
     assert certify(problem, paid).errors == 1
     with pytest.raises(CertificateError, match=r"claims objective 30\.0 but the tree's own"):
@@ -104,7 +105,7 @@ def test_a_bound_above_a_tree_of_real_weights_fails(share):
     [
         ({"features": FEATURES[::-1]}, "claims objective 0.0 but the tree's own"),
         ({"features": FEATURES + 0.6}, "claims objective 0.0 but the tree's own"),
-        ({"labels": ["a", "b", "b", "b", "a"]}, "claims objective 0.0 but the tree's own"),
+        ({"targets": ["a", "b", "b", "b", "a"]}, "claims objective 0.0 but the tree's own"),
         ({"leaf_penalty": 0.25}, "claims objective 0.0 but the tree's own"),
         ({"leaf_size": 2}, "leaf 2 .from the left. holds 1 samples but leaf_size is 2"),
         ({"depth": 1}, "depth 2 but the problem allows 1"),

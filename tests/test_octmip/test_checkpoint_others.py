@@ -18,6 +18,7 @@ import pytest
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
+from octmip.losses import ClassCosts
 from octmip.methods.checkpoint.envelope import FIRST
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
@@ -76,7 +77,7 @@ def test_small_searches_of_every_kind_believe_their_own_checkpoints(tmp_path):
         {},
         {"leaf_penalty": 0.75},
         {"sensor_budget": 2},
-        {"costs": np.array([[0, 0.1, 0.2], [0.1, 0, 0.1], [0.3, 0.2, 0]])},
+        {"loss": ClassCosts(np.array([[0, 0.1, 0.2], [0.1, 0, 0.1], [0.3, 0.2, 0]]))},
     ],
 )
 def test_a_two_feature_proof_in_pieces_makes_the_nodes_of_one_proof(options, tmp_path):

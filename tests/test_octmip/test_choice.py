@@ -10,7 +10,7 @@ import pytest
 from sklearn.datasets import load_iris
 from sklearn.model_selection import GridSearchCV
 
-from octmip import OptimalTreeClassifier, Problem, certify, predict
+from octmip import ClassCosts, OptimalTreeClassifier, Problem, certify, predict
 from octmip.errors import ProblemError
 from octmip.tradeoff import choose_tree
 from octmip.tradeoff.folds import part_of, stratified_folds
@@ -23,7 +23,7 @@ COSTLY = Problem(
     np.arange(60) % 3,
     depth=2,
     weights=RNG.integers(1, 4, 60),
-    costs=[[0, 1, 4], [2, 0, 1], [5, 1, 0]],
+    loss=ClassCosts([[0, 1, 4], [2, 0, 1], [5, 1, 0]]),
 )
 
 
@@ -170,7 +170,7 @@ ROWS = (range(0, 75), range(75, 150))
         ({"folds": [(range(10), range(5, 20))]}, "fold 0 trains on 5 of the rows that judge it"),
         ({"folds": [(range(10), [150])]}, "validation rows from 150 to 150"),
         ({"folds": [([0.5], [3])]}, "training rows"),
-        ({"folds": [(range(10), range(60, 70))]}, "training rows of fold 0 make no problem: labels holds one class"),
+        ({"folds": [(range(10), range(60, 70))]}, "training rows of fold 0 make no problem: targets holds one class"),
         ({"depths": [3]}, "depths is"),
         ({"depths": []}, "depths is"),
         ({"depths": [0, 1]}, "depths is"),
@@ -193,12 +193,12 @@ def test_rows_that_weigh_nothing_judge_nothing():
 
 def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
     with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
-        choose_tree(replace(IRIS, costs=np.zeros((3, 3))), folds=2)
+        choose_tree(replace(IRIS, loss=ClassCosts(np.zeros((3, 3)))), folds=2)
 
 
 def test_scikit_learn_s_own_grid_search_chooses_depth_and_penalty_too():
     search = GridSearchCV(
         OptimalTreeClassifier(method="cart"), {"max_depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
-    ).fit(IRIS.features, IRIS.labels)
+    ).fit(IRIS.features, IRIS.targets)
     assert search.best_params_["max_depth"] == 2
     assert search.best_params_["leaf_penalty"] < 200

@@ -19,6 +19,7 @@ from octmip import Limits, Problem, Progress, Solution, Stop, _native, solve
 from octmip.cli import main
 from octmip.cluster import RESTART, Cluster, open_cluster
 from octmip.errors import DataError, SolverError
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 from octmip.methods.shared_work import shared_problem, solve_cut
@@ -53,7 +54,9 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
     return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
 
 
-@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"costs": np.arange(9).reshape(3, 3)}])
+@pytest.mark.parametrize(
+    "options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(np.arange(9).reshape(3, 3))}]
+)
 def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
@@ -62,7 +65,9 @@ def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: d
     assert shared.n_nodes == alone.n_nodes
 
 
-@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"costs": np.arange(9).reshape(3, 3)}])
+@pytest.mark.parametrize(
+    "options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(np.arange(9).reshape(3, 3))}]
+)
 def test_the_parts_of_a_log_are_joined_and_checked(client: Client, tmp_path, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
@@ -149,7 +154,7 @@ SEARCHES = [
     ({"depth": 4}, {"restarts": 9, "perturbations": 8}),
     ({"split": "hyperplane"}, {"restarts": 3, "perturbations": 4}),
     ({"split": "hyperplane", "split_size": 2, "depth": 2}, {"restarts": 3, "perturbations": 4}),
-    ({"costs": np.arange(9).reshape(3, 3), "sensor_budget": 2}, {"restarts": 11, "perturbations": 4}),
+    ({"loss": ClassCosts(np.arange(9).reshape(3, 3)), "sensor_budget": 2}, {"restarts": 11, "perturbations": 4}),
 ]
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import problems, random_tree
-from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
+from octmip import ClassCosts, HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.tree import midpoint, without_empty_sides
 
@@ -75,10 +75,10 @@ def test_an_integer_objective_is_below_the_true_one_by_at_most_the_tolerance(pro
     ("settings", "unit"),
     [
         ({}, 1.0),
-        ({"weights": [1, 7, 3], "costs": [[0, 4], [2, 0]], "leaf_penalty": 5}, 1.0),
+        ({"weights": [1, 7, 3], "loss": ClassCosts([[0, 4], [2, 0]]), "leaf_penalty": 5}, 1.0),
         ({"weights": [0.5, 2.25, 1]}, 0.25),
         ({"weights": [0.5, 1, 1], "leaf_penalty": 0.125}, 0.125),
-        ({"costs": [[0, 0.5], [1, 0]]}, 0.5),
+        ({"loss": ClassCosts([[0, 0.5], [1, 0]])}, 0.5),
         ({"weights": [1e9, 2e9, 4e9]}, 1.0),
     ],
 )
@@ -92,14 +92,14 @@ def test_whole_and_dyadic_numbers_lose_nothing(settings, unit):
     "settings",
     [
         {"weights": [0.1, 0.2, 0.3]},
-        {"costs": [[0, 1 / 3], [1, 0]]},
+        {"loss": ClassCosts([[0, 1 / 3], [1, 0]])},
         {"leaf_penalty": 1e-9},
         {"leaf_penalty": 1e30},
-        {"weights": [1e12, 1e12, 3e12], "costs": [[0, 1e8], [1e8, 0]]},
-        {"weights": [1e12, 1e12, 3e12], "costs": [[0, 0.1], [0.1, 0]]},
-        {"weights": [2.0**40, 1, 1], "costs": [[0, 2.0**-30], [1, 0]]},
+        {"weights": [1e12, 1e12, 3e12], "loss": ClassCosts([[0, 1e8], [1e8, 0]])},
+        {"weights": [1e12, 1e12, 3e12], "loss": ClassCosts([[0, 0.1], [0.1, 0]])},
+        {"weights": [2.0**40, 1, 1], "loss": ClassCosts([[0, 2.0**-30], [1, 0]])},
         {"weights": [1e300, 1e-300, 1e300]},
-        {"weights": [0.1, 0.2, 0.3], "costs": [[0, 1 / 3], [1, 0]], "leaf_penalty": 0.1},
+        {"weights": [0.1, 0.2, 0.3], "loss": ClassCosts([[0, 1 / 3], [1, 0]]), "leaf_penalty": 0.1},
     ],
 )
 def test_no_objective_overflows_whatever_the_numbers(settings):
@@ -123,5 +123,7 @@ def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():
 @pytest.mark.parametrize("costs", [None, [[0, 1 / 3], [1, 0]]])
 def test_real_numbers_lose_so_little_that_a_proof_stands(costs):
     rng = np.random.default_rng(0)
-    problem = Problem(rng.random((2000, 1)), np.arange(2000) % 2, depth=2, weights=rng.random(2000), costs=costs)
+    problem = Problem(
+        rng.random((2000, 1)), np.arange(2000) % 2, depth=2, weights=rng.random(2000), loss=ClassCosts(costs)
+    )
     assert integer_costs(problem).tolerance < 5e-7 * problem.baseline

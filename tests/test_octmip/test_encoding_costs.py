@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.strategies import random_problem, wide_problem
-from octmip import Leaf, Problem, Split, solve
+from octmip import ClassCosts, Leaf, Problem, Split, solve
 from octmip.encoding import grid, integer_costs
 from octmip.encoding.numbers import exact_objective
 
@@ -22,7 +22,7 @@ X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
     [
         ({}, 1.0),
         ({"weights": [0.5, 1, 2.25, 3, 1, 1]}, 0.25),
-        ({"weights": [0.5, 1, 2, 3, 1, 1], "costs": [[0, 0.25], [1, 0]]}, 0.125),
+        ({"weights": [0.5, 1, 2, 3, 1, 1], "loss": ClassCosts([[0, 0.25], [1, 0]])}, 0.125),
         ({"leaf_penalty": 0.375}, 0.125),
         ({"weights": [1e9] * 6}, 1.0),
     ],
@@ -55,7 +55,11 @@ def test_no_cost_on_the_grid_is_above_the_true_one_in_exact_arithmetic(first, mo
 def test_many_real_weights_and_real_costs_are_told_apart_to_a_millionth_of_the_worst():
     rng = np.random.default_rng(0)
     problem = Problem(
-        rng.random((2000, 1)), np.arange(2000) % 3, depth=1, weights=rng.random(2000), costs=rng.random((3, 3))
+        rng.random((2000, 1)),
+        np.arange(2000) % 3,
+        depth=1,
+        weights=rng.random(2000),
+        loss=ClassCosts(rng.random((3, 3))),
     )
     assert integer_costs(problem).tolerance < 1e-6 * problem.weights.sum()
 
@@ -87,7 +91,7 @@ def test_the_cheaper_the_tree_known_the_finer_the_grid():
 
 
 def test_what_no_prediction_avoids_is_counted_apart():
-    problem = Problem(X, Y, depth=1, costs=[[1e15, 1e15 + 1], [0.1, 1e12]], weights=[1, 1, 1, 1, 1, 0.1])
+    problem = Problem(X, Y, depth=1, loss=ClassCosts([[1e15, 1e15 + 1], [0.1, 1e12]]), weights=[1, 1, 1, 1, 1, 0.1])
     costs = integer_costs(problem)
     cheapest = problem.costs.min(axis=1)[problem.codes]
     exact = sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights, cheapest, strict=True))
@@ -104,7 +108,7 @@ def lossy(seed: int, kind: str) -> Problem:
     if kind == "one price":
         return Problem(features, labels, depth=1, weights=weights)
     costs = 10.0 ** rng.uniform(-6, 0, (3, 3)) * (1 - np.eye(3))
-    return Problem(features, labels, depth=1, weights=weights, costs=costs)
+    return Problem(features, labels, depth=1, weights=weights, loss=ClassCosts(costs))
 
 
 @pytest.mark.parametrize(("kind", "most_own_rows"), [("one price", 64), ("rows of their own", 64), ("products", 0)])
@@ -129,7 +133,9 @@ def test_the_tolerance_covers_what_rounding_takes_from_a_tree_no_worse_than_the_
 def test_a_penalty_that_no_tree_pays_takes_no_digits():
     """No answer costs more than another, so any split is too dear; the penalty has 59 digits of its own."""
     costs, weights = [[1, 1], [1e-6, 0]], [1, 1, 1, 0]
-    problem = Problem([[0], [1], [2], [3]], [0, 0, 0, 1], depth=1, weights=weights, costs=costs, leaf_penalty=0.008)
+    problem = Problem(
+        [[0], [1], [2], [3]], [0, 0, 0, 1], depth=1, weights=weights, loss=ClassCosts(costs), leaf_penalty=0.008
+    )
     solution = solve(problem)
     assert (solution.objective, solution.bound) == (3, 3)
     assert isinstance(solution.tree, Leaf)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from octmip import Solution, _native, certify
+from octmip import ClassCosts, Solution, _native, certify
 from octmip.errors import ProblemError
 from octmip.methods import native_call
 from octmip.methods.exact import branch_and_bound
@@ -34,7 +34,7 @@ def random_problem(seed: int, depth: int | None = None) -> Problem:
         labels,
         depth=int(rng.integers(1, 4)) if depth is None else depth,
         weights=None if rng.random() < 0.5 else rng.integers(0, 5, n) + (np.arange(n) == 0),
-        costs=None if rng.random() < 0.6 else rng.integers(0, 6, (classes, classes)),
+        loss=ClassCosts(None if rng.random() < 0.6 else rng.integers(0, 6, (classes, classes))),
         leaf_size=1 if rng.random() < 0.6 else int(rng.integers(1, 1 + n // 2)),
         leaf_penalty=0 if rng.random() < 0.6 else int(rng.integers(0, 3)),
         allowed_splits=None if p == 1 or rng.random() < 0.8 else [[0], [1]],
@@ -119,7 +119,7 @@ def test_equal_samples_are_searched_as_one_and_logged_as_many(costs: np.ndarray 
         features,
         rng.integers(0, 3, 300),
         depth=3,
-        costs=costs,
+        loss=ClassCosts(costs),
         weights=rng.integers(1, 4, 300),
         allowed_splits=[[0], [1]],
     )
@@ -143,9 +143,9 @@ def unclear(depth: int, n_classes: int = 2, n: int = 500, **options: object) -> 
         (2, {}),
         (3, {}),
         (2, {"weights": np.arange(1.0, 501.0)}),
-        (2, {"costs": np.array([[1, 4], [2, 0]]), "leaf_penalty": 3.0}),
+        (2, {"loss": ClassCosts(np.array([[1, 4], [2, 0]])), "leaf_penalty": 3.0}),
         (2, {"sensor_budget": 2}),
-        (3, {"costs": np.arange(9).reshape(3, 3)}),
+        (3, {"loss": ClassCosts(np.arange(9).reshape(3, 3))}),
     ],
 )
 def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_from_the_answer(
@@ -186,12 +186,12 @@ def test_deep_trees_of_many_labels_are_bounded_by_shallow_ones_of_sets_of_labels
     assert without("label_sets", problem, limits).bound == 0 < found.bound <= found.objective
     assert reports[-1].bound <= found.bound
     if n_classes == 5:  # sets of four labels: what costs is the label that is left out
-        left_out = Problem(features, labels, depth=depth - 2, costs=np.eye(5))
+        left_out = Problem(features, labels, depth=depth - 2, loss=ClassCosts(np.eye(5)))
         assert found.bound == branch_and_bound(left_out).objective
 
 
 @pytest.mark.parametrize(
-    "options", [{}, {"leaf_penalty": 0.5}, {"costs": np.abs(np.subtract.outer(range(6), range(6)))}]
+    "options", [{}, {"leaf_penalty": 0.5}, {"loss": ClassCosts(np.abs(np.subtract.outer(range(6), range(6))))}]
 )
 def test_that_bound_is_none_above_the_optimum(options: dict[str, object]) -> None:
     """Proofs that begin with it end with the answer of those that do not."""
@@ -213,7 +213,7 @@ def test_float64_values_a_millionth_apart_are_told_apart() -> None:
 def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> None:
     for seed in range(4):
         small = larger(seed, n=120, classes=2 + seed % 3)
-        problem = Problem(small.features, small.labels, depth=3)
+        problem = Problem(small.features, small.targets, depth=3)
         first = branch_and_bound(problem)
         assert branch_and_bound(problem, n_jobs=2).tree == first.tree, seed
         assert branch_and_bound(problem, n_jobs=2).n_nodes == first.n_nodes, seed
@@ -242,7 +242,7 @@ def test_too_little_memory_ends_with_a_tree_and_a_bound() -> None:
 
 def test_limits_return_a_tree_and_a_bound() -> None:
     problem = larger(1, n=400)
-    problem = Problem(problem.features, problem.labels, depth=5)
+    problem = Problem(problem.features, problem.targets, depth=5)
     solution = branch_and_bound(problem, limits=Limits(seconds=0.05))
     assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
     assert certify(problem, solution).bound <= solution.objective
@@ -267,5 +267,5 @@ def test_the_order_of_samples_and_features_changes_nothing_but_names() -> None:
         rng = np.random.default_rng(seed)
         order = rng.permutation(problem.n_samples) if rows else np.arange(problem.n_samples)
         names = rng.permutation(4) if columns else np.arange(4)
-        other = Problem(problem.features[order][:, names], problem.labels[order], depth=2)
+        other = Problem(problem.features[order][:, names], problem.targets[order], depth=2)
         assert branch_and_bound(other).objective == branch_and_bound(problem).objective

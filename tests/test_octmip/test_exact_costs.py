@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from octmip import certify
+from octmip import ClassCosts, certify
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.native_call import without
 from octmip.problem import Problem
@@ -38,7 +38,9 @@ def cost_problem(rng, n, p, depth):
         costs = rng.choice([0.0, 0.5, 3.0], (k, k))
     weights = rng.integers(0, 4, n) + (np.arange(n) == 0) if rng.random() < 0.5 else np.ones(n)
     options = {"leaf_penalty": float(rng.choice([0.0, 0.0, 1.0])), "leaf_size": int(rng.choice([1, 1, 1, 2]))}
-    return Problem(features, labels, depth=depth, costs=costs, weights=weights, class_names=tuple(range(k)), **options)
+    return Problem(
+        features, labels, depth=depth, loss=ClassCosts(costs), weights=weights, class_names=tuple(range(k)), **options
+    )
 
 
 @pytest.mark.parametrize("first", range(0, 600, BLOCK))
@@ -75,7 +77,7 @@ def test_samples_cost_at_most_what_they_do_under_the_labels_of_one_set():
     rng = np.random.default_rng(77)
     labels = np.arange(300) % 5
     features = labels[:, None] * rng.uniform(0, 1, 6) + rng.normal(size=(300, 6))
-    problem = Problem(features, labels, depth=3, costs=np.abs(np.subtract.outer(np.arange(5), np.arange(5))))
+    problem = Problem(features, labels, depth=3, loss=ClassCosts(np.abs(np.subtract.outer(np.arange(5), np.arange(5)))))
     with without("set_range"):
         plain = branch_and_bound(problem)
     solution = branch_and_bound(problem)
@@ -90,7 +92,7 @@ def test_gains_are_the_same_for_groups_of_few_features_as_by_walks(n_features, s
     errors = 1.0 - np.eye(len(problem.costs))
     large = np.random.default_rng(seed).integers(1, 500, errors.shape) * errors  # sums of 32 bits: groups half as large
     for costs in (problem.costs, errors, large):
-        asked = replace(problem, costs=costs, leaf_size=1)
+        asked = replace(problem, loss=ClassCosts(costs), leaf_size=1)
         with without("buckets"):
             plain = branch_and_bound(asked)
         assert branch_and_bound(asked).objective == plain.objective
@@ -100,7 +102,7 @@ def in_smaller_units(problem, **options):
     """Return a problem whose costs are 20 times as much, and 7 more whatever is predicted for the first class."""
     costs = problem.costs * 20
     costs[0] += 7
-    return replace(problem, costs=costs, leaf_penalty=problem.leaf_penalty * 20, **options)
+    return replace(problem, loss=ClassCosts(costs), leaf_penalty=problem.leaf_penalty * 20, **options)
 
 
 @pytest.mark.parametrize("budget", [None, 2])
@@ -131,8 +133,8 @@ def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(
     for seed in range(8):
         rng = np.random.default_rng([75, seed])
         whole = cost_problem(rng, 60, 3, 3)
-        whole = replace(whole, costs=np.round(whole.costs), leaf_penalty=np.round(whole.leaf_penalty))
-        problem = replace(whole, costs=whole.costs * unit, leaf_penalty=whole.leaf_penalty * unit)
+        whole = replace(whole, loss=ClassCosts(np.round(whole.costs)), leaf_penalty=np.round(whole.leaf_penalty))
+        problem = replace(whole, loss=ClassCosts(whole.costs * unit), leaf_penalty=whole.leaf_penalty * unit)
         path = tmp_path / "proof.log"
         plain, solution = branch_and_bound(whole), branch_and_bound(problem, proof=path)
         assert solution.objective == pytest.approx(plain.objective * unit, rel=1e-12), f"seed {seed}"
@@ -147,7 +149,7 @@ def test_many_classes_cost_the_same_by_histograms_and_by_walks(n_classes: int, t
     rng = np.random.default_rng([n_classes, top])
     features, labels = rng.normal(size=(160, 4)).round(1), rng.integers(0, n_classes, 160)
     costs = rng.integers(1, top + 1, (n_classes, n_classes)) * (1 - np.eye(n_classes))
-    problem = Problem(features, labels, depth=2, costs=costs)
+    problem = Problem(features, labels, depth=2, loss=ClassCosts(costs))
     with without("buckets"):
         walked = branch_and_bound(problem)
     found = branch_and_bound(problem)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.strategies import random_problem
-from octmip import Problem, predict
+from octmip import ClassCosts, Problem, predict
 from octmip.methods.exact import branch_and_bound
 
 SEEDS = range(12)
@@ -42,7 +42,7 @@ def test_a_sample_twice_is_a_sample_of_weight_two(seed):
     problem = larger(seed)
     weights = np.random.default_rng(seed).integers(0, 3, 60)
     twice = Problem(
-        np.repeat(problem.features, weights, axis=0), np.repeat(problem.labels, weights), depth=problem.depth
+        np.repeat(problem.features, weights, axis=0), np.repeat(problem.targets, weights), depth=problem.depth
     )
     assert objective(twice) == objective(dataclasses.replace(problem, weights=weights))
 
@@ -72,7 +72,7 @@ def test_more_depth_more_budget_and_smaller_leaves_are_never_worse(seed):
 def test_costs_and_weights_in_another_unit_are_the_same_question(seed):
     problem = random_problem(np.random.default_rng([52, seed]))
     scaled = dataclasses.replace(
-        problem, weights=problem.weights * 4, costs=problem.costs * 8, leaf_penalty=problem.leaf_penalty * 32
+        problem, weights=problem.weights * 4, loss=ClassCosts(problem.costs * 8), leaf_penalty=problem.leaf_penalty * 32
     )
     assert objective(scaled) == pytest.approx(32 * objective(problem), rel=1e-9, abs=1e-9)
 

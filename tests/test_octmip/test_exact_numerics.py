@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import wide_problem
-from octmip import Limits, Problem, certify, predict
+from octmip import ClassCosts, Limits, Problem, certify, predict
 from octmip.encoding import grid
 from octmip.errors import CertificateError, ProblemError
 from octmip.methods.exact import branch_and_bound
@@ -113,14 +113,14 @@ def test_the_ends_of_float64_give_a_tree_and_a_bound_that_holds(scale):
         labels[:2] = [0, 1]
         costs = None if seed % 2 else rng.random((3, 3))
         weights = rng.integers(1, 1000, n) * scale
-        problem = Problem(features, labels, depth=2, weights=weights, costs=costs, class_names=(0, 1, 2))
+        problem = Problem(features, labels, depth=2, weights=weights, loss=ClassCosts(costs), class_names=(0, 1, 2))
         check(problem, branch_and_bound(problem), exact_objective(problem, optimum(problem).tree))
 
 
 @pytest.mark.parametrize(("weight", "cost"), [(1e300, 1e12), (1e303, 1.0), (1e-200, 1e-200), (5e-324, 1.0)])
 def test_costs_beyond_float64_are_refused_with_a_way_out(weight, cost):
     with pytest.raises(ProblemError, match=r"expected from 1e-280 to 1e\+303, .*; scale weights or costs"):
-        Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[weight, weight], costs=[[0, cost], [cost, 0]])
+        Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[weight, weight], loss=ClassCosts([[0, cost], [cost, 0]]))
 
 
 def test_a_tolerance_is_as_wide_as_the_bound_is_away_and_no_sample_is_lighter():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from octmip import Leaf, Problem, Split
+from octmip import ClassCosts, Leaf, Problem, Split
 from octmip.errors import ProblemError
 from octmip.tradeoff.held_out import Samples, beside_cart, held_out_rows, score
 
@@ -28,7 +28,7 @@ def test_a_share_that_holds_nothing_out_is_refused(share):
 
 
 def test_tree_and_cart_are_counted_on_both_parts():
-    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1, weights=[1, 2, 3], costs=[[0, 4], [5, 0]])
+    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1, weights=[1, 2, 3], loss=ClassCosts([[0, 4], [5, 0]]))
     held = Samples(np.array([[0.0], [3.0], [0.4]]), np.array([1, 1, 0]), np.array([1.0, 1.0, 2.0]))
     found = beside_cart(problem, Leaf(0), held)
     assert (found.training.n_samples, found.training.errors, found.training.cost) == (3, 2, 25)

@@ -16,6 +16,7 @@ from octmip.formats.table import parquet as parquet_table
 from octmip.formats.table import read_table
 from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.gap import read_campaign
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.monitor import Library, ModelSelector
@@ -218,7 +219,7 @@ def test_a_load_beyond_all_loads_is_refused_before_the_twin_is_asked(tmp_path):
 @pytest.mark.parametrize(
     ("settings", "sentence"),
     [
-        ({"costs": [[0, 1e308], [1e308, 0]]}, "make trees that cost up to inf; expected from"),
+        ({"loss": ClassCosts([[0, 1e308], [1e308, 0]])}, "make trees that cost up to inf; expected from"),
         ({"weights": [5e-324] * 12}, "make trees that cost up to 6e-323"),
         ({"split": "hyperplane", "integer_normals": 10**30}, "integer_normals is 1000"),
     ],

@@ -15,7 +15,7 @@ def test_equal_samples_are_one_sample_of_their_weights_in_the_order_of_their_val
     problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 2, 3, 4, 0.5])
     fewer, ranks = merged(problem)
     assert fewer.features.tolist() == [[0, 5], [1, 2], [1, 2]]
-    assert fewer.labels.tolist() == ["b", "a", "b"]
+    assert fewer.targets.tolist() == ["b", "a", "b"]
     assert fewer.weights.tolist() == [2.5, 4, 4]
     again = rank_features(fewer)
     assert np.array_equal(ranks.ranks, again.ranks)
@@ -33,7 +33,7 @@ def test_rows_without_weight_are_left_out_unless_they_make_up_a_class_or_lie_far
 def test_samples_that_leaves_count_stay_apart_in_one_order():
     problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, leaf_size=2)
     fewer, _ = merged(problem)
-    assert fewer.labels.tolist() == ["b", "b", "a", "a", "b"]
+    assert fewer.targets.tolist() == ["b", "b", "a", "a", "b"]
 
 
 @pytest.mark.parametrize("options", [{}, {"split": "hyperplane"}, {"split": "hyperplane", "split_size": 2}])

@@ -12,6 +12,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
+from octmip.losses import ClassCosts
 from octmip.methods.search import local_search
 from octmip.mip import engine
 from octmip.mip.flow import solve_flow
@@ -53,8 +54,8 @@ CASES = {
     "depth 2": blobs(depth=2),
     "weights": blobs(depth=2, weights=np.arange(12) % 4),
     "real weights": blobs(depth=2, weights=0.1 + 0.3 * np.arange(12)),
-    "costs": blobs(depth=2, costs=np.abs(np.subtract.outer(np.arange(3), np.arange(3))) * 20),
-    "lopsided costs": blobs(depth=2, costs=[[0, 5, 1], [2, 1, 9], [3, 4, 0]]),
+    "costs": blobs(depth=2, loss=ClassCosts(np.abs(np.subtract.outer(np.arange(3), np.arange(3))) * 20)),
+    "lopsided costs": blobs(depth=2, loss=ClassCosts([[0, 5, 1], [2, 1, 9], [3, 4, 0]])),
     "leaf size": blobs(depth=2, leaf_size=3),
     "penalty": blobs(depth=2, leaf_penalty=2.0),
     "steep penalty": blobs(depth=2, leaf_penalty=50.0),

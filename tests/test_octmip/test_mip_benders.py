@@ -11,6 +11,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Stop, certify, solve
 from octmip.errors import ProblemError
+from octmip.losses import ClassCosts
 from octmip.mip.benders.bounds import Bounds
 from octmip.mip.benders.memory import Memory
 from octmip.mip.benders.question import Question
@@ -47,7 +48,7 @@ def test_benders_exact_core_and_enumeration_have_one_optimum(block):
         {"depth": 2, "sensor_budget": 1},
         {"depth": 2, "sensor_budget": 2},
         {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
-        {"depth": 2, "costs": [[0, 1, 2], [1, 0, 1], [2, 1, 0]]},
+        {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
         {"depth": 2, "allowed_splits": [[0], [2]]},
     ],
 )
@@ -105,9 +106,9 @@ def test_hyperplanes_are_refused():
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:
-    if len(set(problem.labels[samples].tolist())) < 2:
+    if len(set(problem.targets[samples].tolist())) < 2:
         return 0.0
-    part = Problem(problem.features[samples], problem.labels[samples], depth=problem.depth - 1)
+    part = Problem(problem.features[samples], problem.targets[samples], depth=problem.depth - 1)
     return optimum(part).objective
 
 
@@ -144,7 +145,7 @@ def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
         rows = np.flatnonzero(rng.random(12) < 0.6)
         memory.add(1, rows, best_price(problem, np.isin(np.arange(12), rows)))
     inside = np.flatnonzero(rng.random(12) < 0.8)
-    part = Problem(problem.features[inside], problem.labels[inside], depth=2)
+    part = Problem(problem.features[inside], problem.targets[inside], depth=2)
     recalled = memory.recall(Question(part, own_prices(part), inside))
     assert recalled
     for samples, price in recalled:

@@ -12,6 +12,7 @@ from pyomo.repn import generate_standard_repn
 from benchmarks.oracles.paper_models import oct_h as paper
 from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError
+from octmip.losses import ClassCosts
 from octmip.mip import flow, oct_h
 from octmip.mip.blocks.heap import Heap, place, to_tree
 from octmip.mip.blocks.hyperplanes import choose_mu, space_of
@@ -43,7 +44,7 @@ CASES = {
     "three features": whole(p=3, integer_normals=1),
     "weights": whole(weights=[1, 2, 0, 3, 1, 1, 2, 5, 1]),
     "real weights": whole(weights=0.1 + 0.3 * np.arange(9)),
-    "costs": whole(costs=[[0, 5, 1], [2, 1, 9], [3, 4, 0]]),
+    "costs": whole(loss=ClassCosts([[0, 5, 1], [2, 1, 9], [3, 4, 0]])),
     "leaf size": whole(leaf_size=3),
     "penalty": whole(leaf_penalty=0.75),
     "split size": whole(p=3, split_size=2, integer_normals=1),
@@ -112,7 +113,7 @@ def test_the_rows_are_those_of_the_pyomo_model(case, real):
     if real:
         problem = Problem(
             problem.features,
-            problem.labels,
+            problem.targets,
             depth=2,
             split="hyperplane",
             split_size=problem.split_size,

@@ -11,6 +11,7 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.two_feature import best_objective
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
+from octmip.losses import ClassCosts
 from octmip.mip import engine, prices
 from octmip.mip.blocks.hyperplanes import space_of
 from octmip.mip.flow import solve_flow
@@ -37,7 +38,7 @@ def wild(seed: int, size: str, split: str = "axis") -> Problem:
     labels[:2] = 0, 1
     options: dict[str, object] = {"weights": SIZES[size](rng, n)}
     if rng.random() < 0.4:
-        options["costs"] = SIZES[rng.choice(list(SIZES))](rng, (3, 3)) * (1 - np.eye(3))
+        options["loss"] = ClassCosts(SIZES[rng.choice(list(SIZES))](rng, (3, 3)) * (1 - np.eye(3)))
     if rng.random() < 0.3:
         options["leaf_penalty"] = float(SIZES[rng.choice(list(SIZES))](rng, 1)[0])
     features = rng.integers(0, 4, (n, 2)).astype(float)
@@ -98,7 +99,7 @@ def test_a_bound_that_weights_leave_no_room_to_prove_ends_in_numerics():
 def test_assistants_incumbents_and_given_bounds_hold_at_large_weights(assist):
     for seed in range(2):
         drawn = wild(seed, "large")
-        problem = Problem(drawn.features, drawn.labels, depth=2, weights=drawn.weights)
+        problem = Problem(drawn.features, drawn.targets, depth=2, weights=drawn.weights)
         best = optimum(problem)
         holds(problem, solve(problem, "oct", options={"assist": assist}), best.objective)
         holds(problem, solve(problem, "flow", incumbent=best.tree), best.objective)
@@ -123,7 +124,7 @@ def test_prices_bound_the_true_objective_on_both_sides():
 
 def test_small_whole_problems_are_priced_as_they_stand():
     problem = wild(1, "large")
-    small = Problem(problem.features, problem.labels, depth=1, weights=np.arange(1, problem.n_samples + 1))
+    small = Problem(problem.features, problem.targets, depth=1, weights=np.arange(1, problem.n_samples + 1))
     priced = prices.whole_prices(small, 3.0)
     assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
     assert priced.weights is small.weights

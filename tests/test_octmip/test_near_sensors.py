@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import sensor_roles
+from octmip import ClassCosts, sensor_roles
 from octmip.certificate import checked_leaf_index
 from octmip.errors import ProblemError
 from octmip.near_sets import Role, SensorRole
@@ -61,7 +61,9 @@ def decimal(seed: int) -> Problem:
     labels[:2] = 0, 1
     costs = rng.choice([0.1, 0.3, 0.7, 1.1], (2, 2)) * (1 - np.eye(2))
     weights = rng.choice([0.1, 0.2, 0.3, 0.7], n)
-    return Problem(rng.integers(0, 3, (n, 3)), labels, depth=int(rng.integers(1, 3)), weights=weights, costs=costs)
+    return Problem(
+        rng.integers(0, 3, (n, 3)), labels, depth=int(rng.integers(1, 3)), weights=weights, loss=ClassCosts(costs)
+    )
 
 
 def role_by_enumeration(problem: Problem, sensor: str, limit: Fraction) -> Role:
@@ -85,7 +87,7 @@ def test_roles_are_those_of_enumeration_in_exact_arithmetic(within: float) -> No
 def test_a_sensor_that_the_optimal_tree_reads_is_not_useless() -> None:
     features = [[1, 0], [2, 1], [0, 0], [1, 0], [0, 0]]
     weights, costs = [0.1, 0.1, 0.3, 0.1, 0.7], [[0, 0.7], [0.1, 0]]
-    found = sensor_roles(Problem(features, [0, 1, 0, 1, 1], depth=1, weights=weights, costs=costs))
+    found = sensor_roles(Problem(features, [0, 1, 0, 1, 1], depth=1, weights=weights, loss=ClassCosts(costs)))
     assert found.problem.sensors_used(found.solution.tree)
     assert [role.role for role in found.roles] == [Role.REPLACEABLE, Role.REPLACEABLE]
 
@@ -126,7 +128,7 @@ def test_roles_follow_from_the_objectives() -> None:
 
 def test_two_equal_sensors_replace_each_other_and_fail_together() -> None:
     problem = stairs()
-    twice = Problem(problem.features[:, [0, 0, 1]], problem.labels, depth=1, feature_names=("a", "b", "c"))
+    twice = Problem(problem.features[:, [0, 0, 1]], problem.targets, depth=1, feature_names=("a", "b", "c"))
     found = sensor_roles(twice, pairs=True)
     assert [role.role for role in found.roles[:2]] == [Role.REPLACEABLE, Role.REPLACEABLE]
     losses = {loss.sensors: loss.objective for loss in found.pairs}

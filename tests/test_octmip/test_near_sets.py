@@ -11,6 +11,7 @@ import pytest
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
+from octmip.losses import ClassCosts
 from octmip.near_sets import NearOptimalSet, NearTree, counting
 from octmip.problem import Problem
 from octmip.set_certificate import certify_set, recount
@@ -87,7 +88,7 @@ def test_a_tree_at_the_border_belongs_to_the_set() -> None:
 def test_weights_of_many_digits_are_counted_without_rounding() -> None:
     rng = np.random.default_rng(3)
     weights = rng.random(5) * 10.0 ** rng.integers(-6, 6, 5)
-    problem = five_values(weights=weights, depth=2, costs=rng.random((2, 2)) * (1 - np.eye(2)))
+    problem = five_values(weights=weights, depth=2, loss=ClassCosts(rng.random((2, 2)) * (1 - np.eye(2))))
     found = near_optimal(problem, relative=0.5)
     assert certify_set(problem, found, found.best(20)) is not None
     with pytest.raises(ProblemError, match=r"binary digits, too many to count"):

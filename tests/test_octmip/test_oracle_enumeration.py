@@ -10,6 +10,7 @@ from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import Leaf, Problem, Split
 from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
+from octmip.losses import ClassCosts
 from octmip.tree import n_splits
 
 
@@ -73,7 +74,7 @@ STRIPES = np.array([[0.0], [1.0], [2.0], [3.0]]), [0, 1, 0, 1]
         ({"depth": 2, "leaf_size": 2}, 2.0, 0),
         ({"depth": 2, "sensor_budget": 0}, 2.0, 0),
         ({"depth": 1, "weights": [1, 1, 1, 5]}, 1.0, 1),
-        ({"depth": 1, "costs": [[0, 1], [9, 0]]}, 1.0, 1),
+        ({"depth": 1, "loss": ClassCosts([[0, 1], [9, 0]])}, 1.0, 1),
     ],
 )
 def test_stripes_of_two_classes_by_hand(options, objective, splits):

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Limits, Problem, Solution, Stop, certify
+from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
 from octmip.solver import solve_run
 from octmip.tradeoff import path as paths
@@ -20,7 +20,7 @@ from tests.test_octmip.test_mip import blobs
 WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])
 FAR = np.abs(np.subtract.outer(np.arange(3), np.arange(3))) * 20.0
 RNG = np.random.default_rng(1)
-COSTLY = Problem(RNG.integers(0, 6, (14, 2)).astype(float), RNG.integers(0, 3, 14), depth=2, costs=FAR)
+COSTLY = Problem(RNG.integers(0, 6, (14, 2)).astype(float), RNG.integers(0, 3, 14), depth=2, loss=ClassCosts(FAR))
 
 
 @pytest.mark.parametrize("method", ["exact", "flow", "oct"])

@@ -10,6 +10,7 @@ import pytest
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict, problem_values
 from octmip.errors import ProblemError
 from octmip.formats.problem_file import data_digest
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.tree import splits
 
@@ -18,8 +19,8 @@ LABELS = ["b", "a", "b", "a"]
 
 
 def problem(**changes):
-    settings = {"features": FEATURES, "labels": LABELS, "depth": 2} | changes
-    features, labels = settings.pop("features"), settings.pop("labels")
+    settings = {"features": FEATURES, "targets": LABELS, "depth": 2} | changes
+    features, labels = settings.pop("features"), settings.pop("targets")
     return Problem(features, labels, **settings)
 
 
@@ -48,7 +49,7 @@ def test_arrays_are_copied_in_and_read_only():
 
 
 def test_the_objective_is_cost_times_weight_plus_penalty_for_each_feature_of_each_split():
-    p = problem(weights=[1, 2, 3, 4], costs=[[0, 10], [1, 0]], leaf_penalty=0.5, split="hyperplane")
+    p = problem(weights=[1, 2, 3, 4], loss=ClassCosts([[0, 10], [1, 0]]), leaf_penalty=0.5, split="hyperplane")
     tree = Split(0, 1.0, Leaf(0), HyperplaneSplit((0, 2), (1.0, 1.0), 9.0, Leaf(1), Leaf(0)))
     assert p.objective_of(tree, np.array([0, 1, 1, 0])) == 1 * 1 + 2 * 10 + 0 + 0 + 0.5 * 3
     assert p.objective(tree) == p.objective_of(tree, predict(tree, p.features))
@@ -81,7 +82,9 @@ def test_features_may_meet_only_in_allowed_groups():
     assert "x1" in (p.first_forbidden_split(HyperplaneSplit((0, 1), (1.0, 1.0), 0.0, Leaf(0), Leaf(1))) or "")
 
 
-@pytest.mark.parametrize("values", [{"weights": [0.5] * 4}, {"costs": [[0, 0.1], [1, 0]]}, {"leaf_penalty": 0.2}])
+@pytest.mark.parametrize(
+    "values", [{"weights": [0.5] * 4}, {"loss": ClassCosts([[0, 0.1], [1, 0]])}, {"leaf_penalty": 0.2}]
+)
 def test_costs_are_integers_only_when_all_numbers_are(values):
     assert not problem(**values).has_integer_costs
 
@@ -90,7 +93,7 @@ def test_the_digest_knows_the_training_data_and_nothing_else():
     assert problem().digest() == problem(depth=3, leaf_penalty=1.0).digest()
     changed = FEATURES.copy()
     changed[2, 1] = np.nextafter(changed[2, 1], 99)
-    others = [{"features": changed}, {"labels": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
+    others = [{"features": changed}, {"targets": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
     assert len({problem(**other).digest() for other in [{}, *others]}) == 4
 
 
@@ -98,12 +101,12 @@ WRONG = {
     "features of text": ({"features": [["x"]]}, "features cannot be read as numbers"),
     "features of one dimension": ({"features": [1, 2, 3, 4]}, "features has 1 dimensions; expected 2"),
     "no features": ({"features": np.empty((4, 0))}, r"features has shape \(4, 0\)"),
-    "no samples": ({"features": np.empty((0, 3)), "labels": []}, r"features has shape \(0, 3\)"),
+    "no samples": ({"features": np.empty((0, 3)), "targets": []}, r"features has shape \(0, 3\)"),
     "infinity": ({"features": [[np.nan, 1], [0, 0], [0, np.inf], [0, 0]]}, r"features\[2, 1\] is infinite \(1 in"),
-    "too few labels": ({"labels": ["a", "b"]}, r"labels has shape \(2,\) but features has 4 rows"),
-    "NaN label": ({"labels": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
-    "one class": ({"labels": ["a"] * 4}, "one class only"),
-    "unknown class": ({"class_names": ["a", "c"]}, r"labels holds \['b'\] which class_names"),
+    "too few labels": ({"targets": ["a", "b"]}, r"targets has shape \(2,\) but features has 4 rows"),
+    "NaN label": ({"targets": [0.0, 1.0, np.nan, 1.0]}, r"labels\[2\] is nan"),
+    "one class": ({"targets": ["a"] * 4}, "one class only"),
+    "unknown class": ({"class_names": ["a", "c"]}, r"targets holds \['b'\] which class_names"),
     "class named twice": ({"class_names": ["a", "b", "a"]}, "names twice"),
     "feature named twice": ({"feature_names": ["u", "u", "v"]}, r"feature_names has 3 entries \(2 different\)"),
     "too few names": ({"feature_names": ["u"]}, "feature_names has 1 entries"),
@@ -111,8 +114,11 @@ WRONG = {
     "too few weights": ({"weights": [1, 1]}, "weights has 2 entries"),
     "no weight at all": ({"weights": [0] * 4}, "all weights are 0"),
     "NaN weight": ({"weights": [1, np.nan, 1, 1]}, r"weights\[1\] is not finite"),
-    "costs of wrong shape": ({"costs": [[0, 1, 2], [1, 0, 1]]}, r"costs has shape \(2, 3\); expected \(2, 2\)"),
-    "negative cost": ({"costs": [[0, -1], [1, 0]]}, r"costs\[0, 1\] is -1\.0"),
+    "costs of wrong shape": (
+        {"loss": ClassCosts([[0, 1, 2], [1, 0, 1]])},
+        r"costs has shape \(2, 3\); expected \(2, 2\)",
+    ),
+    "negative cost": ({"loss": ClassCosts([[0, -1], [1, 0]])}, r"costs\[0, 1\] is -1\.0"),
     "depth 0": ({"depth": 0}, "depth is 0; expected a whole number from 1 to 30"),
     "depth 2.5": ({"depth": 2.5}, "depth is 2.5"),
     "depth True": ({"depth": True}, "depth is True"),
@@ -149,10 +155,10 @@ def test_a_wrong_question_is_refused(name):
     [
         ({}, 1.0),
         ({"weights": [3, 1e-9, 0, 2]}, 1e-9),
-        ({"weights": [3, 5, 4, 2], "costs": [[0, 10], [7, 0]]}, 14.0),
+        ({"weights": [3, 5, 4, 2], "loss": ClassCosts([[0, 10], [7, 0]])}, 14.0),
         ({"weights": [3, 5, 4, 2], "leaf_penalty": 0.5}, 0.5),
-        ({"costs": [[0, 0.3], [0.1 + 0.2, 0]]}, 0.3),
-        ({"weights": [1, 0, 1, 0], "costs": [[2, 2], [0, 3]]}, math.inf),
+        ({"loss": ClassCosts([[0, 0.3], [0.1 + 0.2, 0]])}, 0.3),
+        ({"weights": [1, 0, 1, 0], "loss": ClassCosts([[2, 2], [0, 3]])}, math.inf),
     ],
 )
 def test_the_least_saving_is_that_of_one_sample_or_one_split(settings, least):
@@ -166,7 +172,7 @@ FRAME = pd.DataFrame({"age": [1.0, 2.0, 3.0, 4.0], "dose": [0, 1, 0, 1]})
 def test_a_data_frame_gives_its_names_to_features_and_sensors():
     asked = Problem(FRAME, pd.Series(["a", "b", "a", "b"], index=[4, 3, 2, 1]), depth=1)
     assert asked.feature_names == asked.sensors == ("age", "dose")
-    assert asked.labels.tolist() == ["a", "b", "a", "b"]
+    assert asked.targets.tolist() == ["a", "b", "a", "b"]
     assert Problem(FRAME, [0, 1, 0, 1], depth=1, feature_names=("u", "v")).feature_names == ("u", "v")
     assert Problem(pd.DataFrame(FRAME.to_numpy()), [0, 1, 0, 1], depth=1).feature_names == ("x0", "x1")
 
@@ -212,7 +218,7 @@ def test_readings_that_are_missing_from_a_data_frame_are_nan(column):
 
 def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():
     found = Problem([[1.0], [np.nan], [2.0]], [0, 1, 1], depth=1)
-    assert replace(found, features=found.features[[0, 2]], labels=[0, 1], weights=None).gaps
+    assert replace(found, features=found.features[[0, 2]], targets=[0, 1], weights=None).gaps
     assert not problem().gaps
     assert replace(problem(), features=np.full((4, 3), np.nan)).gaps
 
@@ -225,7 +231,9 @@ def test_missing_readings_have_one_digest_whatever_their_bits():
 
 def test_a_problem_shows_its_size_and_settings_and_no_arrays():
     assert repr(problem()) == "Problem(4 samples, 3 features, 2 classes, depth=2, split='axis')"
-    asked = problem(leaf_size=2, leaf_penalty=0.5, weights=[1, 2, 1, 1], costs=[[0, 2], [1, 0]], sensor_budget=2)
+    asked = problem(
+        leaf_size=2, leaf_penalty=0.5, weights=[1, 2, 1, 1], loss=ClassCosts([[0, 2], [1, 0]]), sensor_budget=2
+    )
     assert repr(asked).endswith("split='axis', leaf_size=2, leaf_penalty=0.5, sensor_budget=2, weighted, with costs)")
 
 

@@ -11,6 +11,7 @@ from benchmarks.oracles.proof_log import proof_log
 from benchmarks.oracles.strategies import random_problem
 from octmip import Problem
 from octmip.errors import CertificateError
+from octmip.losses import ClassCosts
 from octmip.proof import check_proof
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]], [0, 1, 0, 1, 0, 1], depth=2)
@@ -84,8 +85,8 @@ def test_a_bound_is_proven_on_several_threads_too(log):
 
 
 def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
-    problem = Problem(STRIPES.features, STRIPES.labels, depth=2, weights=[0.7, 0.3, 0.9, 1.0, 0.4, 0.2])
-    on_grid = Problem(STRIPES.features, STRIPES.labels, depth=2, weights=np.floor(problem.weights * 16))
+    problem = Problem(STRIPES.features, STRIPES.targets, depth=2, weights=[0.7, 0.3, 0.9, 1.0, 0.4, 0.2])
+    on_grid = Problem(STRIPES.features, STRIPES.targets, depth=2, weights=np.floor(problem.weights * 16))
     data = [line for line in proof_log(problem).splitlines() if line.startswith(("data", "question"))]
     lines = proof_log(on_grid).splitlines()
     lines[1:3], lines[3] = data, "grid 4 0"
@@ -126,20 +127,20 @@ def test_a_log_that_proves_nothing_is_refused_with_line_and_reason(log, change, 
 @pytest.mark.parametrize(
     ("options", "line"),
     [
-        ({"labels": [0, 1, 0, 1, 0, 0]}, 2),
+        ({"targets": [0, 1, 0, 1, 0, 0]}, 2),
         ({"features": [[0.0], [1.0], [2.0], [3.0], [4.0], [5.000001]]}, 2),
         ({"weights": [1, 1, 1, 1, 1, 2]}, 2),
         ({"leaf_size": 2}, 3),
         ({"leaf_penalty": 1.0}, 3),
         ({"depth": 3}, 3),
-        ({"costs": [[0, 2], [1, 0]]}, 3),
+        ({"loss": ClassCosts([[0, 2], [1, 0]])}, 3),
         ({"sensor_budget": 0}, 3),
     ],
 )
 def test_a_log_of_another_problem_is_refused(log, options, line):
     path = log(proof_log(STRIPES))
-    changed = {"features": STRIPES.features, "labels": STRIPES.labels, "depth": 2} | options
-    problem = Problem(changed.pop("features"), changed.pop("labels"), **changed)
+    changed = {"features": STRIPES.features, "targets": STRIPES.targets, "depth": 2} | options
+    problem = Problem(changed.pop("features"), changed.pop("targets"), **changed)
     with pytest.raises(CertificateError, match=f"line {line}: "):
         check_proof(problem, path)
 

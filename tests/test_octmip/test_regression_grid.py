@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks.regression.enumeration import least_objective, random_problem
 from benchmarks.regression.runs import Runs
-from octmip import RegressionProblem, Stop, _native, certify, solve
+from octmip import Problem, Stop, _native, certify, solve
 from octmip.errors import CertificateError
+from octmip.losses import NUMBER_LOSSES, AbsoluteError, SquaredError
 from octmip.proof import check_proof
 from octmip.regression.exact import exact_regression
 from octmip.regression.far_targets import FARTHEST, closed_up, reach
 from octmip.regression.grid import Grid
-from octmip.regression.problem import LOSSES
 from octmip.regression.proof_log import log_scale
 from octmip.solution import closing_tolerance
 
@@ -47,13 +47,13 @@ def test_what_the_core_counts_proves_no_more_than_the_truth(kind):
             targets, weights = rng.integers(0, 1000, 400).astype(float), None
         else:  # all at the ends of their range, so that all move the same way
             targets, weights = np.repeat([0.1, 0.1 + rng.random()], 4000), None
-        problem = RegressionProblem(np.zeros((len(targets), 1)), targets, weights=weights, depth=1)
+        problem = Problem(np.zeros((len(targets), 1)), targets, weights=weights, depth=1, loss=SquaredError())
         bound, least = leaf_as_counted(problem), leaf_in_truth(problem)
         assert Fraction(bound) <= least
         assert bound == pytest.approx(float(least), rel=1e-8)
 
 
-@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch):
     core = _native.regression
     n_early = 0
@@ -61,7 +61,7 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
         drawn = random_problem(np.random.default_rng([77, seed]), loss, max_samples=9)
         costs = np.arange(1.0, drawn.n_features + 1)
         columns = drawn.features + 0.01 * np.arange(len(drawn.features))[:, None]
-        problem = RegressionProblem(columns, drawn.targets, depth=3, loss=loss, sensor_cost=costs, sensor_budget=3)
+        problem = Problem(columns, drawn.targets, depth=3, loss=NUMBER_LOSSES[loss], sensor_cost=costs, sensor_budget=3)
         least = least_objective(problem)
         for last in range(1, 6):
             calls = count(1)
@@ -77,23 +77,23 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
     assert n_early > 30
 
 
-@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_far_target_does_not_hide_what_the_others_save(loss):
     # The far one fills the objective without a split: 1e-8 of it is more than all the others err.
     targets, weights = [1000000000.3, 0.1, 0.2, 5.0], [0.1, 0.3, 0.7, 0.9]
-    problem = RegressionProblem(np.arange(4.0)[:, None], targets, weights=weights, depth=2, loss=loss)
+    problem = Problem(np.arange(4.0)[:, None], targets, weights=weights, depth=2, loss=NUMBER_LOSSES[loss])
     solution = solve(problem)
     assert (solution.objective, solution.bound, solution.stop) == (0.0, 0.0, Stop.OPTIMAL)
 
 
-@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 @pytest.mark.parametrize("far", [1e7, 1e12])
 def test_tenths_with_a_far_target_are_proven_with_a_log(loss, far, tmp_path):
     rng = np.random.default_rng(3)
     for _ in range(10):
         targets = np.round(3 * rng.normal(size=40), 1)
         targets[int(rng.integers(40))] = far
-        problem = RegressionProblem(rng.normal(size=(40, 2)), targets, depth=2, loss=loss)
+        problem = Problem(rng.normal(size=(40, 2)), targets, depth=2, loss=NUMBER_LOSSES[loss])
         solution, least = exact_regression(problem, proof=tmp_path / "proof.log"), Runs(problem).least()
         exact = problem.exact_objective(solution.tree)
         assert solution.stop is Stop.OPTIMAL
@@ -115,39 +115,39 @@ def test_targets_closed_up_are_no_farther_apart_than_they_were():
     assert closed_up(targets, FARTHEST) is targets
 
 
-@pytest.mark.parametrize("loss", LOSSES)
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_leaf_with_targets_that_far_apart_costs_more_than_the_known_tree(loss):
     rng = np.random.default_rng(6)
     for _ in range(100):
         weights, objective = 10.0 ** rng.uniform(-9, 9, 2), float(10.0 ** rng.uniform(-9, 9))
-        problem = RegressionProblem([[0.0], [0.0]], [0.0, 1.0], weights=weights, depth=1, loss=loss)
+        problem = Problem([[0.0], [0.0]], [0.0, 1.0], weights=weights, depth=1, loss=NUMBER_LOSSES[loss])
         apart = 2.0 ** reach(problem, objective)
-        far = RegressionProblem([[0.0], [0.0]], [0.0, apart], weights=weights, depth=1, loss=loss)
+        far = Problem([[0.0], [0.0]], [0.0, apart], weights=weights, depth=1, loss=NUMBER_LOSSES[loss])
         assert far.baseline > 2 * objective
     assert reach(problem, 0.0) == FARTHEST
 
 
 def test_a_tolerance_is_a_hundred_millionth_of_the_trees_own_objective():
-    problem = RegressionProblem(np.arange(6.0)[:, None], [0.0, 1e6, 0.1, 0.4, 0.2, 0.3], depth=2)
+    problem = Problem(np.arange(6.0)[:, None], [0.0, 1e6, 0.1, 0.4, 0.2, 0.3], depth=2, loss=SquaredError())
     good = solve(problem)
     assert good.is_optimal
-    assert problem.least_saving(good.objective) == 1e-8 * good.objective
+    assert problem.least_saving_from(good.objective) == 1e-8 * good.objective
     bound = good.objective * (1 - 2e-8)
-    assert closing_tolerance(good.objective, bound, problem.least_saving(good.objective)) == -1
+    assert closing_tolerance(good.objective, bound, problem.least_saving_from(good.objective)) == -1
     with pytest.raises(CertificateError, match="a hundred-millionth of the tree's objective"):
         certify(problem, replace(good, bound=bound, tolerance=math.nextafter(good.objective - bound, 1.0)))
 
 
 def test_what_arithmetic_cannot_tell_apart_is_not_called_optimal():
     targets, weights = [0.1, 0.3, 0.7, 0.2], [1e12, 1e-9, 1e-9, 1e12]
-    problem = RegressionProblem(np.arange(4.0)[:, None], targets, weights=weights, depth=1)
+    problem = Problem(np.arange(4.0)[:, None], targets, weights=weights, depth=1, loss=SquaredError())
     solution = solve(problem)
     assert certify(problem, solution).bound <= Runs(problem).least()
     assert solution.stop is Stop.NUMERICS
 
 
 def test_a_log_that_closes_gaps_up_too_far_proves_less(tmp_path):
-    problem, path = RegressionProblem(np.arange(4.0)[:, None], [0.0, 9.0, 0.0, 9.0], depth=1, loss="absolute"), tmp_path
+    problem, path = Problem(np.arange(4.0)[:, None], [0.0, 9.0, 0.0, 9.0], depth=1, loss=AbsoluteError()), tmp_path
     log = path / "proof.log"
     assert exact_regression(problem, proof=log).bound == 9
     grid = " ".join(map(str, log_scale(problem, 9.0)))

@@ -10,24 +10,25 @@ import pytest
 from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip.certificate import certify
 from octmip.errors import CertificateError, ProblemError
+from octmip.losses import NUMBER_LOSSES, AbsoluteError, NumberLossName, SquaredError
+from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.regression.exact import exact_regression
-from octmip.regression.problem import LOSSES, Loss, RegressionProblem
 from octmip.regression.proof_log import write_proof
 from octmip.solution import Stop
 
 N_RANDOM = 25
 
 
-def strains(loss: Loss, depth: int = 3) -> RegressionProblem:
+def strains(loss: NumberLossName, depth: int = 3) -> Problem:
     """Return twenty-four samples of two features with five targets."""
     rng = np.random.default_rng(5)
     features = rng.normal(size=(24, 2)).round(1)
-    return RegressionProblem(features, 20.0 * rng.integers(0, 5, 24), depth=depth, loss=loss)
+    return Problem(features, 20.0 * rng.integers(0, 5, 24), depth=depth, loss=NUMBER_LOSSES[loss])
 
 
-@pytest.mark.parametrize("loss", LOSSES)
-def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: Loss, tmp_path: Path) -> None:
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: NumberLossName, tmp_path: Path) -> None:
     for seed in range(N_RANDOM):
         problem = random_problem(np.random.default_rng([41, seed]), loss)
         least, path = least_objective(problem), tmp_path / "proof.log"
@@ -38,8 +39,8 @@ def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: 
         assert report.bound == pytest.approx(float(least), rel=1e-5, abs=1e-6 * problem.baseline), seed
 
 
-@pytest.mark.parametrize("loss", LOSSES)
-def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: Loss, tmp_path: Path) -> None:
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: NumberLossName, tmp_path: Path) -> None:
     problem = strains(loss)
     solution = exact_regression(problem, proof=tmp_path / "proof.log")
     report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
@@ -49,8 +50,8 @@ def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: Loss, tmp_path
     assert report.bound == solution.objective or loss == "squared"
 
 
-@pytest.mark.parametrize("loss", LOSSES)
-def test_a_log_without_one_of_its_lines_is_refused(loss: Loss, tmp_path: Path) -> None:
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+def test_a_log_without_one_of_its_lines_is_refused(loss: NumberLossName, tmp_path: Path) -> None:
     problem, path = strains(loss), tmp_path / "proof.log"
     exact_regression(problem, proof=path)
     lines = path.read_text().splitlines(keepends=True)
@@ -67,8 +68,8 @@ def test_a_log_without_one_of_its_lines_is_refused(loss: Loss, tmp_path: Path) -
     assert all(line.startswith("F ") for line in accepted)
 
 
-@pytest.mark.parametrize("loss", LOSSES)
-def test_a_log_with_a_raised_bound_is_refused(loss: Loss, tmp_path: Path) -> None:
+@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+def test_a_log_with_a_raised_bound_is_refused(loss: NumberLossName, tmp_path: Path) -> None:
     problem, path = strains(loss, depth=2), tmp_path / "proof.log"
     exact_regression(problem, proof=path)
     text = path.read_text()
@@ -87,10 +88,13 @@ def test_a_log_of_other_data_or_of_another_question_is_refused(tmp_path: Path) -
     exact_regression(problem, proof=path)
     targets = problem.targets.copy()
     targets[7] += 20.0
-    changed = RegressionProblem(problem.features, targets, depth=2, loss="absolute")
+    changed = Problem(problem.features, targets, depth=2, loss=AbsoluteError())
     with pytest.raises(CertificateError, match='line 2: got "data '):
         check_proof(changed, path)
-    for other in (strains("absolute", depth=3), RegressionProblem(problem.features, problem.targets, depth=2)):
+    for other in (
+        strains("absolute", depth=3),
+        Problem(problem.features, problem.targets, depth=2, loss=SquaredError()),
+    ):
         with pytest.raises(CertificateError, match=r"line [13]: got"):
             check_proof(other, path)
 
@@ -109,6 +113,6 @@ def test_a_bound_below_the_optimum_has_a_log_too(tmp_path: Path) -> None:
 
 
 def test_trees_found_by_search_have_no_log(tmp_path: Path) -> None:
-    problem = RegressionProblem(np.eye(4), np.arange(4.0), depth=1, leaf_model="linear")
+    problem = Problem(np.eye(4), np.arange(4.0), depth=1, leaf_model="linear", loss=SquaredError())
     with pytest.raises(ProblemError, match="have no proof log"):
         check_proof(problem, tmp_path / "proof.log")

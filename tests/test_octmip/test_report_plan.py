@@ -49,7 +49,7 @@ def test_the_table_numbers_the_steps():
 def test_a_split_over_two_gauges_reads_both():
     sequential, _ = asked()
     tree = HyperplaneSplit((0, 1), (1.0, -2.0), 3.5, Leaf(0), Leaf(2))
-    problem = Problem(sequential.problem.features, sequential.problem.labels, depth=1, split="hyperplane")
+    problem = Problem(sequential.problem.features, sequential.problem.targets, depth=1, split="hyperplane")
     two = SequentialProblem(problem)
     line = plan_text(two, Solution(tree, 4.0, 0.0, Stop.FINISHED, 0.0, 0, "by hand", "1", 0)).splitlines()[0]
     assert line == "read x0 (cost 1), x1 (cost 1); if x0 - 2 x1 <= 3.5"

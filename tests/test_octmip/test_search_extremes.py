@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
+from octmip.losses import ClassCosts
 from octmip.methods.cart import greedy_tree
 from octmip.methods.polish import polished
 from octmip.methods.search import local_search
@@ -110,7 +111,7 @@ def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
         weights, labels = 10.0 ** rng.uniform(-12, 12, n), rng.integers(0, 3, n)
         labels[:2] = [0, 1]
         costs = 10.0 ** rng.uniform(-12, 12, (3, 3)) * (1 - np.eye(3))
-        options = {"depth": 2, "weights": weights, "costs": costs, "class_names": (0, 1, 2)}
+        options = {"depth": 2, "weights": weights, "loss": ClassCosts(costs), "class_names": (0, 1, 2)}
         problem = Problem(rng.normal(size=(n, 2)), labels, split="hyperplane", **options)
         known = greedy_tree(problem)
         solution = local_search(problem, seed=seed, incumbent=known.tree, restarts=1, perturbations=2)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
-from octmip import Problem, certify
+from octmip import ClassCosts, Problem, certify
 from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
 
@@ -16,7 +16,7 @@ def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:
     k, p = problem.n_classes, problem.n_features
     return [
         dataclasses.replace(problem, weights=rng.integers(0, 4, problem.n_samples).astype(float)),
-        dataclasses.replace(problem, costs=rng.integers(0, 6, (k, k)).astype(float)),
+        dataclasses.replace(problem, loss=ClassCosts(rng.integers(0, 6, (k, k)).astype(float))),
         dataclasses.replace(problem, leaf_size=7, leaf_penalty=1.5),
         dataclasses.replace(problem, sensor_budget=2.0),
         dataclasses.replace(problem, allowed_splits=[[0, 1], *([f] for f in range(2, p))]),

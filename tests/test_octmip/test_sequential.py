@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.sequential import front
-from octmip import Limits, Problem, solve
+from octmip import ClassCosts, Limits, Problem, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.sensing import Group, SequentialProblem, certify_sequential, solve_sequential
 from octmip.solution import Stop
@@ -27,7 +27,7 @@ def random_sequential(seed: int) -> SequentialProblem:
         labels,
         depth=int(rng.integers(1, 4)),
         weights=None if rng.random() < 0.5 else rng.integers(0, 5, n) + (np.arange(n) == 0),
-        costs=None if rng.random() < 0.6 else rng.integers(0, 6, (k, k)),
+        loss=ClassCosts(None if rng.random() < 0.6 else rng.integers(0, 6, (k, k))),
         leaf_size=1 if rng.random() < 0.7 else int(rng.integers(1, 3)),
         leaf_penalty=0 if rng.random() < 0.7 else 1,
         sensor_of_feature=of_feature,

@@ -24,7 +24,7 @@ def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:
     problems = []
     for _ in range(n_labels):
         codes = rng.permutation(first.codes)
-        own = replace(first, labels=np.array(first.class_names)[codes], sensor_cost=None, sensor_of_feature=None)
+        own = replace(first, targets=np.array(first.class_names)[codes], sensor_cost=None, sensor_of_feature=None)
         problems.append(replace(own, sensor_budget=None, sensor_cost=price.tolist(), allowed_splits=None))
     return problems
 

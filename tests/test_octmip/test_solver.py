@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve, solver
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, registry, solve, solver
 from octmip.errors import ProblemError, SolverError
 from octmip.methods.cart import greedy_tree
 
@@ -31,11 +31,11 @@ def registered(monkeypatch):
     """Return a function that puts a solver in the registry's place of a method."""
 
     def register(name, function, proves=True):
-        registration = dataclasses.replace(solver.REGISTRY[name], proves=proves)
-        monkeypatch.setitem(solver.REGISTRY, name, registration)
-        previous = solver.Registration.load
+        registration = dataclasses.replace(registry.REGISTRY["classes", "axis"][name], proves=proves)
+        monkeypatch.setitem(registry.REGISTRY["classes", "axis"], name, registration)
+        previous = registry.Registration.load
         monkeypatch.setattr(
-            solver.Registration, "load", lambda self: function if self is registration else previous(self)
+            registry.Registration, "load", lambda self: function if self is registration else previous(self)
         )
         return function
 
@@ -56,7 +56,7 @@ def test_an_unknown_method_is_refused_with_the_known_ones():
 
 def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
     assert solver.chosen_method(STRIPES, "auto") == "exact"
-    hyperplane = Problem(STRIPES.features, STRIPES.labels, depth=1, split="hyperplane")
+    hyperplane = Problem(STRIPES.features, STRIPES.targets, depth=1, split="hyperplane")
     assert solver.chosen_method(hyperplane, "auto") == "search"
     assert solver.chosen_method(hyperplane, "oct") == "oct"
 
@@ -185,7 +185,7 @@ def test_prunes_are_switched_off_by_tests_only(split):
 
 
 def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
-    missing = dataclasses.replace(solver.REGISTRY["oct"], module="octmip.no_such_module")
-    monkeypatch.setitem(solver.REGISTRY, "oct", missing)
+    missing = dataclasses.replace(registry.REGISTRY["classes", "axis"]["oct"], module="octmip.no_such_module")
+    monkeypatch.setitem(registry.REGISTRY["classes", "axis"], "oct", missing)
     with pytest.raises(SolverError, match=r"needs the module octmip\.no_such_module"):
         solve(STRIPES, method="oct", incumbent=ZERO_ERRORS)

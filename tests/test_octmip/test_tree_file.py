@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import octmip
-from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
+from octmip import ClassCosts, HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.tree_file import (
     columns_read,
@@ -37,7 +37,7 @@ def full_problem() -> Problem:
         leaf_size=2,
         leaf_penalty=0.25,
         weights=rng.random(40),
-        costs=[[0, 2.5], [1, 0]],
+        loss=ClassCosts([[0, 2.5], [1, 0]]),
         sensor_of_feature=["left", "left", "right"],
         sensor_cost={"left": 1.5, "right": 2},
         sensor_budget=4,
@@ -63,7 +63,7 @@ def test_everything_comes_back_the_same(tmp_path):
     assert back.solution == solution
     assert back.label_column == "y"
     assert back.weights_column == "w"
-    again = back.problem(problem.features, problem.labels, problem.weights)
+    again = back.problem(problem.features, problem.targets, problem.weights)
     assert again.digest() == problem.digest() == back.sha256
     assert certify(again, back.solution) == certify(problem, solution)
     assert back.leaf_counts.sum() == 40
@@ -93,7 +93,7 @@ def test_a_tree_is_told_by_names_to_a_problem_of_another_order(tmp_path):
     file = record_tree(problem, Solution(tree, 9.0, 1.5, Stop.TIME, 0.1, 5, "search", "1", 0))
     order = [2, 1, 0]
     turned = Problem(
-        problem.features[:, order], problem.labels, depth=2, feature_names="cba", class_names=("low", "high")
+        problem.features[:, order], problem.targets, depth=2, feature_names="cba", class_names=("low", "high")
     )
     retold = tree_for(turned, file)
     told = np.array(problem.class_names)[predict(tree, problem.features)]

@@ -81,7 +81,7 @@ def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):
     assert file.tree == solution.tree
     assert file.settings["gaps"]
     assert all(split.missing is not None for split in splits(file.tree))
-    assert file.problem(problem.features, problem.labels, problem.weights).digest() == file.sha256
+    assert file.problem(problem.features, problem.targets, problem.weights).digest() == file.sha256
     content = json.loads(path.read_text())
     content["tree"]["missing"] = "up"
     path.write_text(json.dumps(content))

@@ -15,7 +15,7 @@ pytest.importorskip("jinja2", reason="jinja2 is not installed")
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.page_check import check_page, smallest_text
 from benchmarks.oracles.report_runs import tree_file
-from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split, Stop, solve
+from octmip import ClassCosts, HyperplaneSplit, Leaf, Limits, Problem, Solution, Split, Stop, solve
 from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import TreeFile, record_tree
@@ -138,7 +138,7 @@ def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
 
 def test_costs_weights_and_prices_are_called_cost():
     base = xor()
-    problem = dataclasses.replace(base, costs=[[0, 5], [1, 0]], leaf_penalty=0.5, weights=np.full(200, 2.0))
+    problem = dataclasses.replace(base, loss=ClassCosts([[0, 5], [1, 0]]), leaf_penalty=0.5, weights=np.full(200, 2.0))
     file = record_tree(problem, solve(problem), "side", "risk")
     page = tree_page(file, "t.json", gather(file, problem, seconds=0))
     assert "at a cost of 1.5" in page
@@ -192,7 +192,7 @@ def test_depths_end_with_the_tree_of_the_file_and_never_rise():
 
 def test_no_box_of_a_drawing_lies_on_another():
     problem = xor(60, depth=4)
-    tree = solve(dataclasses.replace(problem, labels=np.random.default_rng(3).permutation(problem.labels))).tree
+    tree = solve(dataclasses.replace(problem, targets=np.random.default_rng(3).permutation(problem.targets))).tree
     assert tree is not None
     counts = np.ones((len(leaves(tree)), 2), dtype=np.int64)
     drawing = draw_tree(tree, Wording(("a" * 90, "b", "c"), ("x", "y" * 300)), counts)
@@ -247,7 +247,7 @@ def test_a_page_of_hostile_names_keeps_all_that_is_checked(browser: Any, tmp_pat
 
 def test_a_deep_tree_zooms_and_its_text_is_never_too_small(browser: Any, tmp_path: Path):
     problem = xor(400, depth=4)
-    shuffled = dataclasses.replace(problem, labels=np.random.default_rng(3).permutation(problem.labels))
+    shuffled = dataclasses.replace(problem, targets=np.random.default_rng(3).permutation(problem.targets))
     path = tmp_path / "page.html"
     path.write_text(tree_page(record_tree(shuffled, solve(shuffled, limits=Limits(nodes=2000))), "t.json"))
     page = browser.new_page(viewport={"width": 400, "height": 900})

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
-from octmip import Limits, Problem, Progress, Stop, certify
+from octmip import ClassCosts, Limits, Problem, Progress, Stop, certify
 from octmip.errors import ProblemError
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
@@ -74,6 +74,6 @@ def test_products_that_only_look_whole_are_taken_as_rounded() -> None:
         split="hyperplane",
         split_size=2,
         weights=[0.1, 0.1, 0.1],  # times 10 is 1.0 as float64, and a little more in truth
-        costs=costs,
+        loss=ClassCosts(costs),
     )
     assert 0.999 < _one_level_deeper(problem, 2.0) < 1.0

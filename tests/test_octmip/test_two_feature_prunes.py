@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds
-from octmip import Problem, _native, certify
+from octmip import ClassCosts, Problem, _native, certify
 from octmip.methods.native_call import without
 from octmip.methods.two_feature import two_feature_branch_and_bound
 
@@ -26,7 +26,9 @@ def variants(problem: Problem) -> list[Problem]:
     k = problem.n_classes
     return [
         dataclasses.replace(problem, weights=rng.integers(1, 4, problem.n_samples).astype(float)),
-        dataclasses.replace(problem, costs=np.abs(np.subtract.outer(np.arange(k), np.arange(k))).astype(float)),
+        dataclasses.replace(
+            problem, loss=ClassCosts(np.abs(np.subtract.outer(np.arange(k), np.arange(k))).astype(float))
+        ),
         dataclasses.replace(problem, leaf_size=9, leaf_penalty=2.0),
     ]
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, synthetic_uav, uci
 from benchmarks.tables import Line
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
@@ -37,7 +38,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         ("published mu2, depth 2, risk", mu2, 2, _risks),
         ("published mu2, depth 3, risk", mu2, 3, _risks),
     ):
-        problem = Problem(table.features, table.labels, depth=depth, costs=costs(table))
+        problem = Problem(table.features, table.labels, depth=depth, loss=ClassCosts(costs(table)))
         yield {"size": size, "seed": 0, "threads": max(threads), **_measured(problem, max(threads))}
 
 

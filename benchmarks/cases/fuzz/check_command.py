@@ -32,6 +32,7 @@ from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pic
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
@@ -223,7 +224,7 @@ def _problem_in(held: dict[str, Any]) -> Problem:
         leaf_size=min(held["leaf_size"], len(features)),  # beyond that no split is left either
         leaf_penalty=held["leaf_penalty"],
         weights=held["weights"],
-        costs=held["costs"],
+        loss=ClassCosts(held["costs"]),
         sensor_of_feature=[str(sensor) for sensor in held["sensor_of_feature"]],
         sensor_cost={str(sensor): held["sensor_cost"][sensor] for sensor in held["sensor_of_feature"]},
         sensor_budget=held["sensor_limit"],

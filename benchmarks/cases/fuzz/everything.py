@@ -41,8 +41,9 @@ from octmip.certificate import certify
 from octmip.errors import CertificateError, OctmipError
 from octmip.problem import Problem
 from octmip.proof import check_proof
+from octmip.registry import REGISTRY
 from octmip.solution import Limits, Solution, Stop
-from octmip.solver import REGISTRY, TWO_FEATURE, Method, solve
+from octmip.solver import Method, solve
 
 STREAM = 71
 CHUNK = 100
@@ -139,7 +140,7 @@ def _line(seeds: range, answers: Sequence[Line]) -> Line:
 
 
 def _answer_all(seeds: range, pipe: Connection) -> None:
-    for registration in (*REGISTRY.values(), TWO_FEATURE):
+    for registration in {one for solvers in REGISTRY.values() for one in solvers.values()}:
         registration.load()  # imports are no solver's time
     for seed in seeds:
         for question, problem, least in questions(seed):

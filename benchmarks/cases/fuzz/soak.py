@@ -19,9 +19,9 @@ import numpy as np
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
 from octmip.certificate import certify
+from octmip.losses import SquaredError
 from octmip.near_sets import near_optimal
 from octmip.problem import Problem
-from octmip.regression.problem import RegressionProblem
 from octmip.report.markdown import markdown_table
 from octmip.set_certificate import certify_set
 from octmip.solution import Limits
@@ -64,7 +64,9 @@ def greedy(rng: Generator) -> None:
 
 def numbers(rng: Generator) -> None:
     """Prove a regression tree."""
-    problem = RegressionProblem(rng.normal(size=(60, 3)).round(1), rng.integers(0, 9, 60).astype(float), depth=2)
+    problem = Problem(
+        rng.normal(size=(60, 3)).round(1), rng.integers(0, 9, 60).astype(float), depth=2, loss=SquaredError()
+    )
     certify(problem, solve(problem))
 
 

@@ -17,6 +17,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
 from octmip.certificate import certify
+from octmip.losses import ClassCosts
 from octmip.methods.exact import branch_and_bound
 from octmip.methods.search import local_search
 from octmip.mip.flow import solve_flow
@@ -54,7 +55,7 @@ def _variants(table: Table) -> Iterator[tuple[str, Problem]]:
     order = np.unique(labels, return_inverse=True)[1]
     yield "weights", Problem(features, labels, depth=2, weights=(1 + order).astype(np.float64))
     graded = np.abs(np.subtract.outer(np.arange(order.max() + 1), np.arange(order.max() + 1)))
-    yield "costs |i - k|", Problem(features, labels, depth=2, costs=graded)
+    yield "costs |i - k|", Problem(features, labels, depth=2, loss=ClassCosts(graded))
     yield "one sensor", Problem(features, labels, depth=2, sensor_budget=1)
     yield "penalty 3, leaf size 5", Problem(features, labels, depth=2, leaf_penalty=3, leaf_size=5)
 

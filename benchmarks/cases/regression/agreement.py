@@ -17,8 +17,9 @@ from benchmarks.regression.enumeration import least_objective, random_problem
 from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import OctmipError
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
 from octmip.proof import check_proof
-from octmip.regression.problem import LOSSES, RegressionProblem
 from octmip.solution import Solution
 from octmip.solver import solve
 
@@ -38,7 +39,11 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         first = 0
         while first < FEWEST or time.perf_counter() - start < limit:
             firsts = range(first, first + CHUNK * max(threads), CHUNK)
-            yield from pool.map(_chunk, [f for f in firsts for _ in LOSSES], [loss for _ in firsts for loss in LOSSES])
+            yield from pool.map(
+                _chunk,
+                [f for f in firsts for _ in tuple(NUMBER_LOSSES)],
+                [loss for _ in firsts for loss in tuple(NUMBER_LOSSES)],
+            )
             first = firsts.stop
 
 
@@ -69,7 +74,7 @@ def complaint(seed: int, loss: str) -> str | None:
     return None if seed % LOGGED else _complaint_of_log(problem, solution, least)
 
 
-def _complaint_of_log(problem: RegressionProblem, solution: Solution, least: Fraction) -> str | None:
+def _complaint_of_log(problem: Problem, solution: Solution, least: Fraction) -> str | None:
     """Return what is wrong with the proof log, or with the answer of two threads."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"

@@ -13,7 +13,8 @@ from sklearn.tree import DecisionTreeRegressor
 from benchmarks.data import published
 from benchmarks.regression.samples import made_up
 from benchmarks.tables import Line
-from octmip.regression.problem import LOSSES, Loss, RegressionProblem
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
 from octmip.solution import Limits
 from octmip.solver import solve
 
@@ -25,7 +26,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     for label in ("mu1", "mu2"):
         table = published(label, 0)
         for depth in (2, 3):
-            for loss in LOSSES:
+            for loss in NUMBER_LOSSES:
                 yield _line(f"published {label}", table.features, table.labels.astype(float), depth, loss, limit)
     for n in SIZES:
         features, targets = made_up(n)
@@ -33,9 +34,14 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def _line(
-    name: str, features: NDArray[np.float64], targets: NDArray[np.float64], depth: int, loss: Loss, limit: float
+    name: str,
+    features: NDArray[np.float64],
+    targets: NDArray[np.float64],
+    depth: int,
+    loss: str,
+    limit: float,
 ) -> Line:
-    problem = RegressionProblem(features, targets, depth=depth, loss=loss)
+    problem = Problem(features, targets, depth=depth, loss=NUMBER_LOSSES[loss])
     start = time.process_time()
     solution = solve(problem, limits=Limits(seconds=limit))
     seconds, start = time.process_time() - start, time.process_time()

@@ -22,9 +22,10 @@ from benchmarks.regression.runs import Runs
 from benchmarks.tables import Line
 from octmip.certificate import certify
 from octmip.errors import OctmipError
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
 from octmip.proof import check_proof
 from octmip.regression.exact import exact_regression
-from octmip.regression.problem import LOSSES, Loss, RegressionProblem
 from octmip.solution import Solution
 
 N_WIDE, N_FAR, CHUNK, N_FORGED = 2000, 3000, 50, 6
@@ -91,7 +92,7 @@ def judged(kind: str, seed: int) -> Outcome:
     return None, counts
 
 
-def _complaint(problem: RegressionProblem, solution: Solution, least: Fraction) -> str | None:
+def _complaint(problem: Problem, solution: Solution, least: Fraction) -> str | None:
     assert solution.tree is not None
     if Fraction(solution.bound) > least:
         return f"bound {solution.bound} above {float(least)}"
@@ -105,7 +106,7 @@ def _complaint(problem: RegressionProblem, solution: Solution, least: Fraction) 
     return None
 
 
-def _forged(rng: np.random.Generator, problem: RegressionProblem, path: Path, least: Fraction) -> str:
+def _forged(rng: np.random.Generator, problem: Problem, path: Path, least: Fraction) -> str:
     """Corrupt a log and return "refused", "true" (accepted, and still true) or "wrong"."""
     lines = path.read_text().split("\n")
     changes: list[Callable[[np.random.Generator, list[str]], None]] = [*LINE_CHANGES, raise_claim, raise_bound]
@@ -129,14 +130,14 @@ def raise_bound(rng: np.random.Generator, lines: list[str]) -> None:
     lines[row] = " ".join([*words[:3], raised])
 
 
-def wide_problem(rng: np.random.Generator) -> RegressionProblem:
+def wide_problem(rng: np.random.Generator) -> Problem:
     """Return a problem of many samples: one column of any depth, or more columns as deep as they can be counted."""
     n_columns = int(rng.choice([1, 1, 2, 3, 4]))
     depth = int(rng.integers(1, 4))
     most = 400 if n_columns == 1 or depth == 1 else (60 if depth == 2 else 14)
     n = int(np.exp(rng.uniform(np.log(8), np.log(most))))
     features = [rng.normal(size=(n, n_columns)), rng.integers(0, max(2, n // 3), (n, n_columns)).astype(float)]
-    return RegressionProblem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n))  # type: ignore[arg-type]
+    return Problem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n))  # type: ignore[arg-type]
 
 
 def wide_targets(rng: np.random.Generator, n: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -153,7 +154,7 @@ def wide_targets(rng: np.random.Generator, n: int) -> np.ndarray[tuple[int], np.
 
 
 def _options(rng: np.random.Generator, n: int) -> dict[str, object]:
-    loss: Loss = LOSSES[int(rng.integers(2))]
+    loss = tuple(NUMBER_LOSSES.values())[int(rng.integers(2))]
     options: dict[str, object] = {"loss": loss}
     if rng.random() < 0.3:
         options["weights"] = np.maximum(rng.integers(0, 5, n), np.arange(n) == 0).astype(float)
@@ -164,7 +165,7 @@ def _options(rng: np.random.Generator, n: int) -> dict[str, object]:
     return options
 
 
-def far_problem(rng: np.random.Generator) -> RegressionProblem:
+def far_problem(rng: np.random.Generator) -> Problem:
     """Return a small problem with some targets far off, or weights of any size, or both."""
     n, n_columns = int(rng.integers(3, 10)), int(rng.integers(1, 3))
     features = rng.integers(0, n, (n, n_columns)).astype(float)
@@ -173,6 +174,6 @@ def far_problem(rng: np.random.Generator) -> RegressionProblem:
     ]
     for row in rng.integers(0, n, int(rng.integers(0, 4))).tolist():
         targets[row] += rng.choice([-1.0, 1.0]) * np.round(10.0 ** rng.uniform(3, 12), int(rng.integers(0, 3)))
-    loss: Loss = LOSSES[int(rng.integers(2))]
+    loss = tuple(NUMBER_LOSSES.values())[int(rng.integers(2))]
     weights = [np.ones(n), np.round(rng.uniform(0.1, 1, n), 1), 10.0 ** rng.uniform(-9, 9, n)][rng.integers(3)]
-    return RegressionProblem(features, targets, weights=weights, depth=int(rng.integers(1, 4)), loss=loss)
+    return Problem(features, targets, weights=weights, depth=int(rng.integers(1, 4)), loss=loss)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line
+from octmip.losses import ClassCosts
 from octmip.methods.search import local_search
 from octmip.problem import Problem
 from octmip.solution import Limits
@@ -49,7 +50,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         labels = np.unique(table.labels, return_inverse=True)[1]
         for depth in DEPTHS:
             for kind, costs in matrices(int(labels.max()) + 1).items():
-                problem = Problem(table.features, labels, depth=depth, costs=costs)
+                problem = Problem(table.features, labels, depth=depth, loss=ClassCosts(costs))
                 seconds, objectives = [], []
                 for seed in SEEDS:
                     watch = Stopwatch()

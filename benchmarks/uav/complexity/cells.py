@@ -14,6 +14,7 @@ from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
 from octmip import Problem, certify, predict
+from octmip.losses import ClassCosts
 from octmip.methods.search import EFFORT
 from octmip.solver import Method, solve
 
@@ -94,7 +95,7 @@ def problem_of(cell: Cell, data: Dataset, gauges: Sequence[str]) -> Problem:
         "class_names": tuple(int(level) for level in levels),
     }
     if cell.objective == "mae":
-        options["costs"] = np.abs(levels[:, None] - levels)
+        options["loss"] = ClassCosts(np.abs(levels[:, None] - levels))
     return Problem(data.features[data.is_train][:, columns_of(data, gauges)], labels, **options)
 
 

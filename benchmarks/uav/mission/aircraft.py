@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchmarks.uav.mission.table_twin import TableTwin
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains
 from femlib.wing import Wing, uav_twin
-from octmip import Limits, OctmipError, Problem, certify, solve
+from octmip import ClassCosts, Limits, OctmipError, Problem, certify, solve
 from octmip.formats.tree_file import TreeFile, read_tree_file, record_tree, write_tree_file
 from octmip.monitor import (
     Filter,
@@ -153,7 +153,7 @@ def problem_of(data: Dataset, label: str, depth: int, miss: float) -> Problem:
     costs = np.abs(percent[:, None] - percent[None, :])
     costs[np.ix_(percent > 100 * CRITICAL, percent <= 100 * CRITICAL)] *= miss
     labels = getattr(data, label)[data.is_train]
-    return Problem(data.features[data.is_train], labels, depth=depth, costs=costs, feature_names=data.gauges)
+    return Problem(data.features[data.is_train], labels, depth=depth, loss=ClassCosts(costs), feature_names=data.gauges)
 
 
 def _tree(folder: Path, data: Dataset, label: str, depth: int, miss: float) -> TreeFile:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from femlib.dataset import Dataset
-from octmip import Limits, certify, predict, solve
+from octmip import ClassCosts, Limits, certify, predict, solve
 from octmip.risk import ErrorRates, RiskModel
 from octmip.solution import Solution
 from octmip.tradeoff import trace_risk_frontier
@@ -66,7 +66,7 @@ def state_rows(data: Dataset, seed: int, depth: int, prices: Sequence[float] = P
             model, start = RiskModel(failure_loss=price), time.process_time()
             problem = model.state_problem(data.features[is_train], labels[is_train], states, depth=depth)
             if price == UNWEIGHTED:  # wrong states alone are counted, as in the paper
-                problem = replace(problem, costs=1.0 - np.eye(len(states)))
+                problem = replace(problem, loss=ClassCosts(1.0 - np.eye(len(states))))
             solution = solve(problem, "exact", Limits(seconds=300.0))
             certify(problem, solution)
             seconds = time.process_time() - start

@@ -11,6 +11,7 @@ from benchmarks.problem_options import ProblemOptions
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing, uav_wing
 from octmip import Problem
+from octmip.losses import ClassCosts
 from octmip.tree import Node, predict
 
 LABELS = ("mu1", "mu2")
@@ -65,7 +66,7 @@ def problem_of(
         "class_names": LEVELS,
     }
     if for_mae:
-        options["costs"] = np.abs(levels[:, None] - levels)
+        options["loss"] = ClassCosts(np.abs(levels[:, None] - levels))
     features = data.features[data.is_train][:, [data.gauges.index(gauge) for gauge in gauges]]
     return Problem(features, getattr(data, label)[data.is_train], **options)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.certificate import certify
+from octmip.certificate import Certificate, certify
 from octmip.cli.answer import ElapsedLine, print_json, printable, then_written
 from octmip.cli.regression.question import Errors, features_of, read_numbers, tested
 from octmip.cli.regression.words import errors_json, errors_text, numbers_text, numbers_tree_text, numbers_verdict
@@ -22,10 +22,8 @@ from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.regression_file import RegressionFile, read_regression_file
 from octmip.formats.table import Table, read_table
-from octmip.formats.tree_file import finite_or_none
+from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
-from octmip.regression.certificate import RegressionCertificate
-from octmip.regression.problem import RegressionProblem
 from octmip.report.text import number
 from octmip.tree import predict_values
 
@@ -39,11 +37,9 @@ def certify_numbers(arguments: argparse.Namespace) -> int:
         certificate = _certified(problem, file)
     test, proof = _tested(arguments, file, problem), _checked_proof(arguments, file, problem)
     if arguments.json:
-        fields = dataclasses.asdict(certificate)
         held = {} if test is None else {"held_out": errors_json(test)}
-        plain = {k: finite_or_none(v) if isinstance(v, float) else v for k, v in fields.items()}
         log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
-        print_json({"is_certified": True, "n_samples": problem.n_samples, **plain, **held, **log})
+        print_json({"is_certified": True, "n_samples": problem.n_samples, **certificate.to_json(), **held, **log})
         return 0
     known = "the bound is its solver's claim" if proof is None else "its bound was checked in the proof log"
     print(f"certified: the tree was recomputed from tree and data alone; {known}")
@@ -117,13 +113,11 @@ def _refuse(arguments: argparse.Namespace, options: dict[str, str]) -> None:
             )
 
 
-def _certified(problem: RegressionProblem, file: RegressionFile) -> RegressionCertificate:
-    certificate = certify(problem, file.solution)
-    assert isinstance(certificate, RegressionCertificate)
-    return certificate
+def _certified(problem: Problem, file: RegressionFile) -> Certificate:
+    return certify(problem, file.solution)
 
 
-def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: RegressionProblem) -> Errors | None:
+def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: Problem) -> Errors | None:
     if not arguments.test:
         return None
     if file.preparation is None:
@@ -134,17 +128,15 @@ def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: Regres
     return tested(arguments.test, problem, file.preparation, file.tree)
 
 
-def _checked_proof(
-    arguments: argparse.Namespace, file: RegressionFile, problem: RegressionProblem
-) -> ProofReport | None:
+def _checked_proof(arguments: argparse.Namespace, file: RegressionFile, problem: Problem) -> ProofReport | None:
     if not arguments.proof:
         return None
     with ElapsedLine("checking the proof"):
         return check_proof(problem, arguments.proof, bound=file.solution.bound)
 
 
-def _text(file: RegressionFile, problem: RegressionProblem, certificate: RegressionCertificate) -> str:
-    return numbers_text(file.solution, certificate, problem.loss, problem.n_samples)
+def _text(file: RegressionFile, problem: Problem, certificate: Certificate) -> str:
+    return numbers_text(file.solution, certificate, problem.loss.name, problem.n_samples)
 
 
 def _errors(file: RegressionFile, table: Table, predictions: NDArray[np.float64]) -> Errors | None:

@@ -1,4 +1,4 @@
-"""From arguments and a table, or a file and a table, to a RegressionProblem."""
+"""From arguments and a table, or a file and a table, to a Problem."""
 
 import argparse
 from dataclasses import dataclass
@@ -20,7 +20,8 @@ from octmip.formats.columns import ColumnsError
 from octmip.formats.regression_file import RegressionFile
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import Preparation, kept_rows
-from octmip.regression.problem import RegressionProblem
+from octmip.losses import NUMBER_LOSSES
+from octmip.problem import Problem
 from octmip.tree import Node, predict_values
 
 OF_CLASSES = {
@@ -40,7 +41,7 @@ OF_CLASSES = {
 class NumberQuestion:
     """A regression problem and how its table became it."""
 
-    problem: RegressionProblem
+    problem: Problem
     weights_column: str | None
     preparation: Preparation
     notes: tuple[str, ...]
@@ -66,12 +67,12 @@ def ask_numbers(arguments: argparse.Namespace) -> NumberQuestion:
     split = kind_of_split(arguments)
     if split == "hyperplane" or arguments.leaf_model == "linear":
         columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
-    problem = RegressionProblem(
+    problem = Problem(
         columns.encode(table.frame[list(chosen.features)]),
         targets,
         weights=table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(targets)),
         depth=arguments.depth,
-        loss=arguments.loss or "squared",
+        loss=NUMBER_LOSSES[arguments.loss or "squared"],
         split=split,
         split_size=arguments.split_size,
         leaf_model=arguments.leaf_model or "constant",
@@ -118,7 +119,7 @@ def errors_of(tree: Node, features: NDArray[np.float64], targets: NDArray[np.flo
     return Errors(len(targets), float(misses.mean()), float(np.sqrt((misses**2).mean())))
 
 
-def tested(path: str, problem: RegressionProblem, preparation: Preparation, tree: Node) -> Errors:
+def tested(path: str, problem: Problem, preparation: Preparation, tree: Node) -> Errors:
     """Return the errors of a tree on another table.
 
     Raises
@@ -148,7 +149,7 @@ def features_of(preparation: Preparation | None, names: tuple[str, ...], table: 
         raise DataError(f"{table.name}: {error}") from error
 
 
-def read_numbers(file: RegressionFile, data: str, form: str | None, source: str) -> RegressionProblem:
+def read_numbers(file: RegressionFile, data: str, form: str | None, source: str) -> Problem:
     """Return the problem that a tree was trained on, read from its table.
 
     Raises

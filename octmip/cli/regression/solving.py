@@ -4,7 +4,7 @@ import argparse
 from functools import partial
 from pathlib import Path
 
-from octmip.certificate import certify
+from octmip.certificate import Certificate, certify
 from octmip.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
 from octmip.cli.regression.question import NumberQuestion, ask_numbers, tested
 from octmip.cli.regression.words import (
@@ -24,8 +24,7 @@ from octmip.formats.regression_file import (
     write_regression_file,
 )
 from octmip.methods.interruption import held_back
-from octmip.regression.certificate import RegressionCertificate
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 from octmip.regression.proof_log import check_provable, write_regression_problem
 from octmip.solution import Limits, ProofError, Solution
 from octmip.solver import solve
@@ -55,14 +54,13 @@ def solve_numbers(arguments: argparse.Namespace, limits: Limits) -> int:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
     with held_back():
         certificate = certify(question.problem, solution)
-        assert isinstance(certificate, RegressionCertificate)
         _show(arguments, question, solution, certificate)
     if unproven is not None:
         raise unproven  # said last: the tree is shown and written all the same
     return 0
 
 
-def _options(arguments: argparse.Namespace, problem: RegressionProblem) -> dict[str, object]:
+def _options(arguments: argparse.Namespace, problem: Problem) -> dict[str, object]:
     """Return the options of the solver; write the problem where that is asked, as files for a checker."""
     if arguments.write_problem:
         check_provable(problem)
@@ -84,7 +82,7 @@ def _incumbent(path: str | None, question: NumberQuestion) -> Node | None:
 
 
 def _show(
-    arguments: argparse.Namespace, question: NumberQuestion, solution: Solution, certificate: RegressionCertificate
+    arguments: argparse.Namespace, question: NumberQuestion, solution: Solution, certificate: Certificate
 ) -> None:
     problem, columns = question.problem, question.preparation.columns
     file = record_regression(problem, solution, question.weights_column, question.preparation)
@@ -97,7 +95,7 @@ def _show(
             print_json(describe_numbers(problem, solution, certificate) | more | held)
             return
         print_notes(question.notes)
-        print(printable(numbers_text(solution, certificate, problem.loss, problem.n_samples)))
+        print(printable(numbers_text(solution, certificate, problem.loss.name, problem.n_samples)))
         print()
         of_table = None if columns.is_plain else columns
         print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_sizes, of_table)))

@@ -3,19 +3,19 @@
 import math
 from typing import Any
 
+from octmip.certificate import Certificate
 from octmip.cli.regression.question import Errors
 from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
 from octmip.formats.regression_file import encode_values
 from octmip.formats.tree_file import finite_or_none
-from octmip.regression.certificate import RegressionCertificate
-from octmip.regression.problem import RegressionProblem
+from octmip.problem import Problem
 from octmip.report.text import condition, number, percent
 from octmip.solution import Solution
 from octmip.tree import Leaf, Node, prediction, tree_lines
 
 
-def numbers_text(solution: Solution, certificate: RegressionCertificate, loss: str, n_samples: int) -> str:
+def numbers_text(solution: Solution, certificate: Certificate, loss: str, n_samples: int) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
     if solution.tolerance > 0:
@@ -26,8 +26,8 @@ def numbers_text(solution: Solution, certificate: RegressionCertificate, loss: s
     sensors = f"sensors {', '.join(map(shown, certificate.sensors))}" if certificate.sensors else "no sensor"
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof} ({loss} error)\n"
-        f"{n_samples} samples: mean absolute error {number(certificate.mae)}, root of the mean squared error "
-        f"{number(certificate.rmse)}; depth {certificate.depth}, {splits}, {sensors}\n"
+        f"{n_samples} samples: mean absolute error {number(certificate.measures['mae'])}, root of the mean squared "
+        f"error {number(certificate.measures['rmse'])}; depth {certificate.depth}, {splits}, {sensors}\n"
         f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )
 
@@ -43,9 +43,9 @@ def numbers_tree_text(tree: Node, names: tuple[str, ...], leaf_sizes: tuple[int,
     return "\n".join(tree_lines(tree, lambda split: condition(split, names, columns), decision))
 
 
-def numbers_verdict(problem: RegressionProblem, solution: Solution, certificate: RegressionCertificate) -> str:
+def numbers_verdict(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what is known of a tree in one sentence, for the last line on the screen."""
-    off = f"mean absolute error {number(certificate.mae)}"
+    off = f"mean absolute error {number(certificate.measures['mae'])}"
     if math.isinf(solution.bound):
         return f"Not proven optimal: {off}; the method {visible(solution.solver)} proves nothing about other trees."
     is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None
@@ -60,16 +60,13 @@ def numbers_verdict(problem: RegressionProblem, solution: Solution, certificate:
     )
 
 
-def describe_numbers(
-    problem: RegressionProblem, solution: Solution, certificate: RegressionCertificate
-) -> dict[str, Any]:
+def describe_numbers(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
     assert solution.tree is not None
     return {
         "objective": solution.objective,
-        "loss": problem.loss,
-        "mae": certificate.mae,
-        "rmse": certificate.rmse,
+        "loss": problem.loss.name,
+        **certificate.measures,
         "n_samples": problem.n_samples,
         "bound": finite_or_none(solution.bound),
         "gap": finite_or_none(solution.gap),
@@ -87,7 +84,6 @@ def describe_numbers(
         "baseline": problem.baseline,
         "normalised_objective": finite_or_none(certificate.normalised_objective),
         "tolerance": solution.tolerance,
-        "scope": certificate.scope,
         "tree": encode_values(solution.tree, problem.feature_names),
     }
 

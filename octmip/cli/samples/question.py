@@ -21,6 +21,7 @@ from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
+from octmip.losses import ClassCosts
 from octmip.problem import Problem
 from octmip.tradeoff import Samples, Score, held_out_rows
 
@@ -201,7 +202,7 @@ def _problem(
         settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
     if arguments.costs:
         classes = sorted(set(labels.tolist()))
-        settings |= {"costs": read_costs(arguments.costs, classes), "class_names": classes}
+        settings |= {"loss": ClassCosts(read_costs(arguments.costs, classes)), "class_names": classes}
     features.flags.writeable = False  # the problem keeps it, and makes no copy
     return Problem(
         features,

@@ -22,7 +22,7 @@ from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
-from octmip.near_sets import Loss, Role, SensorRole, SensorRoles, sensor_roles
+from octmip.near_sets import Role, SensorRole, SensorRoles, Without, sensor_roles
 from octmip.report.markdown import markdown_table
 from octmip.report.text import number
 from octmip.solver import solve
@@ -111,7 +111,7 @@ def _role_json(found: SensorRoles, role: SensorRole) -> dict[str, Any]:
     }
 
 
-def _loss_json(found: SensorRoles, loss: Loss) -> dict[str, Any]:
+def _loss_json(found: SensorRoles, loss: Without) -> dict[str, Any]:
     problem = found.problem
     return {
         "sensors": list(loss.sensors),

@@ -195,7 +195,7 @@ def _side_of(question: Question, samples: NDArray[np.bool_], feature: int, targe
     inside = replace(
         problem,
         features=problem.features[samples],
-        labels=problem.labels[samples],
+        targets=problem.targets[samples],
         weights=problem.weights[samples],
         depth=problem.depth - 1,
         **_budget_below(problem, feature),

@@ -9,7 +9,7 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature
 from octmip.formats.columns.column import Column
 from octmip.formats.names import shown
-from octmip.problem import MAX_DEPTH
+from octmip.shape import MAX_DEPTH
 from octmip.tree import Leaf, Node, leaves, splits
 
 

@@ -216,7 +216,7 @@ def _thinned(problem: Problem, rows: int | None, seed: int) -> Problem:
     return replace(
         problem,
         features=problem.features[kept],
-        labels=problem.labels[kept],
+        targets=problem.targets[kept],
         weights=problem.weights[kept],
         leaf_size=1,
     )

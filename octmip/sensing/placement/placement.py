@@ -284,7 +284,7 @@ def sample_bound(
             part = replace(
                 problem,
                 features=problem.features[block],
-                labels=problem.labels[block],
+                targets=problem.targets[block],
                 weights=problem.weights[block],
                 leaf_size=1,
                 leaf_penalty=0.0,

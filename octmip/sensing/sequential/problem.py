@@ -152,7 +152,8 @@ class SequentialProblem:
     def delay_costs(self) -> Floats:
         """(n_samples,) what one reading costs for each sample, by its class."""
         by_class = [float(self.delay_cost.get(name, 0.0)) for name in self.problem.class_names]
-        return np.array(by_class)[self.problem.codes]
+        of_sample: Floats = np.array(by_class)[self.problem.codes]
+        return of_sample
 
     @property
     def most_readings(self) -> list[int]:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import octmip
-from octmip import RegressionProblem, ValueLeaf, solve
+from octmip import Problem, SquaredError, ValueLeaf, solve
 from octmip.formats.regression_file import (
     read_regression_file,
     record_regression,
@@ -145,7 +145,7 @@ def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
     features = rng.normal(size=(50, 3))
     targets = np.where(features[:, 0] + features[:, 1] > 0, features[:, 2], 4.0)
     options = {"split": "hyperplane", "leaf_model": "linear", "sensor_cost": [1, 2, 3], "sensor_budget": 9}
-    problem = RegressionProblem(features, targets, depth=1, **options)
+    problem = Problem(features, targets, depth=1, loss=SquaredError(), **options)
     solution = solve(problem, options={"restarts": 2})
     write_regression_file(tmp_path / "t.json", record_regression(problem, solution, None, None))
     file = read_regression_file(tmp_path / "t.json")

@@ -2,7 +2,7 @@
 
 import json
 
-from octmip import Solution, Stop, solver
+from octmip import Solution, Stop, registry, solver
 from octmip.formats.tree_file import read_tree_file
 
 
@@ -71,7 +71,7 @@ def test_an_incumbent_is_taken_up(data, run, tree):
 
 def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, monkeypatch):
     def proves(problem, **_):
-        leaf = solver.REGISTRY["cart"].load()(
+        leaf = registry.REGISTRY["classes", "axis"]["cart"].load()(
             problem, limits=solver.Limits(), incumbent=None, seed=0, n_jobs=1, progress=None
         )
         return Solution(leaf.tree, leaf.objective, 1.0, Stop.OPTIMAL, 0.0, 1, "exact", "1", 0)
@@ -79,9 +79,9 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     def fails(problem, **_):
         raise solver.SolverError("out of luck")
 
-    load = solver.Registration.load
+    load = registry.Registration.load
     replaced = {"octmip.methods.exact": proves, "octmip.mip.oct": fails}
-    monkeypatch.setattr(solver.Registration, "load", lambda self: replaced.get(self.module) or load(self))
+    monkeypatch.setattr(registry.Registration, "load", lambda self: replaced.get(self.module) or load(self))
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,exact,oct"]
     code, out, _ = run(*words)
     assert code == 0
