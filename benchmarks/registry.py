@@ -1,4 +1,4 @@
-"""The families of cases: each is one file under benchmarks/cases and one line here.
+"""The families of cases: each is one file under benchmarks/cases, or a study of its own, and one line here.
 
 A family's module has `cases()`, questions that several solvers answer side by side, or `results(limit, threads)`, a
 study that yields its own result lines; it may have `summary(lines)`, which returns its table in Markdown.
@@ -56,6 +56,7 @@ FAMILIES = {
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",
+    "mutants": "benchmarks.mutants.study",
     "fem_mesh": "benchmarks.cases.fem.mesh",
     "fem_shells": "benchmarks.cases.fem.shells",
     "fem_calculix": "benchmarks.cases.fem.calculix",

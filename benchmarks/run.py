@@ -1,4 +1,4 @@
-"""Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE]`.
+"""Measure a family of cases: `python -m benchmarks.run NAME [--limit 60] [--threads 1,2] [--out FILE] [--csv FILE]`.
 
 Prints one JSON line per result. Every solver answers in a process of its own, killed soon after its limit; CPU and wall
 seconds are those of the solving call alone (all threads and processes of it), the median of several where it is short.
@@ -6,6 +6,7 @@ seconds are those of the solving call alone (all threads and processes of it), t
 
 import argparse
 import base64
+import csv
 import inspect
 import json
 import math
@@ -51,6 +52,8 @@ def main() -> None:
         lines = _race(module.cases(), options, threads)
     with open(options.out, "a") if options.out else nullcontext() as out:
         shown = _shown(options.name, lines, out)
+    if options.csv:
+        _write_csv(shown, options.csv)
     if options.picture:
         module.picture(shown, Path(options.picture))
     if hasattr(module, "summary"):
@@ -75,6 +78,14 @@ def _printed(line: Line, out: TextIO | None) -> Line:
     return line
 
 
+def _write_csv(lines: list[Line], path: str) -> None:
+    """Write lines as a table with a column for every key that any of them has."""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(dict.fromkeys(key for line in lines for key in line)))
+        table.writeheader()
+        table.writerows(lines)
+
+
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("name", help=", ".join(FAMILIES))
@@ -84,6 +95,7 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--solvers", default="", help="only these solvers, such as octmip,pycontree")
     parser.add_argument("--kills", type=int, default=0, help="runs in which a worker is killed (exact_cluster)")
     parser.add_argument("--out", help="append the lines to this file")
+    parser.add_argument("--csv", help="write the lines into this file as a table, at the end")
     parser.add_argument("--picture", help="draw the lines into this file, for families that have a picture")
     parser.add_argument("--solver", help=argparse.SUPPRESS)
     parser.add_argument("--child", help=argparse.SUPPRESS)  # the case, pickled: listing a family can take longer

@@ -1,0 +1,210 @@
+"""Mutants of what checks a claim: certificates, recounts, limits of a problem, readers of proofs and of tree files."""
+
+from benchmarks.mutants.mutant import Mutant
+
+CERTIFICATE = ("test_octmip/test_certificate.py",)
+SETS = ("test_octmip/test_near_sets.py",)
+DRIFT = ("test_octmip/test_drift.py",)
+NUMBERS = ("test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
+TREE_FILE = ("test_octmip/test_tree_file.py", "test_octmip/test_hostile_files.py")
+
+CLAIMS = (
+    Mutant(
+        "octmip/certificate.py",
+        "if solution.bound > objective + slack + solution.tolerance:",
+        "if solution.bound > 2 * objective + slack + solution.tolerance:",
+        CERTIFICATE,
+    ),
+    Mutant(
+        "octmip/certificate.py",
+        "if abs(solution.objective - objective) > slack:",
+        "if solution.objective - objective > slack:",
+        CERTIFICATE,
+    ),
+    Mutant(
+        "octmip/certificate.py",
+        "slack = 0.0 if problem.has_integer_costs else 1e-12 * abs(objective)",
+        "slack = 1e-12 * abs(objective)",
+        CERTIFICATE,
+    ),
+    Mutant(
+        "octmip/certificate.py",
+        "if solution.bound > leaf + (0.0 if",
+        "if solution.bound > 2 * leaf + (0.0 if",
+        CERTIFICATE,
+    ),
+    Mutant("octmip/certificate.py", "< solution.tolerance < least:", "< solution.tolerance <= least:", CERTIFICATE),
+    Mutant(
+        "octmip/certificate.py",
+        "sizes[smallest] < problem.leaf_size:",
+        "sizes[smallest] + 1 < problem.leaf_size:",
+        CERTIFICATE,
+    ),
+    Mutant(
+        "octmip/certificate.py",
+        "if problem.sensor_cost_of(tree) > problem.sensor_limit:",
+        "if len(problem.sensors_used(tree)) > problem.sensor_limit:",
+        CERTIFICATE,
+    ),
+    Mutant(
+        "octmip/certificate.py", "if depth(tree) > problem.depth:", "if depth(tree) > problem.depth + 1:", CERTIFICATE
+    ),
+    Mutant(
+        "octmip/set_certificate.py",
+        "if claimed.optimum != found.least:",
+        "if claimed.optimum is not None and claimed.optimum > found.least:",
+        SETS,
+    ),
+    Mutant("octmip/set_certificate.py", "+= n * m", "+= n + m", SETS),
+    Mutant("octmip/set_certificate.py", "counts[cost + more + self.price, sensor] -= 1", "pass", SETS),
+    Mutant("octmip/set_certificate.py", "parts = feature, min(left, right)", "parts = feature, left", SETS),
+    Mutant(
+        "octmip/set_certificate.py",
+        "if claimed.limit is not None and exact > claimed.limit:",
+        "if claimed.limit is not None and float(exact) > float(claimed.limit):",
+        SETS,
+    ),
+    Mutant("octmip/set_certificate.py", "rel_tol=1e-12", "rel_tol=1e-3", SETS),
+    Mutant(
+        "octmip/set_certificate.py",
+        "if claim is not None and claim != counted:",
+        "if claim is not None and claim > counted:",
+        SETS,
+    ),
+    Mutant(
+        "octmip/drift/certificate.py",
+        "if abs(solution.objective - found.worst) > slack:",
+        "if solution.objective - found.worst > slack:",
+        DRIFT,
+    ),
+    Mutant(
+        "octmip/drift/certificate.py",
+        "if solution.bound > least + solution.tolerance:",
+        "if solution.bound > 2 * least + solution.tolerance:",
+        DRIFT,
+    ),
+    Mutant("octmip/drift/certificate.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT),
+    Mutant(
+        "octmip/drift/recount.py",
+        "high[:, node.feature] > node.threshold",
+        "high[:, node.feature] >= node.threshold",
+        DRIFT,
+    ),
+    Mutant(
+        "octmip/drift/recount.py",
+        "combinations(read, min(off, len(read)))",
+        "combinations(read, min(1, len(read)))",
+        DRIFT,
+    ),
+    Mutant(
+        "octmip/regression/certificate.py",
+        "if solution.objective != float(exact):",
+        "if solution.objective > float(exact):",
+        NUMBERS,
+    ),
+    Mutant("octmip/regression/certificate.py", "if solution.bound > least:", "if solution.bound > 2 * least:", NUMBERS),
+    Mutant(
+        "octmip/regression/certificate.py",
+        '("one leaf alone costs", baseline)',
+        '("one leaf alone costs", math.inf)',
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/regression/certificate.py",
+        "if problem.sensor_cost_of(tree) > problem.sensor_limit:",
+        "if len(problem.sensors_used(tree)) > problem.sensor_limit:",
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/problem.py",
+        "else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)",
+        "else self.sensor_budget",
+        ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
+    ),
+    Mutant(
+        "octmip/problem.py",
+        "used = {int(self.sensor_index[feature]) for feature in features_used(tree)}\n        return math.fsum",
+        "used = [int(self.sensor_index[feature]) for feature in features_used(tree)]\n        return math.fsum",
+        ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
+    ),
+    Mutant(
+        "octmip/regression/problem.py",
+        "used = {int(self.sensor_index[feature]) for feature in features_used(tree)}\n        return math.fsum",
+        "used = [int(self.sensor_index[feature]) for feature in features_used(tree)]\n        return math.fsum",
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/sensing/shared/certificate.py",
+        "if joint.bound > min(objective, least) + slack:",
+        "if joint.bound > 2 * min(objective, least) + slack:",
+        ("test_octmip/test_shared_budget.py",),
+    ),
+    Mutant(
+        "octmip/sensing/shared/sensor_sets.py",
+        "bound = min(self.closed, best, *(node.bound for node in self.open))",
+        "bound = min(self.closed, best)",
+        ("test_octmip/test_shared_budget.py",),
+    ),
+    Mutant(
+        "octmip/mip/blocks/thresholds.py",
+        'rows.add("max_splits", -np.inf, max_splits,',
+        'rows.add("max_splits", -np.inf, max_splits + 1,',
+        ("test_octmip/test_mip_rows.py", "test_octmip/test_mip.py", "test_octmip/test_path.py"),
+    ),
+    Mutant(
+        "octmip/mip/oct.py",
+        'rows.add("max_splits", -np.inf, max_splits,',
+        'rows.add("max_splits", -np.inf, max_splits + 1,',
+        ("test_octmip/test_mip_rows.py", "test_octmip/test_mip.py"),
+    ),
+    Mutant(
+        "octmip/proof.py",
+        "if proven < bound:",
+        "if proven < bound - 1:",
+        ("test_octmip/test_proof.py", "test_octmip/test_exact_proof.py"),
+    ),
+    Mutant(
+        "octmip/regression/proof_log.py",
+        "math.floor(wanted * unit)",
+        "math.ceil(wanted * unit)",
+        ("test_octmip/test_regression_proof.py",),
+    ),
+    Mutant("octmip/formats/tree_file.py", "if version not in range(1, VERSION + 1):", "if version < 0:", TREE_FILE),
+    Mutant(
+        "octmip/formats/tree_file.py",
+        'if total != training["n_samples"]:',
+        'if total > training["n_samples"]:',
+        TREE_FILE,
+    ),
+    Mutant(
+        "octmip/formats/tree_file.py",
+        "if found.columns.feature_names != features:",
+        "if len(found.columns.feature_names) != len(features):",
+        TREE_FILE,
+    ),
+    Mutant(
+        "octmip/formats/tree_nodes.py",
+        "terms = sorted(zip(read, coefficients, strict=True))",
+        "terms = list(zip(read, coefficients, strict=True))",
+        TREE_FILE,
+    ),
+    Mutant("octmip/formats/tree_nodes.py", "if len(set(names)) < len(names):", "if not names:", TREE_FILE),
+    Mutant(
+        "octmip/formats/checked.py",
+        "if type(value) in (int, float) and self.low <= value <= self.high:",
+        "if type(value) in (int, float) and self.low <= value:",
+        ("test_octmip/test_checked.py", *TREE_FILE),
+    ),
+    Mutant(
+        "octmip/formats/solves_file.py",
+        "run.method, run.seed, limits, options]",
+        "run.method, limits, options]",
+        ("test_octmip/test_solves_file.py",),
+    ),
+    Mutant(
+        "octmip/formats/solves_file.py",
+        "hexdigest()[:N_DIGITS].encode() != digits:",
+        "hexdigest()[:N_DIGITS].encode() == b'':",
+        ("test_octmip/test_solves_file.py",),
+    ),
+)

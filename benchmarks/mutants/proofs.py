@@ -1,0 +1,170 @@
+"""Mutants of what finds and proves trees: grids of costs, regression, near-optimal sets, roles, frontiers, solver."""
+
+from benchmarks.mutants.mutant import Mutant
+
+COSTS = ("test_octmip/test_encoding_costs.py", "test_octmip/test_exact_numerics.py", "test_octmip/test_fuzz_corpus.py")
+NUMBERS = ("test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
+SETS = ("test_octmip/test_near_sets.py",)
+ROLES = ("test_octmip/test_near_sensors.py",)
+FRONTIER = ("test_octmip/test_frontier.py",)
+PATH = ("test_octmip/test_path.py",)
+
+PROOFS = (
+    Mutant(
+        "octmip/encoding/grid.py", "self.loss += len(members) + float(past.sum(dtype=float))", "self.loss += 0", COSTS
+    ),
+    Mutant("octmip/encoding/grid.py", "self.loss += len(equal) * (1.0 + max(past))", "self.loss += 0", COSTS),
+    Mutant("octmip/encoding/grid.py", "self.loss += loss", "self.loss += 0", COSTS),
+    Mutant("octmip/encoding/grid.py", "(float(price - penalty) * n_prices if price < self.cap else 0)", "0.0", COSTS),
+    Mutant("octmip/encoding/grid.py", "self.cap = -(-above // self.step)", "self.cap = (above // self.step)", COSTS),
+    Mutant("octmip/encoding/grid.py", "if is_exact and self.step == 1 and (price", "if is_exact and (price", COSTS),
+    Mutant(
+        "octmip/encoding/grid.py",
+        "min(self.cap, int(scaled * price)) for price",
+        "int(scaled * price) for price",
+        COSTS,
+    ),
+    Mutant(
+        "octmip/encoding/numbers.py",
+        "return nearest if Fraction(nearest) <= exact else math.nextafter(nearest, -math.inf)",
+        "return nearest",
+        COSTS,
+    ),
+    Mutant(
+        "octmip/encoding/costs.py",
+        "return distance if distance < problem.least_saving else -1.0",
+        "return distance if distance <= 2 * problem.least_saving else -1.0",
+        COSTS,
+    ),
+    Mutant("octmip/regression/grid.py", "rounding = 2.0**-44 * size", "rounding = 0.0", NUMBERS),
+    Mutant("octmip/regression/grid.py", "        exact -= self.base\n", "", NUMBERS),
+    Mutant("octmip/regression/grid.py", "exact = exact - Fraction(moved) if", "exact = exact if", NUMBERS),
+    Mutant(
+        "octmip/regression/grid.py",
+        "exact -= Fraction(self.distance) * Fraction(self.total)",
+        "exact -= 0",
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/regression/grid.py", "        if self.is_whole:\n", '        if self.loss == "absolute":\n', NUMBERS
+    ),
+    Mutant("octmip/regression/grid.py", "+ self.rounding) * (1 + 1e-12)", ") * (1 - 1e-3)", NUMBERS),
+    Mutant(
+        "octmip/regression/exact.py",
+        "self.bound = min([closed, *(part.bound for part in open_parts)])",
+        "self.bound = closed",
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/regression/exact.py", "if extra is None or self.stop is not Stop.OPTIMAL:", "if extra is None:", NUMBERS
+    ),
+    Mutant(
+        "octmip/regression/exact.py",
+        "if problem.sensor_cost_of(tree) <= problem.sensor_limit:",
+        "if len(problem.sensors_used(tree)) <= problem.sensor_limit:",
+        NUMBERS,
+    ),
+    Mutant("octmip/regression/questions.py", "self.problem.leaf_penalty * (len(plane.features) - 1)", "0.0", NUMBERS),
+    Mutant(
+        "octmip/regression/questions.py",
+        "(k >= size) & (len(values) - k >= size)",
+        "(k >= size) & (len(values) - k >= 1)",
+        NUMBERS,
+    ),
+    Mutant("octmip/regression/questions.py", "/ np.where(left > 0, left, 1.0)", "/ np.maximum(left, 1.0)", NUMBERS),
+    Mutant(
+        "octmip/regression/leaf_models.py",
+        "np.searchsorted(below, below[-1] / 2)",
+        'np.searchsorted(below, below[-1] / 2, side="right")',
+        NUMBERS,
+    ),
+    Mutant("octmip/near_sets/counting.py", "if entry[0] <= self.units]", "if entry[0] < self.units]", SETS),
+    Mutant(
+        "octmip/near_sets/counting.py",
+        "first.is_optimal and first.tolerance == 0 and Fraction(first.bound) >= known",
+        "first.is_optimal",
+        SETS,
+    ),
+    Mutant("octmip/near_sets/counting.py", "else Fraction(max(0.0, first.bound))", "else known", SETS),
+    Mutant(
+        "octmip/near_sets/counting.py",
+        "not self.open_features and all(cut[4] is not None for cut in cuts)",
+        "not self.open_features",
+        SETS,
+    ),
+    Mutant("octmip/near_sets/counting.py", "else Fraction(str(number))", "else Fraction(number)", SETS),
+    Mutant(
+        "octmip/near_sets/counting.py",
+        "any(masks) or (self.is_complete and not self.cuts)",
+        "any(masks)",
+        SETS,
+    ),
+    Mutant("octmip/near_sets/counting.py", "if total >= UNCOUNTABLE:", "if total < 0:", SETS),
+    Mutant("octmip/near_sets/near_set.py", "while number >= most:", "while number > most:", SETS),
+    Mutant(
+        "octmip/near_sets/near_set.py",
+        "for s, sensor in enumerate(self.problem.sensors):",
+        "for s, sensor in enumerate(self.problem.sensors[:1]):",
+        (*ROLES, *SETS),
+    ),
+    Mutant("octmip/near_sets/whole_numbers.py", "above, most < NARROW, by_sets", "above, True, by_sets", SETS),
+    Mutant(
+        "octmip/near_sets/whole_numbers.py",
+        "sum(weights) * max(costs) + penalty * min(2**problem.depth, problem.n_samples)",
+        "sum(weights) * max(costs)",
+        (*SETS, *ROLES),
+    ),
+    Mutant(
+        "octmip/near_sets/roles.py",
+        "if set(known.sensors) <= set(sensors) and not set(known.read)",
+        "if not set(known.read)",
+        ROLES,
+    ),
+    Mutant(
+        "octmip/near_sets/roles.py",
+        "for known in self.known if set(known.sensors) <= set(sensors)]",
+        "for known in self.known]",
+        ROLES,
+    ),
+    Mutant("octmip/near_sets/roles.py", "(forced > limit and not forced_is_proven)", "False", ROLES),
+    Mutant(
+        "octmip/near_sets/roles.py",
+        "(k >= problem.leaf_size) & (len(rows) - k >= problem.leaf_size)",
+        "(k >= problem.leaf_size)",
+        ROLES,
+    ),
+    Mutant("octmip/near_sets/roles.py", "or margin > most:", "or margin > 0:", ROLES),
+    Mutant("octmip/tradeoff/frontier.py", "bound=min(best, solution.objective)", "bound=best", FRONTIER),
+    Mutant("octmip/tradeoff/frontier.py", 'return points if over == "penalty" else', "return", FRONTIER),
+    Mutant(
+        "octmip/tradeoff/frontier.py",
+        "return [(value, None) for value in sorted(chosen)]",
+        "return [(value, None) for value in chosen]",
+        FRONTIER,
+    ),
+    Mutant(
+        "octmip/tradeoff/path.py",
+        "best = max((bound for _, bound in below), default=-math.inf)",
+        "best = max((bound for _, bound in bounds), default=-math.inf)",
+        PATH,
+    ),
+    Mutant("octmip/tradeoff/path.py", "for penalty in (low, high) if", "for penalty in (low,) if", PATH),
+    Mutant(
+        "octmip/tradeoff/path.py",
+        "min(bound + penalty * count for count, bound in bounds)",
+        "max(bound + penalty * count for count, bound in bounds)",
+        PATH,
+    ),
+    Mutant(
+        "octmip/solver.py",
+        "if solution.stop is not Stop.INTERRUPTED:\n        kept.keep",
+        "if solution.stop is not None:\n        kept.keep",
+        ("test_octmip/test_solves_file.py", "test_octmip/test_solver.py"),
+    ),
+    Mutant(
+        "octmip/solver.py",
+        "if better.is_optimal and better.stop is not Stop.INTERRUPTED:",
+        "if better.stop is not Stop.INTERRUPTED:",
+        ("test_octmip/test_solver.py",),
+    ),
+)
