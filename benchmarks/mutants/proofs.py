@@ -4,7 +4,7 @@ from benchmarks.mutants.mutant import Mutant
 
 COSTS = ("test_octmip/test_encoding_costs.py", "test_octmip/test_exact_numerics.py", "test_octmip/test_fuzz_corpus.py")
 NUMBERS = ("test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
-SETS = ("test_octmip/test_near_sets.py",)
+SETS = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_near_sets.py")
 ROLES = ("test_octmip/test_near_sensors.py",)
 FRONTIER = ("test_octmip/test_frontier.py",)
 PATH = ("test_octmip/test_path.py",)

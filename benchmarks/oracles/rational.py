@@ -1,7 +1,8 @@
 """The least cost of any tree of a small problem, and what a tree costs, in fractions: nothing is rounded anywhere.
 
-Axis-aligned splits, splits over two features along any line, and lines of whole-numbered normals. A set of samples is a
-bit mask. Imports nothing of octmip but the problem and the tree.
+Axis-aligned splits of any number of samples, readings missing or not, by sums along the features; splits over two
+features along any line, and lines of whole-numbered normals, by sets of samples as bit masks. Imports nothing of octmip
+but the problem and the tree.
 """
 
 import math
@@ -9,6 +10,10 @@ from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import combinations, product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from benchmarks.oracles.two_feature import partings
 from octmip.problem import Problem
@@ -28,20 +33,83 @@ def cost_of(problem: Problem, tree: Node) -> Fraction:
     return sum(paid, Fraction(problem.leaf_penalty) * complexity(tree))
 
 
-def least_cost(problem: Problem) -> Fraction:
-    """Return the least objective over all trees; effort grows as partings^depth x 2^sensors."""
-    parted = partings(problem) if problem.integer_normals is None else _whole_partings(problem)
+def least_cost(problem: Problem, most_splits: int | None = None) -> Fraction:
+    """Return the least objective over all trees, axis-aligned ones of `most_splits` splits at most.
+
+    Effort grows as cuts^depth of axis-aligned trees, as partings^depth of others, times sets of sensors.
+    """
     prices, denominator = _whole_prices(problem)
-    best = min(_best_cost(problem, _cheapest(parted, features), prices) for features in _affordable(problem))
+    if problem.split == "axis":
+        best = min(_best_along(problem, features, prices, most_splits) for features in _affordable(problem))
+    else:
+        parted = partings(problem) if problem.integer_normals is None else _whole_partings(problem)
+        best = min(_best_cost(problem, _cheapest(parted, features), prices) for features in _affordable(problem))
     return Fraction(best, denominator)
 
 
 def _affordable(problem: Problem) -> Iterator[frozenset[int]]:
-    """Yield the features of every set of sensors that can be paid for."""
-    for size in range(len(problem.sensors) + 1):
+    """Yield the features of every set of sensors that can be paid for and is no part of a larger one."""
+    larger: list[set[int]] = []
+    for size in range(len(problem.sensors), -1, -1):
         for chosen in combinations(range(len(problem.sensors)), size):
-            if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
+            is_new = not any(set(chosen) <= other for other in larger)
+            if is_new and math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
+                larger.append(set(chosen))
                 yield frozenset(f for f, s in enumerate(problem.sensor_index.tolist()) if s in chosen)
+
+
+def _best_along(problem: Problem, features: frozenset[int], prices: list[list[int]], most_splits: int | None) -> int:
+    """Return the least cost of axis-aligned trees over some features, in whole numbers of any size."""
+    total = sum(max(row) for row in prices)
+    table = np.array(prices[:-1], dtype=np.int64 if total < 2**62 else object)
+    penalty, size, columns = prices[-1][0], problem.leaf_size, _columns(problem, features)
+    known: dict[tuple[bytes, int, int], int] = {}
+
+    def best(rows: NDArray[np.bool_], depth: int, n_splits: int) -> int:
+        key = rows.tobytes(), depth, n_splits
+        if key not in known:
+            known[key] = found(rows, depth, n_splits)
+        return known[key]
+
+    def found(rows: NDArray[np.bool_], depth: int, n_splits: int) -> int:
+        least = int(table[rows].sum(axis=0).min())
+        for order, ranks in columns if depth and n_splits else ():
+            own = order[rows[order]]
+            cuts = np.flatnonzero(np.diff(ranks[own])) + 1
+            cuts = cuts[(cuts >= size) & (len(own) - cuts >= size)]
+            if not len(cuts):
+                continue
+            if depth == 1 or n_splits == 1:
+                sums = table[own].cumsum(axis=0)
+                sides = sums[cuts - 1].min(axis=1) + (sums[-1] - sums[cuts - 1]).min(axis=1)
+                least = min(least, int(sides.min()) + penalty)
+                continue
+            for cut in cuts.tolist():
+                left, right = np.zeros_like(rows), np.zeros_like(rows)
+                left[own[:cut]], right[own[cut:]] = True, True
+                full = 2 ** (depth - 1) - 1  # splits of a whole tree on one side
+                for of_left in range(max(0, n_splits - 1 - full), min(full, n_splits - 1) + 1):
+                    ways = best(left, depth - 1, of_left) + best(right, depth - 1, n_splits - 1 - of_left)
+                    least = min(least, ways + penalty)
+        return least
+
+    every = np.ones(problem.n_samples, dtype=np.bool_)
+    whole = 2**problem.depth - 1
+    return best(every, problem.depth, whole if most_splits is None else min(most_splits, whole))
+
+
+def _columns(problem: Problem, features: frozenset[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Return each feature's order of the samples and their ranks; with gaps, those above and below all readings."""
+    found: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+    for feature in sorted(features):
+        if problem.is_allowed((feature,)):
+            column: NDArray[Any] = problem.features[:, feature].astype(np.float64)
+            is_missing = np.isnan(column)
+            ranks = np.unique(np.where(is_missing, 0.0, column), return_inverse=True)[1].ravel() + 1
+            for place in (len(column) + 1, 0) if is_missing.any() else (0,):
+                placed = np.where(is_missing, place, ranks).astype(np.int64)
+                found.append((np.argsort(placed, kind="stable"), placed))
+    return found
 
 
 def _cheapest(parted: Partings, features: frozenset[int]) -> dict[int, int]:

@@ -4,7 +4,7 @@ Features from denormals to the largest number, neighbours one last place apart, 
 costs and penalties from 1e-12 to 1e12 within one problem; rare classes; all settings of a Problem.
 """
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from benchmarks.problem_options import ProblemOptions
 from octmip.losses import ClassCosts
 from octmip.problem import Problem
+from octmip.regression.problem import LOSSES, RegressionProblem
 
 Generator = np.random.Generator
 Floats = NDArray[np.float64]
@@ -27,13 +28,20 @@ def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_sa
     """
     n, p = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4))
     is_axis = split == "axis"
-    labels, n_classes = _labels(rng, n)
+    labels, n_classes = _labels(rng, n, int(rng.integers(2, 5)))
     options: ProblemOptions = {"class_names": tuple(range(n_classes)), "split": split}
     options["depth"] = int(rng.integers(1, 4 if is_axis and n <= 6 else 3))
     if not is_axis:
         options["split_size"] = int(rng.integers(1, 3))
         if p <= 2 and rng.random() < 0.15:
             options["integer_normals"] = int(rng.integers(1, 4))
+    options |= _more_options(rng, n, p, n_classes)
+    return Problem(_features(rng, n, p), labels, **options)
+
+
+def _more_options(rng: Generator, n: int, p: int, n_classes: int) -> ProblemOptions:
+    """Return what else may be asked of n samples of p features."""
+    options: ProblemOptions = {}
     if rng.random() < 0.5:
         options["weights"] = numbers(rng, n)
         options["weights"][int(rng.integers(n))] = 10.0 ** rng.uniform(-12, 12)
@@ -47,7 +55,77 @@ def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_sa
         options |= _sensors(rng, p)
     if rng.random() < 0.1:
         options["allowed_splits"] = [[int(j) for j in np.flatnonzero(rng.random(p) < 0.7)] or [0]]
+    return options
+
+
+def sized_problem(rng: Generator) -> Problem:
+    """Return an axis-aligned problem that is large in one way: samples, classes, features or depth.
+
+    Beyond the sizes at which the core changes its ways: 3 and 5 features at the root, depth 3 and 4, 8 and 16 classes,
+    64 sets of labels, cuts 64 at a time, 512 samples.
+    """
+    way = str(rng.choice(["samples", "classes", "features", "depth"]))
+    depth = int(rng.integers(3, 6) if way == "depth" else rng.integers(1, 3))
+    n, p, k = {
+        "samples": (int(rng.integers(20, 700 if depth == 1 else 90)), int(rng.integers(1, 3)), int(rng.integers(2, 5))),
+        "classes": (int(rng.integers(20, 50)), int(rng.integers(1, 3)), int(rng.integers(7, 19))),
+        "features": (int(rng.integers(6, 13)), int(rng.integers(4, 9)), 3),
+        "depth": (int(rng.integers(6, 11)), 2, int(rng.integers(2, 6))),
+    }[way]
+    labels, _ = _labels(rng, n, k)
+    options: ProblemOptions = {"class_names": tuple(range(k)), "depth": depth}
+    options |= _more_options(rng, n, p, k)
     return Problem(_features(rng, n, p), labels, **options)
+
+
+def sized_lines(rng: Generator) -> Problem:
+    """Return a problem of splits over two features: more points than are parted one by one, more slopes than bins."""
+    depth = int(rng.integers(1, 3))
+    n, k = int(rng.integers(15, 61 if depth == 1 else 19)), int(rng.integers(2, 5))
+    steps = int(rng.choice([4, 12, 1000]))
+    features = rng.integers(0, steps, (n, 2)).astype(float)
+    if rng.random() < 0.2:  # nearly all points on one line
+        features[:, 1] = 2 * features[:, 0] + (rng.random(n) < 0.1)
+    labels, _ = _labels(rng, n, k)
+    options: ProblemOptions = {"class_names": tuple(range(k)), "depth": depth, "split": "hyperplane", "split_size": 2}
+    if rng.random() < 0.3:
+        options["weights"] = rng.integers(1, 9, n).astype(float)
+    if rng.random() < 0.3:
+        options["leaf_penalty"] = 1.0
+    return Problem(features, labels, **options)
+
+
+def wide_numbers(rng: Generator) -> RegressionProblem:
+    """Return a regression problem: targets with outliers, ties, clusters; more of them than bins at times."""
+    loss = str(rng.choice(LOSSES))
+    n, p, depth = (
+        (int(rng.integers(2, 11)), int(rng.integers(1, 4)), int(rng.integers(1, 4)))
+        if rng.random() < 0.6
+        else (int(rng.integers(17, 71 if loss == "squared" else 31)), 1, 2)
+    )
+    spread = 10.0 ** rng.uniform(0, 6)
+    targets = [
+        rng.integers(0, 5, n) * 20.0,
+        np.round(rng.normal(size=n), 1),
+        rng.lognormal(sigma=1.5, size=n),
+        np.round(rng.lognormal(sigma=1.5, size=n), 2),
+        rng.integers(0, 3, n) * spread + rng.normal(size=n),
+        rng.standard_cauchy(n),
+    ][rng.integers(6)]
+    if rng.random() < 0.2:
+        targets = np.where(np.arange(n) == rng.integers(n), 10.0 ** rng.uniform(3, 12), targets)
+    options: dict[str, Any] = {"depth": depth, "loss": loss}
+    if rng.random() < 0.3:
+        options["weights"] = 1e-3 + np.round(rng.random(n), 1) if rng.random() < 0.5 else 10.0 ** rng.uniform(-6, 6, n)
+    if rng.random() < 0.3:
+        options["leaf_size"] = int(rng.integers(1, max(2, n // 4) + 1))
+    if rng.random() < 0.2:
+        options["leaf_penalty"] = float(rng.choice([0.3, 1.0, 20.0]))
+    if p > 1 and rng.random() < 0.3:
+        options["sensor_cost"] = rng.integers(0, 4, p).astype(float)
+        options["sensor_budget"] = float(rng.integers(0, 6))
+    features = rng.integers(0, rng.choice([4, n, 1000]), (n, p)).astype(float)
+    return RegressionProblem(features, targets, **options)
 
 
 def numbers(rng: Generator, n: int) -> Floats:
@@ -66,8 +144,7 @@ def numbers(rng: Generator, n: int) -> Floats:
     return 10.0 ** rng.uniform(-12, 12, n)
 
 
-def _labels(rng: Generator, n: int) -> tuple[NDArray[np.int64], int]:
-    n_classes = int(rng.integers(2, 5))
+def _labels(rng: Generator, n: int, n_classes: int) -> tuple[NDArray[np.int64], int]:
     labels = rng.integers(0, n_classes, n) if rng.random() < 0.7 else np.zeros(n, dtype=np.int64)
     labels[rng.permutation(n)[:2]] = [0, 1]  # two classes at least; in the other case one is rare
     return labels, n_classes

@@ -67,13 +67,31 @@ def test_the_proven_optimum_is_that_of_enumeration(seed):
     assert joint.objective == pytest.approx(joint_optimum(problems, weights, budget), rel=1e-9, abs=1e-9)
 
 
+def without_good_trees(monkeypatch):
+    """Leave the search over sets without good trees from elsewhere: a bound that is too high then shows itself."""
+    monkeypatch.setattr(LabelTrees, "alternate", lambda labels, trees: tuple(trees))
+    monkeypatch.setattr(SetSearch, "_repaired", lambda search, held, banned, answers: search.labels.best.trees)
+    monkeypatch.setattr(shared, "best_baseline_split", lambda labels, budget: BaselineSplit((), math.inf))
+
+
+def test_a_limit_leaves_a_bound_that_holds_although_the_best_trees_are_not_found_yet(monkeypatch):
+    without_good_trees(monkeypatch)
+    n_open = 0
+    for seed in range(8):
+        rng = np.random.default_rng(2000 + seed)
+        problems, budget = rivals(rng), float(rng.integers(1, 4))
+        least = joint_optimum(problems, [1.0] * len(problems), budget)
+        for n_nodes in (0, 1, 3):
+            joint = shared_budget(problems, budget, limits=Limits(nodes=n_nodes))
+            assert joint.bound <= least <= joint.objective, (seed, n_nodes)
+            n_open += joint.objective > least
+    assert n_open >= 3
+
+
 @pytest.mark.parametrize("has_start", [True, False])
 def test_the_proof_by_branching_is_that_of_enumeration_with_and_without_a_good_start(monkeypatch, has_start):
     if not has_start:
-        # Without good trees from elsewhere a bound that is too high shows itself in what is found.
-        monkeypatch.setattr(LabelTrees, "alternate", lambda labels, trees: tuple(trees))
-        monkeypatch.setattr(SetSearch, "_repaired", lambda search, held, banned, answers: search.labels.best.trees)
-        monkeypatch.setattr(shared, "best_baseline_split", lambda labels, budget: BaselineSplit((), math.inf))
+        without_good_trees(monkeypatch)
     n_branched = 0
     for seed in range(12):
         rng = np.random.default_rng(2000 + seed)

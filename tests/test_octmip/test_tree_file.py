@@ -136,6 +136,7 @@ def change(content, *keys, to):
         (("version",), 99, "of version 99, newer than"),
         (("version",), "1", "has version '1'"),
         (("version",), True, "has version True"),
+        (("version",), 2.5, "has version 2.5"),
         (("tree",), {"label": "unknown"}, "class 'unknown', which is not among"),
         (
             ("tree",),
@@ -181,6 +182,7 @@ LONG = 10**29
         (("training", "leaf_counts"), [[LONG, 1]] * 3, r"leaf_counts\[0\]\[0\] is 100000000000000000000000000000"),
         (("training", "leaf_counts", 0, 0), 0.5, r"leaf_counts\[0\]\[0\] is 0.5; expected a whole number"),
         (("training", "leaf_counts", 0, 0), -1, r"leaf_counts\[0\]\[0\] is -1; expected a whole number from 0"),
+        (("training", "n_samples"), 41, "leaf_counts adds up to 40; expected training.n_samples, 41"),
         (("training", "leaf_counts", 0, 0), 39, "leaf_counts adds up to .*; expected training.n_samples, 40"),
         (("training", "n_samples"), 0, "training.n_samples is 0; expected a whole number from 1"),
         (("problem", "costs"), [[0, 10**400], [1, 0]], r"problem.costs\[0\]\[1\] is a whole number of more than 60"),

@@ -94,6 +94,7 @@ def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):
     [
         (lambda file: file.pop("table"), "lacks the entry 'table'"),
         (lambda file: file["table"]["columns"]["columns"].pop(), "expected the same names in the same order"),
+        (lambda file: file["table"]["columns"]["columns"].reverse(), "expected the same names in the same order"),
         (lambda file: file["table"].update(rows="some"), "table.rows is 'some'; expected one of"),
         (lambda file: file["held_out"].update(share=2), "held_out.share is 2; expected"),
         (lambda file: file["table"]["columns"]["columns"][1].update(least=9.0), "its range ends before it begins"),

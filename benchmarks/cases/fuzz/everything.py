@@ -1,4 +1,4 @@
-"""Every solver on random problems over the whole range of float64, held against enumeration in fractions.
+"""Every kind of problem and every solver, at random over the whole range of float64, against enumeration in fractions.
 
 `python -m benchmarks.run fuzz_everything --limit 3600 --threads 2`: so many seconds in so many processes, one line per
 chunk of seeds; the table of docs/reliability.md at the end. What counts as wrong, for any problem and any limit:
@@ -12,11 +12,12 @@ chunk of seeds; the table of docs/reliability.md at the end. What counts as wron
     late        the call took over a second more than its limit allows
     hang        the call did not end at all
 
-Problem i is `wide_problem(default_rng([STREAM, i]))`; what failed once stands in tests/test_octmip/test_fuzz_corpus.py.
+The kinds are those of `benchmarks.kinds`; the problem of seed i and a kind is drawn from default_rng([STREAM, i, the
+kind's stream]). What failed once stands in tests/test_octmip/test_fuzz_corpus.py. Which constants of the core the sizes
+lie beyond: docs/reliability.md, "Sizes".
 """
 
 import json
-import math
 import multiprocessing
 import resource
 import tempfile
@@ -26,56 +27,43 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from fractions import Fraction
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
-from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.wide_problems import wide_problem
+from benchmarks.kinds.classes import (
+    AXIS_KIND,
+    FEW_SPLITS_KIND,
+    GAPS_KIND,
+    HYPERPLANE_KIND,
+    LINES_KIND,
+    MIXED_INTEGER,
+    SIZED_KIND,
+)
+from benchmarks.kinds.kind import Kind, Question
+from benchmarks.kinds.others import NearSets, Numbers, WorstCases
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.errors import CertificateError, OctmipError
-from octmip.problem import Problem
-from octmip.proof import check_proof
+from octmip.errors import OctmipError
 from octmip.registry import REGISTRY
-from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve
+from octmip.solution import Limits
 
 STREAM = 71
 CHUNK = 100
 PATIENCE = 60.0  # seconds without a word from a chunk's process before its problem is called a hang
 LATE = 1.0  # seconds over a limit
-ROUNDING = Fraction(1, 2**44)  # relative: an objective is a sum of rounded products, rounded again
-METHODS: dict[Literal["axis", "hyperplane"], tuple[Method, ...]] = {
-    "axis": ("exact", "search", "cart", "oct", "flow", "benders"),
-    "hyperplane": ("exact", "search", "oct_h"),
+KINDS: dict[str, Kind] = {
+    "axis": AXIS_KIND,
+    "hyperplane": HYPERPLANE_KIND,
+    "gaps": GAPS_KIND,
+    "sized": SIZED_KIND,
+    "lines": LINES_KIND,
+    "few_splits": FEW_SPLITS_KIND,
+    "numbers": Numbers(),
+    "worst_case": WorstCases(),
+    "near": NearSets(),
 }
-STREAM_OF_SPLIT = {
-    "axis": 5,
-    "hyperplane": 3,
-}  # a further method at the end of a tuple leaves the questions of old seeds
-MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
-SHARE = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "oct_h": 0.15, "benders": 0.3}
-"""Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
-
-
-@dataclass(frozen=True, slots=True)
-class Question:
-    """One call: which problem, which solver, which limits, with a proof log or without."""
-
-    seed: int
-    split: str
-    method: Method
-    limits: Limits
-    proof: bool
-
-    def __str__(self) -> str:
-        limits = f"seconds={self.limits.seconds:g}, nodes={self.limits.nodes:g}, gap={self.limits.gap:g}"
-        return f"seed {self.seed} {self.split} {self.method} ({limits}{', proof' if self.proof else ''})"
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
@@ -131,7 +119,7 @@ def _line(seeds: range, answers: Sequence[Line]) -> Line:
     return {
         "size": f"seeds {seeds.start} to {seeds.stop - 1}",
         "seed": STREAM,
-        "n_problems": len(seeds),
+        "n_problems": len({tuple(a["question"].split()[1:3]) for a in answers}),
         "counts": {" ".join(key): count for key, count in sorted(counts.items())},
         "wrong": {a["question"]: a["wrong"] for a in answers if a.get("wrong")},
         "latest": max((a["late"] for a in answers if "late" in a), default=0.0),
@@ -140,25 +128,26 @@ def _line(seeds: range, answers: Sequence[Line]) -> Line:
 
 
 def _answer_all(seeds: range, pipe: Connection) -> None:
-    for registration in {one for solvers in REGISTRY.values() for one in solvers.values()}:
-        registration.load()  # imports are no solver's time
     for seed in seeds:
-        for question, problem, least in questions(seed):
+        for question, problem, truth in questions(seed):
             pipe.send(("asked", str(question)))
-            pipe.send(("answer", answer(question, problem, least)))
+            pipe.send(("answer", answer(question, problem, truth)))
         pipe.send(("done", seed + 1))
 
 
-def questions(seed: int) -> Iterator[tuple[Question, Problem, Fraction]]:
-    """Yield the calls of a seed, each with its problem and the least cost of any tree of it."""
-    for split, methods in METHODS.items():
-        rng = np.random.default_rng([STREAM, seed, STREAM_OF_SPLIT[split]])
-        problem = wide_problem(rng, split=split)
-        least = least_cost(problem)
-        for method in methods:
-            if rng.random() < SHARE[method]:
-                proof = method == "exact" and problem.integer_normals is None and rng.random() < 0.2
-                yield Question(seed, split, method, _limits(rng, method), proof), problem, least
+def questions(seed: int, kinds: Sequence[str] = tuple(KINDS)) -> Iterator[tuple[Question, Any, Any]]:
+    """Yield the calls of a seed, each with its problem and what enumeration says of it."""
+    for name in kinds:
+        kind = KINDS[name]
+        rng = np.random.default_rng([STREAM, seed, kind.stream])
+        if kind.share < 1 and rng.random() >= kind.share:
+            continue
+        problem = kind.draw(rng)
+        truth = kind.truth(problem)
+        for method, share in kind.methods.items():
+            if rng.random() < share:
+                proof = kind.has_log(problem, method) and rng.random() < 0.2
+                yield Question(seed, name, method, _limits(rng, method), proof), problem, truth
 
 
 def _limits(rng: np.random.Generator, method: str) -> Limits:
@@ -174,24 +163,21 @@ def _limits(rng: np.random.Generator, method: str) -> Limits:
     return Limits(seconds=5.0)
 
 
-def answer(question: Question, problem: Problem, least: Fraction) -> Line:
+def answer(question: Question, problem: Any, truth: Any) -> Line:
     """Ask once and return the outcome, with a sentence where something is wrong."""
+    for registration in (*REGISTRY.values(), *REGRESSION.values(), TWO_FEATURE):
+        registration.load()  # imports are no solver's time
     began = time.perf_counter()
-    said: Line = {"question": str(question), "method": f"{question.split} {question.method}"}
+    said: Line = {"question": str(question), "method": f"{question.kind} {question.method}"}
+    kind = KINDS[question.kind]
     with warnings.catch_warnings(record=True) as heard, tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("always")
         log = Path(folder) / "log.txt"
         try:
-            solution = solve(
-                problem,
-                question.method,
-                limits=question.limits,
-                seed=question.seed,
-                options={"proof": log} if question.proof else None,
-            )
+            solution = kind.ask(question, problem, log if question.proof else None)
             late = time.perf_counter() - began - question.limits.seconds
             said["outcome"] = str(solution.stop)
-            wrong = complaint(problem, solution, least) or _proof_complaint(problem, log, solution, least)
+            wrong = kind.complaint(problem, solution, truth, log)
         except OctmipError as error:
             late, said["outcome"] = 0.0, "refused"
             wrong = f"exception: {type(error).__name__}: {error}"
@@ -208,37 +194,6 @@ def answer(question: Question, problem: Problem, least: Fraction) -> Line:
     return said | {"wrong": wrong, "late": 0.0 if question.proof else round(late, 3), "megabytes": round(megabytes)}
 
 
-def complaint(problem: Problem, solution: Solution, least: Fraction) -> str:
-    """Return what is wrong with a solution in exact arithmetic, '' when nothing is."""
-    try:
-        certify(problem, solution)
-    except CertificateError as error:
-        return f"answer: {error}"
-    assert solution.tree is not None
-    cost = cost_of(problem, solution.tree)
-    if abs(Fraction(solution.objective) - cost) > ROUNDING * cost:
-        return f"answer: objective {solution.objective} but {float(cost)} in fractions"
-    if cost < least:
-        return f"answer: a tree of {float(cost)} below the least cost {float(least)}: the oracle is wrong"
-    is_restricted = not str(solution.details.get("scope", "all")).startswith("all")
-    says_optimal = solution.is_optimal or solution.stop is Stop.OPTIMAL
-    if says_optimal and not is_restricted and cost - least > Fraction(solution.tolerance) + ROUNDING * least:
-        return f"optimal: says so at {float(cost)}, tolerance {solution.tolerance}; the least cost is {float(least)}"
-    if math.isfinite(solution.bound) and not is_restricted and Fraction(solution.bound) > least * (1 + ROUNDING):
-        return f"bound: {solution.bound} above the least cost {float(least)} (objective {float(cost)})"
-    return ""
-
-
-def _proof_complaint(problem: Problem, log: Path, solution: Solution, least: Fraction) -> str:
-    if not log.exists():
-        return ""
-    try:
-        report = check_proof(problem, log, bound=solution.bound)
-    except CertificateError as error:
-        return f"proof: {error}"
-    return f"proof: accepted for {report.bound}" if Fraction(report.bound) > least * (1 + ROUNDING) else ""
-
-
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of outcomes per solver, and every wrong answer."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
@@ -252,8 +207,7 @@ def summary(lines: Sequence[Line]) -> str:
         table.append(f"| {method} | " + " | ".join(map(str, row)) + f" | {sum(row)} |")
     n_problems = sum(line["n_problems"] for line in lines)
     head = [
-        f"{2 * n_problems} problems ({n_problems} of each kind of split), {sum(counts.values())} calls, "
-        f"{len(wrong)} wrong {dict(kinds)}.",
+        f"{n_problems} problems, {sum(counts.values())} calls, {len(wrong)} wrong {dict(kinds)}.",
         f"Latest {max(line['latest'] for line in lines):.2f} s over its limit; "
         f"at most {max(line['megabytes'] for line in lines):.0f} MB.",
     ]

@@ -1,0 +1,142 @@
+"""Classification: small problems over the whole range of float64, with gaps, of all sizes, of few splits."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from benchmarks.kinds.kind import ROUNDING, Generator, Question
+from benchmarks.oracles.rational import cost_of, least_cost
+from benchmarks.oracles.strategies import with_gaps
+from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
+from octmip.certificate import certify
+from octmip.errors import CertificateError
+from octmip.problem import Problem
+from octmip.proof import check_proof
+from octmip.solution import Solution, Stop
+from octmip.solver import solve
+from octmip.tree import n_splits
+
+MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
+MOST_SPLITS = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A problem, and how many splits its trees may have; None: as many as its depth allows."""
+
+    problem: Problem
+    most_splits: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Classes:
+    """Trees of least cost that predict classes."""
+
+    stream: int
+    drawn: Callable[[Generator], Asked]
+    methods: Mapping[str, float]
+    share: float = 1.0
+    proofs: tuple[str, ...] = field(default=("exact",))
+
+    def draw(self, rng: Generator) -> Asked:
+        """Return a random problem."""
+        return self.drawn(rng)
+
+    def truth(self, problem: Asked) -> Fraction:
+        """Return the least cost of any tree."""
+        return least_cost(problem.problem, problem.most_splits)
+
+    def has_log(self, problem: Asked, method: str) -> bool:
+        """Return whether a method writes proof logs of a problem."""
+        return method in self.proofs and problem.problem.integer_normals is None
+
+    def ask(self, question: Question, problem: Asked, log: Path | None) -> Solution:
+        """Return the answer to a question."""
+        options: dict[str, Any] = {} if log is None else {"proof": log}
+        options |= {} if problem.most_splits is None else {"max_splits": problem.most_splits}
+        limits, method = question.limits, question.method
+        return solve(problem.problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
+
+    def complaint(self, problem: Asked, answer: Solution, truth: Fraction, log: Path) -> str:
+        """Return what is wrong with a solution and its log; '' when nothing is."""
+        if (wrong := complaint(problem.problem, answer, truth)) != "":
+            return wrong
+        if problem.most_splits is not None and answer.tree is not None and n_splits(answer.tree) > problem.most_splits:
+            return f"answer: {n_splits(answer.tree)} splits, but {problem.most_splits} are allowed"
+        return log_complaint(problem.problem, log, answer, truth)
+
+
+def complaint(problem: Problem, solution: Solution, least: Fraction) -> str:
+    """Return what is wrong with a solution in exact arithmetic, '' when nothing is."""
+    try:
+        certify(problem, solution)
+    except CertificateError as error:
+        return f"answer: {error}"
+    assert solution.tree is not None
+    cost = cost_of(problem, solution.tree)
+    if abs(Fraction(solution.objective) - cost) > ROUNDING * cost:
+        return f"answer: objective {solution.objective} but {float(cost)} in fractions"
+    is_restricted = not str(solution.details.get("scope", "all")).startswith("all")
+    slack = Fraction(solution.tolerance) + ROUNDING * least
+    return "" if is_restricted else claims_complaint(solution, cost, least, slack)
+
+
+def claims_complaint(solution: Solution, cost: Fraction, least: Fraction, slack: Fraction) -> str:
+    """Return what is wrong with "optimal" and the bound of a tree of this cost, '' when nothing is."""
+    says_optimal = solution.is_optimal or solution.stop is Stop.OPTIMAL
+    if says_optimal and cost - least > slack:
+        return f"optimal: says so at {float(cost)}, tolerance {solution.tolerance}; the least cost is {float(least)}"
+    if math.isfinite(solution.bound) and Fraction(solution.bound) > least * (1 + ROUNDING):
+        return f"bound: {solution.bound} above the least cost {float(least)} (objective {float(cost)})"
+    return ""
+
+
+def log_complaint(problem: Any, log: Path, solution: Solution, least: Fraction) -> str:
+    """Return what is wrong with a proof log, '' when nothing is or there is none."""
+    if not log.exists():
+        return ""
+    try:
+        report = check_proof(problem, log, bound=solution.bound)
+    except CertificateError as error:
+        return f"proof: {error}"
+    return f"proof: accepted for {report.bound}" if Fraction(report.bound) > least * (1 + ROUNDING) else ""
+
+
+def _wide(rng: Generator) -> Asked:
+    return Asked(wide_problem(rng, split="axis"))
+
+
+def _hyperplanes(rng: Generator) -> Asked:
+    return Asked(wide_problem(rng, split="hyperplane"))
+
+
+def _gaps(rng: Generator) -> Asked:
+    return Asked(with_gaps(rng, wide_problem(rng, split="axis")))
+
+
+def _sized(rng: Generator) -> Asked:
+    problem = sized_problem(rng)
+    return Asked(with_gaps(rng, problem) if rng.random() < 0.2 else problem)
+
+
+def _lines(rng: Generator) -> Asked:
+    return Asked(sized_lines(rng))
+
+
+def _few_splits(rng: Generator) -> Asked:
+    return Asked(wide_problem(rng, split="axis"), int(rng.integers(0, MOST_SPLITS + 1)))
+
+
+AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "benders": 0.3}
+HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
+"""Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
+
+AXIS_KIND = Classes(5, _wide, AXIS)
+HYPERPLANE_KIND = Classes(3, _hyperplanes, HYPERPLANE)
+GAPS_KIND = Classes(7, _gaps, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow": 0.05}, 0.5)
+SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
+LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
+FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())

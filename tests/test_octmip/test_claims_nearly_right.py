@@ -1,0 +1,148 @@
+"""Claims that are wrong by little, or on the side that looks harmless, are refused as well as gross ones."""
+
+import dataclasses
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
+from octmip.drift import certify_drift
+from octmip.errors import CertificateError, SolverError
+from octmip.near_sets import NearOptimalSet, NearTree, counting
+from octmip.set_certificate import certify_set
+
+
+def five_values(labels: str = "aabab", **options: object) -> Problem:
+    """Return samples at 0, 1, 2, 3, 4 of two classes."""
+    settings: dict[str, object] = {"depth": 1} | options
+    return Problem(np.arange(5.0)[:, None], np.array(list(labels)), **settings)  # type: ignore[arg-type]
+
+
+def claim(tree: Leaf | Split, objective: float, bound: float) -> Solution:
+    return Solution(tree, objective, bound, Stop.TIME, 0.0, 1, "exact", "1", 0)
+
+
+STUMP = Split(0, 1.5, Leaf(0), Leaf(1))
+
+
+def test_a_bound_between_the_objective_and_twice_the_objective_is_refused() -> None:
+    problem = five_values()
+    assert certify(problem, claim(STUMP, 1.0, 1.0)).bound == 1.0
+    for bound in (math.nextafter(1.0, 2.0), 1.5):
+        with pytest.raises(CertificateError, match="no tree is below"):
+            certify(problem, claim(STUMP, 1.0, bound))
+
+
+def test_a_bound_just_above_the_best_leaf_is_refused_although_the_tree_costs_more() -> None:
+    problem = five_values(leaf_penalty=5.0)
+    assert certify(problem, claim(STUMP, 6.0, 2.0)).bound == 2.0
+    with pytest.raises(CertificateError, match=r"one leaf alone costs 2\.0"):
+        certify(problem, claim(STUMP, 6.0, 3.0))
+
+
+def test_objectives_in_whole_numbers_are_compared_to_the_last_unit() -> None:
+    heavy = 2.0**49
+    problem = five_values(weights=[heavy, heavy, 1, heavy, 1])
+    certify(problem, claim(STUMP, heavy, 0.0))
+    for objective in (heavy - 1, heavy + 1):
+        with pytest.raises(CertificateError, match="the tree's own"):
+            certify(problem, claim(STUMP, objective, 0.0))
+
+
+def test_a_worst_case_claimed_too_low_is_refused_as_one_too_high() -> None:
+    problem = five_values("aaabb")
+    tree = Split(0, 2.5, Leaf(0), Leaf(1))
+    assert certify_drift(problem, claim(tree, 1.0, 0.0), 0.5).worst == 1.0
+    for objective in (0.0, 2.0):
+        with pytest.raises(CertificateError, match="claims the worst case"):
+            certify_drift(problem, claim(tree, objective, 0.0), 0.5)
+
+
+def test_no_worst_case_has_a_bound_above_the_best_leaf() -> None:
+    problem = five_values("aaabb")
+    crossed = Split(0, 2.5, Leaf(1), Leaf(0))
+    assert certify_drift(problem, claim(crossed, 5.0, 2.0), 0.0).worst == 5.0
+    with pytest.raises(CertificateError, match=r"one of 2\.0 is known"):
+        certify_drift(problem, claim(crossed, 5.0, 3.0), 0.0)
+
+
+class Claimed:
+    """A set that claims other numbers than another one."""
+
+    def __init__(self, true: NearOptimalSet, **other: object) -> None:
+        names = ("limit", "optimum", "trees", "trees_at_least", "predictions", "by_root")
+        self.__dict__ |= {name: getattr(true, name) for name in names} | other
+
+
+def test_an_optimum_claimed_too_low_is_refused_as_one_too_high() -> None:
+    problem = five_values()
+    true = near_optimal(problem, within=1)
+    for optimum in (Fraction(1, 2), Fraction(2), None):
+        with pytest.raises(CertificateError, match="claims the optimum"):
+            certify_set(problem, Claimed(true, optimum=optimum))  # type: ignore[arg-type]
+
+
+def test_a_listed_tree_is_held_to_its_last_digits() -> None:
+    third = 1 / 3
+    problem = five_values(weights=np.full(5, third))
+    true = near_optimal(problem, within=third)
+    listed = NearTree(Leaf(0), problem.objective(Leaf(0)))
+    exact = 2 * Fraction(third)
+    certify_set(problem, true, [listed])
+    just_below = exact - Fraction(1, 2**200)
+    assert float(just_below) == float(exact)
+    with pytest.raises(CertificateError, match="above the limit"):
+        certify_set(problem, Claimed(true, limit=just_below), [listed])  # type: ignore[arg-type]
+    with pytest.raises(CertificateError, match="a listed tree claims"):
+        certify_set(problem, true, [dataclasses.replace(listed, objective=listed.objective * (1 + 1e-6))])
+
+
+def unfinished() -> Problem:
+    rng = np.random.default_rng(0)
+    return Problem(rng.normal(size=(60, 4)), rng.integers(0, 3, 60), depth=3)
+
+
+def test_a_count_without_an_end_takes_only_an_exact_proof_for_the_optimum() -> None:
+    problem = unfinished()
+    proven = solve(problem)
+    known = near_optimal(problem, within=0, limits=Limits(seconds=0.0), incumbent=proven)
+    assert (known.trees, known.optimum) == (None, Fraction(proven.objective))
+    nearly = dataclasses.replace(proven, bound=proven.objective - 0.5, tolerance=0.5)
+    assert nearly.is_optimal
+    found = near_optimal(problem, within=0, limits=Limits(seconds=0.0), incumbent=nearly)
+    assert (found.trees, found.optimum, found.limit) == (None, None, None)
+
+
+def test_a_count_without_a_proof_claims_no_tree_that_the_set_may_lack(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = unfinished()
+    leaf = Leaf(int(problem.class_costs().argmin()))
+    poor = claim(leaf, problem.baseline, 0.0)
+    monkeypatch.setattr(counting, "solve", lambda *_args, **_options: poor)
+    found = near_optimal(problem, within=0, limits=Limits(seconds=0.0))
+    assert found.trees is None
+    assert found.trees_at_least == 0
+    assert found.spectrum == ()
+
+
+def test_counts_that_may_have_overflown_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(counting, "UNCOUNTABLE", 5)
+    with pytest.raises(SolverError, match="too many to count"):
+        near_optimal(five_values(), within=1)
+
+
+def priced() -> Problem:
+    """Return a problem whose trees cost 10 (a|b), 13 (a, b) and 36 (b|a)."""
+    return Problem([[0.0], [1.0]], ["a", "b"], depth=1, leaf_penalty=10.0, weights=[13.0, 13.0])
+
+
+def test_a_share_is_the_decimal_that_it_is_written_as() -> None:
+    assert Fraction(0.3) < Fraction(3, 10)
+    assert near_optimal(priced(), relative=0.3).trees == 3
+    assert near_optimal(priced(), relative=0.2999999).trees == 1
+
+
+def test_trees_that_cost_more_than_all_errors_together_are_counted_too() -> None:
+    assert near_optimal(priced(), within=25.0).trees == 3
+    assert near_optimal(priced(), within=26.0).trees == 4
