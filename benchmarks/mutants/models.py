@@ -2,12 +2,20 @@
 
 from benchmarks.mutants.mutant import Mutant
 
-CREDIBLE = ("test_octmip/test_uncertainty.py",)
-EVIDENCE = ("test_octmip/test_gap_evidence.py", "test_octmip/test_gap_inference.py")
+NEARLY = "test_octmip/test_claims_nearly_right.py"
+CREDIBLE = (NEARLY, "test_octmip/test_uncertainty.py")
+EVIDENCE = (
+    "test_octmip/test_gap_tails_and_projections.py",
+    "test_octmip/test_gap_evidence.py",
+    "test_octmip/test_gap_inference.py",
+)
 DIAGNOSIS = (*EVIDENCE, "test_octmip/test_gap_diagnosis.py", "test_octmip/test_gap_doubts.py")
-FILTER = ("test_octmip/test_monitor_filter.py",)
+FILTER = (
+    NEARLY,
+    "test_octmip/test_monitor_filter.py",
+)
 QUALITY = ("test_femlib/test_quality.py", "test_femlib/test_structure.py")
-REDUCED = ("test_femlib/test_rom.py", "test_femlib/test_reduced_modes.py")
+REDUCED = ("test_femlib/test_rom_bound.py", "test_femlib/test_rom.py", "test_femlib/test_reduced_modes.py")
 
 MODELS = (
     Mutant("octmip/uncertainty/credible.py", "scores <= self.thresholds)", "scores < self.thresholds)", CREDIBLE),

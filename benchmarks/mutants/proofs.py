@@ -6,7 +6,7 @@ COSTS = ("test_octmip/test_encoding_costs.py", "test_octmip/test_exact_numerics.
 NUMBERS = ("test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
 SETS = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_near_sets.py")
 ROLES = ("test_octmip/test_near_sensors.py",)
-FRONTIER = ("test_octmip/test_frontier.py",)
+FRONTIER = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_frontier.py")
 PATH = ("test_octmip/test_path.py",)
 
 PROOFS = (
@@ -144,15 +144,15 @@ PROOFS = (
     ),
     Mutant(
         "octmip/tradeoff/path.py",
-        "best = max((bound for _, bound in below), default=-math.inf)",
-        "best = max((bound for _, bound in bounds), default=-math.inf)",
+        "known = [bound for _, bound in below if math.isfinite(bound)]",
+        "known = [bound for _, bound in bounds if math.isfinite(bound)]",
         PATH,
     ),
     Mutant("octmip/tradeoff/path.py", "for penalty in (low, high) if", "for penalty in (low,) if", PATH),
     Mutant(
         "octmip/tradeoff/path.py",
-        "min(bound + penalty * count for count, bound in bounds)",
-        "max(bound + penalty * count for count, bound in bounds)",
+        "rounded_down(min(at))",
+        "rounded_down(max(at))",
         PATH,
     ),
     Mutant(

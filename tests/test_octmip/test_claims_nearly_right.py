@@ -7,11 +7,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
+from octmip import Leaf, Limits, Problem, RegressionProblem, Solution, Split, Stop, certify, near_optimal, solve
 from octmip.drift import certify_drift
 from octmip.errors import CertificateError, SolverError
+from octmip.monitor import calibrated_content
 from octmip.near_sets import NearOptimalSet, NearTree, counting
 from octmip.set_certificate import certify_set
+from octmip.tradeoff import frontier
+from octmip.tree import ValueLeaf
+from octmip.uncertainty import CredibleSets
 
 
 def five_values(labels: str = "aabab", **options: object) -> Problem:
@@ -146,3 +150,35 @@ def test_a_share_is_the_decimal_that_it_is_written_as() -> None:
 def test_trees_that_cost_more_than_all_errors_together_are_counted_too() -> None:
     assert near_optimal(priced(), within=25.0).trees == 3
     assert near_optimal(priced(), within=26.0).trees == 4
+
+
+def test_a_set_of_leaves_alone_reads_no_sensor_for_certain() -> None:
+    found = near_optimal(five_values(leaf_penalty=5.0), within=0)
+    assert (found.trees, found.by_sensors) == (1, {(): 1})
+
+
+def test_a_bound_of_numbers_above_the_best_leaf_is_refused_although_the_tree_costs_more() -> None:
+    problem = RegressionProblem([[0.0], [1.0]], [0.0, 2.0], depth=1)
+    worse = Split(0, 0.5, ValueLeaf(2.0), ValueLeaf(0.0))
+    assert certify(problem, claim(worse, 8.0, 2.0)).objective == 8.0
+    with pytest.raises(CertificateError, match=r"one leaf alone costs 2\.0"):
+        certify(problem, claim(worse, 8.0, 3.0))
+
+
+def test_bounds_of_a_larger_penalty_say_nothing_of_a_smaller_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    answers = iter([claim(Leaf(0), 2.0, 0.0), claim(Leaf(0), 2.0, 2.0)])
+    monkeypatch.setattr(frontier, "solve_run", lambda *_args, **_options: next(answers))
+    points = frontier.trace_frontier(five_values(), "penalty", [0.0, 5.0])
+    assert [point.solution.bound for point in points] == [0.0, 2.0]
+
+
+def test_scores_at_a_threshold_are_in_the_set_and_by_chance_only_as_often_as_is_due() -> None:
+    n = np.array([9, 9])
+    sets = CredibleSets(0.5, np.array([0.5, 0.5]), np.array([0.25, 0.25]), np.array([5, 5]), n, False)
+    assert sets.sets([[0.5, 0.5]]).all()
+    drawn = sets.sets(np.full((4000, 2), 0.5), np.random.default_rng(0))
+    assert abs(drawn.mean() - 0.25) < 0.03
+
+
+def test_calibrated_contents_are_rounded_to_the_safe_side() -> None:
+    assert calibrated_content(np.array([0.0, 0.5, 1.0]), 0.8) == 1.0
