@@ -38,7 +38,12 @@ CLAIMS = (
         "if solution.bound > 2 * leaf + (0.0 if",
         CERTIFICATE,
     ),
-    Mutant("octmip/certificate.py", "< solution.tolerance < least:", "< solution.tolerance <= least:", CERTIFICATE),
+    Mutant(
+        "octmip/solution.py",
+        "return tolerance == 0 or 0 < tolerance < least_saving",
+        "return tolerance == 0 or 0 < tolerance <= least_saving",
+        CERTIFICATE,
+    ),
     Mutant(
         "octmip/certificate.py",
         "sizes[smallest] < problem.leaf_size:",

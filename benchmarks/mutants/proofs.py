@@ -31,9 +31,9 @@ PROOFS = (
         COSTS,
     ),
     Mutant(
-        "octmip/encoding/costs.py",
-        "return distance if distance < problem.least_saving else -1.0",
-        "return distance if distance <= 2 * problem.least_saving else -1.0",
+        "octmip/solution.py",
+        "return distance if is_tolerable(distance, least_saving) else -1.0",
+        "return distance if is_tolerable(distance, 2 * least_saving) else -1.0",
         COSTS,
     ),
     Mutant("octmip/regression/grid.py", "rounding = 2.0**-44 * size", "rounding = 0.0", NUMBERS),
@@ -51,8 +51,8 @@ PROOFS = (
     Mutant("octmip/regression/grid.py", "+ self.rounding) * (1 + 1e-12)", ") * (1 - 1e-3)", NUMBERS),
     Mutant(
         "octmip/regression/exact.py",
-        "self.bound = min([closed, *(part.bound for part in open_parts)])",
-        "self.bound = closed",
+        "least = min([closed, *(part.bound for part in open_parts)])",
+        "least = closed",
         NUMBERS,
     ),
     Mutant(
