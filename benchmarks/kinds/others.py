@@ -20,9 +20,9 @@ from octmip.certificate import certify
 from octmip.drift import Bands, certify_drift
 from octmip.drift import solve as solve_drift
 from octmip.errors import CertificateError
+from octmip.losses import ClassCosts
 from octmip.near_sets import NearOptimalSet, near_optimal
 from octmip.problem import Problem
-from octmip.regression.problem import RegressionProblem
 from octmip.set_certificate import Recount, certify_set, recount
 from octmip.solution import Solution
 from octmip.solver import solve
@@ -34,25 +34,25 @@ class Numbers:
     stream, share = 19, 0.5
     methods: Mapping[str, float] = MappingProxyType({"exact": 1.0, "search": 0.3})
 
-    def draw(self, rng: Generator) -> RegressionProblem:
+    def draw(self, rng: Generator) -> Problem:
         """Return a random problem."""
         return wide_numbers(rng)
 
-    def truth(self, problem: RegressionProblem) -> Fraction:
+    def truth(self, problem: Problem) -> Fraction:
         """Return the least objective of any tree."""
         return least_objective(problem)
 
-    def has_log(self, problem: RegressionProblem, method: str) -> bool:
+    def has_log(self, problem: Problem, method: str) -> bool:
         """Return whether a method writes proof logs."""
         return method == "exact"
 
-    def ask(self, question: Question, problem: RegressionProblem, log: Path | None) -> Solution:
+    def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
         """Return the answer to a question."""
         options = {} if log is None else {"proof": log}
         limits, method = question.limits, question.method
         return solve(problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
 
-    def complaint(self, problem: RegressionProblem, answer: Solution, truth: Fraction, log: Path) -> str:
+    def complaint(self, problem: Problem, answer: Solution, truth: Fraction, log: Path) -> str:
         """Return what is wrong with a solution and its log; '' when nothing is."""
         try:
             certify(problem, answer)
@@ -63,7 +63,7 @@ class Numbers:
         # Means are rounded once: each is half of a last place from the best number of its leaf at most.
         last_place = Fraction(float(np.spacing(np.abs(problem.targets).max())))
         total = sum(map(Fraction, problem.weights.tolist()), Fraction(0))
-        rounded = total * last_place**2 if problem.loss == "squared" else Fraction(0)
+        rounded = total * last_place**2 if problem.loss.name == "squared" else Fraction(0)
         wrong = claims_complaint(answer, cost, truth, ROUNDING * truth + rounded)
         return wrong or log_complaint(problem, log, answer, truth)
 
@@ -130,7 +130,7 @@ def _many_classes(rng: Generator) -> Problem:
     costs = rng.integers(0, 9, (k, k)).astype(float)
     labels = np.concatenate([[0, 1], rng.integers(0, k, n - 2)])
     features = rng.integers(0, 8, (n, 1)).astype(float)
-    return Problem(features, labels, depth=int(rng.integers(1, 3)), costs=costs, class_names=tuple(range(k)))
+    return Problem(features, labels, depth=int(rng.integers(1, 3)), loss=ClassCosts(costs), class_names=tuple(range(k)))
 
 
 @dataclass(frozen=True, slots=True)

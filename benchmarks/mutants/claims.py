@@ -16,8 +16,8 @@ TREE_FILE = (
 CLAIMS = (
     Mutant(
         "octmip/certificate.py",
-        "if solution.bound > objective + slack + solution.tolerance:",
-        "if solution.bound > 2 * objective + slack + solution.tolerance:",
+        "if solution.bound > objective + slack + most:",
+        "if solution.bound > 2 * objective + slack + most:",
         CERTIFICATE,
     ),
     Mutant(
@@ -28,7 +28,7 @@ CLAIMS = (
     ),
     Mutant(
         "octmip/certificate.py",
-        "slack = 0.0 if problem.has_integer_costs else 1e-12 * abs(objective)",
+        "slack = 0.0 if is_exact else 1e-12 * abs(objective)",
         "slack = 1e-12 * abs(objective)",
         CERTIFICATE,
     ),
@@ -107,41 +107,46 @@ CLAIMS = (
         DRIFT,
     ),
     Mutant(
-        "octmip/regression/certificate.py",
-        "if solution.objective != float(exact):",
-        "if solution.objective > float(exact):",
-        NUMBERS,
-    ),
-    Mutant("octmip/regression/certificate.py", "if solution.bound > least:", "if solution.bound > 2 * least:", NUMBERS),
-    Mutant(
-        "octmip/regression/certificate.py",
-        '("one leaf alone costs", baseline)',
-        '("one leaf alone costs", math.inf)',
-        NUMBERS,
-    ),
-    Mutant(
-        "octmip/regression/certificate.py",
-        "if problem.sensor_cost_of(tree) > problem.sensor_limit:",
-        "if len(problem.sensors_used(tree)) > problem.sensor_limit:",
+        "octmip/certificate.py",
+        'most = solution.tolerance if problem.loss.predicts == "class" else 0.0',
+        "most = solution.bound",
         NUMBERS,
     ),
     Mutant(
         "octmip/problem.py",
+        'if self.loss.predicts == "class" else LEAST_SAVING * objective',
+        'if self.loss.predicts == "class" else 2 * LEAST_SAVING * objective',
+        NUMBERS,
+    ),
+    Mutant(
+        "octmip/losses/class_costs.py",
+        "return int(self.class_costs(weights, codes).argmin())",
+        "return int(self.class_costs(weights, codes).argmax())",
+        ("test_octmip/test_problem.py", "test_octmip/test_losses.py"),
+    ),
+    Mutant(
+        "octmip/losses/errors_of_numbers.py",
+        "np.average((misses / largest) ** 2, weights=weights)",
+        "np.average((misses / largest) ** 2)",
+        ("test_octmip/test_losses.py",),
+    ),
+    Mutant(
+        "octmip/losses/class_costs.py",
+        "return sum(w * c for w, c in zip(whole, prices, strict=True)) * Fraction(2) ** -(unit + grain)",
+        "return sum(w * c for w, c in zip(whole, prices, strict=True)) * Fraction(2) ** -unit",
+        ("test_octmip/test_losses.py",),
+    ),
+    Mutant(
+        "octmip/shape.py",
         "else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)",
         "else self.sensor_budget",
         ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
     ),
     Mutant(
-        "octmip/problem.py",
+        "octmip/shape.py",
         "used = {int(self.sensor_index[feature]) for feature in features_used(tree)}\n        return math.fsum",
         "used = [int(self.sensor_index[feature]) for feature in features_used(tree)]\n        return math.fsum",
         ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
-    ),
-    Mutant(
-        "octmip/regression/problem.py",
-        "used = {int(self.sensor_index[feature]) for feature in features_used(tree)}\n        return math.fsum",
-        "used = [int(self.sensor_index[feature]) for feature in features_used(tree)]\n        return math.fsum",
-        NUMBERS,
     ),
     Mutant(
         "octmip/sensing/shared/certificate.py",

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.losses import ClassCosts
+from octmip.losses import NUMBER_LOSSES, ClassCosts
 from octmip.problem import Problem
-from octmip.regression.problem import LOSSES, RegressionProblem
 
 Generator = np.random.Generator
 Floats = NDArray[np.float64]
@@ -95,9 +94,9 @@ def sized_lines(rng: Generator) -> Problem:
     return Problem(features, labels, **options)
 
 
-def wide_numbers(rng: Generator) -> RegressionProblem:
+def wide_numbers(rng: Generator) -> Problem:
     """Return a regression problem: targets with outliers, ties, clusters; more of them than bins at times."""
-    loss = str(rng.choice(LOSSES))
+    loss = str(rng.choice(sorted(NUMBER_LOSSES)))
     n, p, depth = (
         (int(rng.integers(2, 11)), int(rng.integers(1, 4)), int(rng.integers(1, 4)))
         if rng.random() < 0.6
@@ -114,7 +113,7 @@ def wide_numbers(rng: Generator) -> RegressionProblem:
     ][rng.integers(6)]
     if rng.random() < 0.2:
         targets = np.where(np.arange(n) == rng.integers(n), 10.0 ** rng.uniform(3, 12), targets)
-    options: dict[str, Any] = {"depth": depth, "loss": loss}
+    options: dict[str, Any] = {"depth": depth, "loss": NUMBER_LOSSES[loss]}
     if rng.random() < 0.3:
         options["weights"] = 1e-3 + np.round(rng.random(n), 1) if rng.random() < 0.5 else 10.0 ** rng.uniform(-6, 6, n)
     if rng.random() < 0.3:
@@ -125,7 +124,7 @@ def wide_numbers(rng: Generator) -> RegressionProblem:
         options["sensor_cost"] = rng.integers(0, 4, p).astype(float)
         options["sensor_budget"] = float(rng.integers(0, 6))
     features = rng.integers(0, rng.choice([4, n, 1000]), (n, p)).astype(float)
-    return RegressionProblem(features, targets, **options)
+    return Problem(features, targets, **options)
 
 
 def numbers(rng: Generator, n: int) -> Floats:

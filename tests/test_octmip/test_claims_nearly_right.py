@@ -7,9 +7,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, RegressionProblem, Solution, Split, Stop, certify, near_optimal, solve
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
 from octmip.drift import certify_drift
 from octmip.errors import CertificateError, SolverError
+from octmip.losses import SquaredError
 from octmip.monitor import calibrated_content
 from octmip.near_sets import NearOptimalSet, NearTree, counting
 from octmip.set_certificate import certify_set
@@ -158,7 +159,7 @@ def test_a_set_of_leaves_alone_reads_no_sensor_for_certain() -> None:
 
 
 def test_a_bound_of_numbers_above_the_best_leaf_is_refused_although_the_tree_costs_more() -> None:
-    problem = RegressionProblem([[0.0], [1.0]], [0.0, 2.0], depth=1)
+    problem = Problem([[0.0], [1.0]], [0.0, 2.0], depth=1, loss=SquaredError())
     worse = Split(0, 0.5, ValueLeaf(2.0), ValueLeaf(0.0))
     assert certify(problem, claim(worse, 8.0, 2.0)).objective == 8.0
     with pytest.raises(CertificateError, match=r"one leaf alone costs 2\.0"):

@@ -165,7 +165,7 @@ def _limits(rng: np.random.Generator, method: str) -> Limits:
 
 def answer(question: Question, problem: Any, truth: Any) -> Line:
     """Ask once and return the outcome, with a sentence where something is wrong."""
-    for registration in (*REGISTRY.values(), *REGRESSION.values(), TWO_FEATURE):
+    for registration in {one for solvers in REGISTRY.values() for one in solvers.values()}:
         registration.load()  # imports are no solver's time
     began = time.perf_counter()
     said: Line = {"question": str(question), "method": f"{question.kind} {question.method}"}

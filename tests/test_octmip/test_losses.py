@@ -1,0 +1,102 @@
+"""Every loss by the same checks: the best leaf, exact costs, and what people judge predictions by."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from octmip import Problem, certify, solve
+from octmip.errors import ProblemError
+from octmip.losses import NUMBER_LOSSES, ClassCosts
+
+LOSSES = {
+    "classes": ClassCosts(),
+    "costs": ClassCosts([[0.25, 1, 4], [3, 0, 1], [0.5, 2, 0]]),
+    **NUMBER_LOSSES,
+}
+RNG = np.random.default_rng(5)
+FEATURES = RNG.integers(0, 6, (30, 2)).astype(float)
+TARGETS = RNG.integers(0, 3, 30)
+TARGETS[:3] = [0, 1, 2]
+WEIGHTS = RNG.integers(0, 5, 30) / 8
+WEIGHTS[0] = 0.125
+
+
+@pytest.fixture(params=LOSSES, ids=str)
+def problem(request):
+    loss = LOSSES[request.param]
+    targets = TARGETS if loss.predicts == "class" else TARGETS * 0.75
+    return Problem(FEATURES, targets, depth=2, weights=WEIGHTS, loss=loss)
+
+
+def costs_of(problem, value):
+    """Return the cost of one leaf by the definition of the loss."""
+    if problem.loss.predicts == "class":
+        paid = [problem.costs[code, int(value)] for code in problem.codes]
+    else:
+        power = 2 if problem.loss.name == "squared" else 1
+        paid = [abs(code - value) ** power for code in problem.codes.tolist()]
+    return sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights.tolist(), paid, strict=True))
+
+
+def test_no_other_value_makes_a_cheaper_leaf(problem):
+    best = problem.loss.best_value(problem.weights, problem.codes)
+    others = range(3) if problem.loss.predicts == "class" else [best - 1e-6, best + 1e-6, 0.0, 0.75, 1.5]
+    assert all(costs_of(problem, best) <= costs_of(problem, other) + Fraction(1, 10**15) for other in others)
+
+
+def test_a_cost_is_what_its_definition_says_in_exact_arithmetic(problem):
+    value = 1 if problem.loss.predicts == "class" else 0.75
+    predicted = np.full(problem.n_samples, value)
+    exact = problem.loss.exact_cost(problem.weights, problem.codes, predicted)
+    assert exact == costs_of(problem, value)
+    cost = problem.loss.cost(problem.weights, problem.codes, predicted, Fraction(1, 2))
+    assert cost == pytest.approx(float(exact) + 0.5, rel=1e-15)
+
+
+def test_a_weight_of_two_is_a_sample_twice(problem):
+    rows = np.repeat(np.arange(30), (problem.weights * 8).astype(int))
+    often = Problem(
+        FEATURES[rows],
+        problem.targets[rows],
+        depth=2,
+        loss=LOSSES[problem.loss.name] if (problem.loss.predicts == "number") else problem.loss,
+        class_names=problem.class_names or None,
+    )
+    assert solve(problem).objective * 8 == pytest.approx(solve(often).objective, rel=1e-12)
+
+
+def test_a_proven_tree_is_certified_and_measured(problem):
+    solution = solve(problem)
+    certificate = certify(problem, solution)
+    assert solution.is_optimal
+    predicted = problem.predictions(solution.tree)
+    if problem.loss.predicts == "class":
+        assert certificate.errors == int((predicted != problem.codes).sum())
+        return
+    misses = np.abs(predicted - problem.targets)
+    assert certificate.measures["mae"] == pytest.approx((misses * WEIGHTS).sum() / WEIGHTS.sum())
+    assert certificate.measures["rmse"] == pytest.approx(np.sqrt((misses**2 * WEIGHTS).sum() / WEIGHTS.sum()))
+
+
+def test_the_order_of_samples_changes_no_objective(problem):
+    order = np.random.default_rng(1).permutation(30)
+    names = problem.class_names or None
+    other = Problem(
+        FEATURES[order], problem.targets[order], depth=2, weights=WEIGHTS[order], loss=problem.loss, class_names=names
+    )
+    assert solve(other).objective == pytest.approx(solve(problem).objective, rel=1e-12)
+
+
+def test_a_loss_asks_for_targets_of_its_kind():
+    with pytest.raises(ProblemError, match="loss is 'squared'"):
+        Problem(FEATURES, TARGETS, depth=1, loss="squared")
+    with pytest.raises(ProblemError, match="targets cannot be read as numbers"):
+        Problem(FEATURES, np.array(["a", "b"] * 15), depth=1, loss=NUMBER_LOSSES["squared"])
+    with pytest.raises(ProblemError, match="class_names is"):
+        Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["squared"], class_names=(0, 1, 2))
+    numbers = Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["squared"])
+    with pytest.raises(ProblemError, match="needs classes"):
+        _ = numbers.costs
+    with pytest.raises(ProblemError, match="leaf_model is 'linear'"):
+        Problem(FEATURES, TARGETS, depth=1, leaf_model="linear")
