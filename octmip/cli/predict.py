@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
             return 0
         if not arguments.out:
             print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-        for note in (*_unseen(file, table), *_gaps(features)):
+        for note in (*table.notes, *_unseen(file, table), *_gaps(features)):
             print(f"note: {visible(note)}", file=sys.stderr)
         if counted is not None:
             print(_errors_text(counted, len(predictions)), file=sys.stderr)

@@ -14,7 +14,7 @@ Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (se
 without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
 
 Older versions are still read. Version 2 had no "missing", no "gaps" among the settings, and a column of numbers with
-missing cells was two features ("is_doubled"); version 1 had no "table" and no "held_out" either.
+missing cells was two features ("is_doubled") and had no "form"; version 1 had no "table" and no "held_out" either.
 """
 
 import dataclasses
@@ -263,7 +263,8 @@ def _of_version_three(content: dict[str, Any]) -> dict[str, Any]:
 
 
 def _doubled(column: dict[str, Any]) -> dict[str, Any]:
-    return column | {"is_doubled": column.get("has_missing") is True and column.get("kind") != "values"}
+    is_doubled = column.get("has_missing") is True and column.get("kind") != "values"
+    return column | {"is_doubled": is_doubled, "form": ""}
 
 
 def _decode(content: dict[str, Any]) -> TreeFile:

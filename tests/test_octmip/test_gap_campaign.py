@@ -57,7 +57,7 @@ BAD = {
     "an infinite reading": (lambda rows: with_cell(rows, 2, "g05", "inf"), ["row 3", "g05"]),
     "a state in per cent": (lambda rows: with_cell(rows, 5, "mu1", "20"), ["row 6", "mu1", "0.2 for 20 %"]),
     "an empty test": (lambda rows: with_cell(rows, 5, "test", ""), ["row 6", "test"]),
-    "a short row": (lambda rows: [*rows[:4], rows[4].rsplit(",", 2)[0], *rows[5:]], ["row 5", "columns"]),
+    "a short row": (lambda rows: [*rows[:4], rows[4].rsplit(",", 2)[0], *rows[5:]], ["row 5", "cells but"]),
     "a column twice": (lambda rows: [rows[0].replace("g20", "g19"), *rows[1:]], ["row 1", "g19"]),
 }
 

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from octmip.errors import DataError
 from octmip.formats.cells import plain_number
+from octmip.formats.columns.written import form_of
 from octmip.formats.messages import shown
 from octmip.formats.table import Table
 from octmip.formats.table.samples import MISSING_WORDS
@@ -27,6 +29,8 @@ def mixed_columns(table: Table, names: Sequence[str]) -> dict[str, str]:
             continue
         numbers = {cell for cell in set(cells) if plain_number(cell.strip()) is not None}
         words = {cell for cell in set(cells) - numbers if cell.strip().lower() not in MISSING_WORDS}
+        if words and _has_form(words):
+            continue
         at = [row for row, cell in zip(rows.tolist(), cells, strict=True) if cell in words]
         if 0 < len(at) <= FEW_WORDS * len(cells) and len(numbers) > MANY_NUMBERS:
             found[name] = (
@@ -34,3 +38,11 @@ def mixed_columns(table: Table, names: Sequence[str]) -> dict[str, str]:
                 "cells); correct it, or add --categories yes-no if all of its cells are words"
             )
     return found
+
+
+def _has_form(words: set[str]) -> bool:
+    """Whether words are numbers as people write them, such as 1,000.50 among numbers below 1,000."""
+    try:
+        return form_of(sorted(words)) is not None
+    except DataError:  # what is wrong with them is said where they are read
+        return True

@@ -273,7 +273,7 @@ def notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
         for name in columns.names
         if _counts_rows(table.frame[name])
     )
-    return (*left_out, *counts, *columns.changes())
+    return (*table.notes, *left_out, *counts, *columns.changes())
 
 
 def _gaps(problem: Problem) -> tuple[str, ...]:

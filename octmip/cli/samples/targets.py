@@ -33,5 +33,6 @@ def refuse_quantity(table: Table, column: str, labels: NDArray[Any]) -> None:
     raise DataError(
         f"{table.name}, column {shown(column)}: the label has {len(numbers)} different numbers in {len(labels)} rows "
         f"(from {numbers[0]:g} to {numbers[-1]:g}): is it a quantity to be estimated (a regression target)? Expected "
-        "classes; sort the numbers into a few ranges first, or add --numbers-are-classes if each number is a class"
+        f"classes; predict the number by --target {shown(column)} instead of --label, sort the numbers into a few "
+        "ranges first, or add --numbers-are-classes if each number is a class"
     )

@@ -1,10 +1,13 @@
 """The cells of one column of a table: numbers, or texts, and which of them are missing.
 
-Numbers that a file keeps as text ("5.5", "?") are numbers again, with words such as "?" among them missing.
+Numbers that a file keeps as text ("5.5", "?") are numbers again, with words such as "?" among them missing. So are
+dates, per cent and amounts as people write them (`octmip.formats.columns.written`).
 """
 
 import math
 from dataclasses import dataclass
+from datetime import date
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -13,11 +16,13 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import plain_number
+from octmip.formats.columns.written import DAY, DAYS, ISO, form_of, read_texts, read_times, unit_of, words_of
 from octmip.formats.messages import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
+KINDS = (str, int, float, Decimal, np.number, np.bool_)
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 
 
@@ -37,6 +42,8 @@ class Cells:
         whether the texts have an order of their own (a pandas category).
     n_missing
         number of missing cells.
+    form
+        how the numbers were written (`octmip.formats.columns.written`), "" for plain numbers and texts.
     """
 
     numbers: NDArray[np.float64]
@@ -44,6 +51,7 @@ class Cells:
     values: tuple[str, ...]
     is_ordered: bool
     n_missing: int
+    form: str = ""
 
     @property
     def is_text(self) -> bool:
@@ -51,32 +59,46 @@ class Cells:
         return len(self.values) > 0
 
 
-def read_cells(series: "pd.Series[Any]") -> Cells:
-    """Return the cells of a column.
+def read_cells(series: "pd.Series[Any]", form: str | None = None) -> Cells:
+    """Return the cells of a column; with the `form` of training ("": plain) they are read in that one alone.
 
     Raises
     ------
     DataError
-        a cell is neither a number, true or false, nor a text, or no float64 holds it; the sentence begins behind
-        the name of the column.
+        a cell is neither a number, true or false, a date, nor a text, no float64 holds it, or it has another form; the
+        sentence begins behind the name of the column.
     """
     is_missing = series.isna().to_numpy(dtype=bool)
+    cells = _cells_of(series, is_missing, form)
+    if form is not None and unit_of(cells.form) != unit_of(form) and cells.n_missing < len(series):
+        found = shown(cells.values[0]) if cells.is_text else f"the number {np.nanmin(cells.numbers):g}"
+        got = f"{words_of(cells.form)}" if cells.form else found
+        raise DataError(f"holds {got}; expected {words_of(form)}, as in training; write it so")
+    return cells
+
+
+def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
+    kind = series.dtype.kind
     if isinstance(series.dtype, pd.CategoricalDtype):
         return _categories(series, is_missing)
-    if series.dtype.kind in "mM":
-        raise DataError("holds dates or durations; turn it into a number, such as days since the first")
-    if series.dtype.kind == "c":
+    if isinstance(series.dtype, pd.PeriodDtype):
+        return _numbers(read_times(series.dt.to_timestamp()), is_missing, ISO)
+    if kind == "M":
+        return _numbers(read_times(series), is_missing, ISO)
+    if kind == "m":
+        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)
+    if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
-    if series.dtype.kind in "biuf":
+    if kind in "biuf":
         return _numbers(_exact(series, is_missing), is_missing)
-    return _objects(series, is_missing)
+    return _objects(series, is_missing, form)
 
 
-def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_]) -> Cells:
+def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: str = "") -> Cells:
     infinite = np.flatnonzero(np.isinf(numbers))
     if len(infinite):
         raise DataError(f"is {numbers[infinite[0]]:g} in row {infinite[0] + 1}; expected finite numbers")
-    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()))
+    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form)
 
 
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -94,8 +116,9 @@ def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[n
 
 def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     categories = series.cat.categories
-    if categories.dtype.kind in "biuf" and not series.cat.ordered:  # numbers that pandas only stores as categories
-        return read_cells(series.astype(categories.dtype if not is_missing.any() else np.float64))
+    kind = categories.dtype.kind
+    if kind in "biufmM" and not series.cat.ordered:  # numbers and dates that pandas only stores as categories
+        return read_cells(series.astype(np.float64 if is_missing.any() and kind in "biuf" else categories.dtype))
     values = tuple(str(value) for value in categories)
     codes = series.cat.codes.to_numpy()
     words = np.array([None if code < 0 else values[code] for code in codes], dtype=object)
@@ -104,18 +127,36 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
     return _texts(words, kept, is_ordered=bool(series.cat.ordered))
 
 
-def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
-    odd = next((cell for cell in present if not isinstance(cell, str | int | float | np.number | np.bool_)), None)
+    if len(present) and all(isinstance(cell, date) for cell in present):
+        return _numbers(read_times(series), is_missing, ISO)
+    odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
     numbers = _numbers_among(cells, is_missing)
     if numbers is not None:
         return _numbers(numbers, np.isnan(numbers))
-    is_missing = is_missing | (cells == UNKNOWN)
+    read = _written(cells, is_missing, form)
+    if read is not None:
+        return read
+    is_missing = is_missing | np.array([isinstance(cell, str) and cell == UNKNOWN for cell in cells], dtype=bool)
     words = np.array([None if gone else str(cell) for cell, gone in zip(cells, is_missing, strict=True)], dtype=object)
     return _texts(words, tuple(sorted({word for word in words if word is not None})), is_ordered=False)
+
+
+def _written(cells: NDArray[Any], is_missing: NDArray[np.bool_], form: str | None) -> Cells | None:
+    """Return the numbers of texts that have a form; None where they have none."""
+    different = {str(cell) for cell in cells[~is_missing]}
+    texts = sorted(text for text in different if text.strip().lower() not in MISSING_WORDS)
+    form = form_of(texts) if form is None else form
+    if not form or form == DAYS or not texts:
+        return None
+    number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
+    read = [math.nan if gone else number.get(str(cell), math.nan) for cell, gone in zip(cells, is_missing, strict=True)]
+    numbers = np.array(read)
+    return _numbers(numbers, np.isnan(numbers), form)
 
 
 def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArray[np.float64] | None:

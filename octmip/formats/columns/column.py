@@ -23,6 +23,7 @@ from octmip.errors import DataError
 from octmip.formats.cells import plain_number
 from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
+from octmip.formats.columns.written import FORMS, number_words
 from octmip.formats.messages import shown
 from octmip.tree import Split
 
@@ -37,6 +38,7 @@ CONTENT = Record(
         "most": Number(),
         "values": ListOf(Text()),
         "is_doubled": Truth(),
+        "form": Text(pattern=FORMS, meaning="a form of numbers"),
     },
     closed=True,
 )
@@ -71,6 +73,8 @@ class Column:
         the texts seen in training, in their order; none for numbers.
     is_doubled
         whether missing cells are numbers below and above all others, in two features.
+    form
+        how its numbers are written (`octmip.formats.columns.written`), "" for plain numbers and texts.
     """
 
     name: str
@@ -80,6 +84,7 @@ class Column:
     most: float = 0.0
     values: tuple[str, ...] = ()
     is_doubled: bool = False
+    form: str = ""
 
     @property
     def lacks_numbers(self) -> bool:
@@ -179,7 +184,9 @@ class Column:
             return f"{self.name} is missing"
         if feature.kind == "missing-right" and threshold >= most:
             return f"{self.name} is not missing"
-        cut = f"{self.name} <= {number(threshold)}" if self.kind == "number" else self._rank_words(threshold)
+        plain = number(threshold)
+        shown_threshold = number_words(threshold, self.form, plain) if self.form else plain
+        cut = f"{self.name} <= {shown_threshold}" if self.kind == "number" else self._rank_words(threshold)
         is_left = feature.kind == "missing-left" or (split.missing == "left" and not self.is_doubled)
         return f"{cut} or missing" if is_left else cut
 
@@ -197,6 +204,7 @@ class Column:
             "most": self.most,
             "values": list(self.values),
             "is_doubled": self.is_doubled,
+            "form": self.form,
         }
 
     @classmethod
@@ -211,6 +219,8 @@ class Column:
         taken = CONTENT.take(content)
         if len(set(taken["values"])) != len(taken["values"]) or taken["least"] > taken["most"]:
             raise DataError(f"column {shown(taken['column'])} names a value twice, or its range ends before it begins")
+        if taken["form"] and taken["kind"] != "number":
+            raise DataError(f"column {shown(taken['column'])}: texts have no form of numbers; write the file anew")
         if (taken["kind"] == "number") == bool(taken["values"]):
             raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
         return cls(
@@ -221,4 +231,5 @@ class Column:
             taken["most"],
             tuple(taken["values"]),
             taken["is_doubled"],
+            taken["form"],
         )

@@ -16,6 +16,7 @@ from octmip.errors import DataError
 from octmip.formats.checked import ListOf, Record
 from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, Column, Feature
+from octmip.formats.columns.written import words_of
 from octmip.formats.messages import shown
 from octmip.tree import Split
 
@@ -154,7 +155,7 @@ class Columns:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
                 given = frame.iloc[:, position[column.name]]
-                block = _encoded(column, read_cells(given), takes_gaps)
+                block = _encoded(column, read_cells(given, column.form), takes_gaps)
                 blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
             except DataError as error:
                 reasons[column.name] = str(error)
@@ -183,7 +184,7 @@ class Columns:
         found = []
         for column in self.columns:
             if column.kind == "values":
-                words = column.words_of(read_cells(frame[column.name])).tolist()
+                words = column.words_of(read_cells(frame[column.name], column.form)).tolist()
                 new = sorted(set(words) - {None, *column.values})
                 if new:
                     rows = sum(word in new for word in words)
@@ -204,6 +205,8 @@ class Columns:
             found.append(f"text in {_listed(asked)} became {questions} yes/no question{'s' * (questions != 1)}")
         if ranked:
             found.append(f"text in {_listed(ranked)} became its rank in the order of its values")
+        for form in dict.fromkeys(column.form for column in self.columns if column.form):
+            found.append(f"{_listed([c for c in self.columns if c.form == form])} read as {words_of(form)}")
         if gaps:
             found.append(f"cells are missing in {_listed(gaps)}; a split sends them to whichever side is better")
         return tuple(found)
@@ -277,7 +280,7 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -
         kind: Literal["order", "values"] = "order" if cells.is_ordered or categories == "order" else "values"
         return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
     least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
-    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled)
+    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form)
     if is_doubled:
         _ = column.beyond  # raises where float64 has no room
     return column

@@ -5,6 +5,7 @@ import csv
 import io
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -20,28 +21,56 @@ EXACT_NUMBERS: dict[str, Any] = {} if IS_EXACT else {"float_precision": "round_t
 QUOTED = re.compile('"[^"]*"')
 # A whole cell that is a number: digits and one comma (or one point) among them, between two separators.
 DECIMAL = r'(?:^|;)"?[+-]?\d+%s\d+(?:[eE][+-]?\d+)?"?(?=\r?$|;)'
-SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars"}
 
 
-def read_delimited(source: Source, as_text: str | None = None) -> pd.DataFrame:
-    """Return the table of a CSV or TSV text.
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """What separates the cells of a text, and what begins the decimals of its numbers."""
 
-    Commas separate the cells of a CSV; where its header line has none, semicolons or tabs do. With semicolons a number
-    may have a decimal comma. The column `as_text`, where there is one, stays as it is written.
+    separator: str
+    decimal: str
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence where the decimals begin with a comma."""
+        return ("numbers are read with decimal commas, as the cells stand between semicolons",) * (self.decimal == ",")
+
+
+def marks_of(name: str, text: str, form: str) -> Marks:
+    """Return the marks of a text that begins with its header line; `name` is what a sentence calls its source.
+
+    Tabs separate the cells of a TSV, commas those of a CSV; where its header line has none, semicolons, tabs or bars
+    do. With semicolons a number may have a decimal comma.
 
     Raises
     ------
     DataError
-        the text is no table, a column has no name or one that another has, or decimal commas and points are mixed.
+        decimal commas and points are mixed.
     """
-    text = source.text()
-    separator = separator_of(text, source.format)
-    _check_header(source, text, separator)
+    separator = _separator_of(text, form)
+    return Marks(separator, _decimal(name, text, separator))
+
+
+def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table of a CSV or TSV text (marks: `marks_of`), and notes on how it was read.
+
+    The column `as_text`, where there is one, stays as it is written.
+
+    Raises
+    ------
+    DataError
+        the text is no table, a row has more or fewer cells than the header, a column has no name or one that another
+        has, or decimal commas and points are mixed.
+    """
+    text, notes = source.text()
+    marks = marks_of(source.name, text, source.format)
+    header = _check_header(source, text, marks.separator)
     try:
         frame: pd.DataFrame = pd.read_csv(
             io.StringIO(text),
-            sep=separator,
-            decimal=_decimal(source, text, separator),
+            sep=marks.separator,
+            decimal=marks.decimal,
             **EXACT_NUMBERS,
             keep_default_na=False,
             na_values=["", "nan", "NaN"],
@@ -53,15 +82,32 @@ def read_delimited(source: Source, as_text: str | None = None) -> pd.DataFrame:
         raise DataError(
             f"{source.name} is no table: {reason}; give every line as many cells as the header has"
         ) from error
-    if list(frame.columns) != next(_rows(text, separator), []):
+    if list(frame.columns) != header:
         raise DataError(
             f"{source.name}, line 1: the header can be read in two ways; expected plain names; rename the columns"
         )
-    return frame
+    if frame.iloc[:, -1].isna().any():  # pandas fills a row that is too short
+        _refuse_short(source.name, text, marks.separator, len(header))
+    return frame, (*notes, *marks.notes)
 
 
-def separator_of(text: str, form: str) -> str:
-    """Return what separates the cells: a tab in a TSV; in a CSV the comma, unless the header line has others only."""
+def ragged(n_cells: int, n_columns: int) -> str:
+    """Return what is wrong with a row of another length than the header, behind its place."""
+    return (
+        f"{n_cells} cell{'s' * (n_cells != 1)} but the header has {n_columns}; give every row one for each column, an "
+        "empty one where nothing is known"
+    )
+
+
+def _refuse_short(name: str, text: str, separator: str, n_columns: int) -> None:
+    rows = _rows(text, separator)
+    with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not
+        for cells in rows:
+            if 0 < len(cells) < n_columns:
+                raise DataError(f"{name}, line {rows.last}: {ragged(len(cells), n_columns)}")
+
+
+def _separator_of(text: str, form: str) -> str:
     if form == "tsv":
         return "\t"
     header = QUOTED.sub("", text[: text.find("\n") + 1] or text)
@@ -70,8 +116,8 @@ def separator_of(text: str, form: str) -> str:
 
 def line_of_row(source: Source, row: int) -> int | None:
     """Return the line of the text (1: header) on which a row ends: blank lines hold no row, quoted cells may span."""
-    text = source.text()
-    rows = _rows(text, separator_of(text, source.format))
+    text, _ = source.text()
+    rows = _rows(text, _separator_of(text, source.format))
     rows_before = -1  # the header
     with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not: the row is named by its number
         for cells in rows:
@@ -82,7 +128,8 @@ def line_of_row(source: Source, row: int) -> int | None:
     return None
 
 
-def _check_header(source: Source, text: str, separator: str) -> None:
+def _check_header(source: Source, text: str, separator: str) -> list[str]:
+    """Return the names of the columns."""
     rows = _rows(text, separator)
     try:
         header: Sequence[str] = next(rows, [])
@@ -97,18 +144,17 @@ def _check_header(source: Source, text: str, separator: str) -> None:
             f"{source.name}, line 1: column {place} has no name; name it, or drop it if it only counts the rows"
         )
     if len(first) > len(header):  # pandas would take the first column for an index
-        raise DataError(
-            f"{source.name}, line 2: {len(first)} cells but the header has {len(header)}; name every column"
-        )
+        raise DataError(f"{source.name}, line 2: {ragged(len(first), len(header))}, and name every column")
+    return list(header)
 
 
-def _decimal(source: Source, text: str, separator: str) -> str:
+def _decimal(name: str, text: str, separator: str) -> str:
     """Return the decimal mark of the numbers: a comma is one only between semicolons."""
     if separator != ";" or not (comma := re.search(DECIMAL % ",", text, re.MULTILINE)):
         return "."
     if point := re.search(DECIMAL % r"\.", text, re.MULTILINE):
         raise DataError(
-            f"{source.name} holds numbers with a decimal comma ({comma[0].strip(';')}) and with a decimal point "
+            f"{name} holds numbers with a decimal comma ({comma[0].strip(';')}) and with a decimal point "
             f"({point[0].strip(';')}); expected one of the two; save the table with points"
         )
     return ","

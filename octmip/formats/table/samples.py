@@ -6,7 +6,7 @@ threshold. Nothing but an empty cell and NaN counts as missing in a label, so th
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, SupportsFloat, cast
 
 import numpy as np
@@ -36,10 +36,13 @@ class Table:
         of the table.
     frame
         the rows; its index is their place in the source, from 0.
+    notes
+        sentences on how the source was read.
     """
 
     source: Source
     frame: pd.DataFrame
+    notes: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -60,7 +63,7 @@ class Table:
     def rows(self, chosen: NDArray[Any]) -> "Table":
         """Return the table of some rows: their positions (n,), or whether each is chosen (n_rows,)."""
         frame = self.frame[chosen] if chosen.dtype == bool else self.frame.iloc[chosen]
-        return Table(self.source, frame)
+        return replace(self, frame=frame)
 
     def with_plain_numbers(self, name: str) -> "Table":
         """Return the table with a column as whole numbers or numbers where missing cells had made it something else."""
@@ -69,7 +72,7 @@ class Table:
             column = pd.to_numeric(column)
         if column.dtype.kind == "f" and (column == np.floor(column)).all() and column.abs().max() <= EXACT_INTEGERS:
             column = column.astype(np.int64)
-        return Table(self.source, self.frame.assign(**{name: column}))
+        return replace(self, frame=self.frame.assign(**{name: column}))
 
     def column(self, name: str, purpose: str) -> "pd.Series[Any]":
         """Return a column by name.
@@ -221,7 +224,7 @@ def _is_number(value: object) -> bool:
 def read_table(path: PathLike, form: str | None = None, as_text: str | None = None) -> Table:
     """Return the table of a file, or of standard input for "-".
 
-    .csv and .tsv (UTF-8, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
+    .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
     "parquet") says what a file with another ending holds. The column `as_text` is read as text: 007 is no 7.
 
     Raises
@@ -230,9 +233,9 @@ def read_table(path: PathLike, form: str | None = None, as_text: str | None = No
         the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
     source = open_source(path, form)
-    frame = read_parquet(source) if source.format == "parquet" else read_delimited(source, as_text)
+    frame, notes = (read_parquet(source), ()) if source.format == "parquet" else read_delimited(source, as_text)
     if frame.empty:
         raise DataError(
             f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"
         )
-    return Table(source, frame)
+    return Table(source, frame, notes)

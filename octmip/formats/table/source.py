@@ -58,15 +58,29 @@ class Source:
         packed = read_bytes(self.path) if self.held is None else self.held
         return unpacked(packed, self.name) if packed.startswith(GZIP) else packed
 
-    def text(self) -> str:
-        """Return the text of a table in UTF-8.
+    def text(self) -> tuple[str, tuple[str, ...]]:
+        """Return the text of a table, and a note where it is not in UTF-8 but in Windows-1252, which holds latin-1.
 
         Raises
         ------
         DataError
-            as `content`, or it is not UTF-8.
+            as `content`, or it is neither.
         """
-        return decoded(self.content(), self.name)
+        content = self.content()
+        try:
+            return decoded(content, self.name), ()
+        except DataError:
+            try:
+                text = content.decode("cp1252")
+            except UnicodeDecodeError:
+                text = "\0"
+            if "\0" in text:  # no text of any kind
+                raise
+            first = next(character for character in text if not character.isascii())
+            line = text[: text.index(first)].count("\n") + 1
+            return text, (
+                f"{self.name} is not UTF-8 and was read as latin-1 (Windows-1252): line {line} has {first!r}",
+            )
 
 
 def open_source(path: PathLike, form: str | None = None) -> Source:

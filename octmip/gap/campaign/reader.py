@@ -1,4 +1,4 @@
-"""The file of a campaign: CSV, validated cell by cell; every complaint names the row and the column.
+"""The file of a campaign: CSV or TSV, validated cell by cell; every complaint names the row and the column.
 
 Columns: ``test``, one for each of the twin's loads (``load_factor`` for a twin that announces none), one for each known
 state parameter (fractions; empty is unknown), optional ``time`` [s] and ``temperature`` [deg C], then one for each
@@ -46,7 +46,12 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
     sheet = _sheet(table, twin, gauges, tests, applied, readings)
     refuse_nonsense(sheet)
     time, temperature = _optional(table, "time"), _optional(table, "temperature")
-    notes = [*warnings_on(sheet), *_notes(table, twin, gauges, states), *_side_notes(table, time, temperature)]
+    notes = [
+        *table.notes,
+        *warnings_on(sheet),
+        *_notes(table, twin, gauges, states),
+        *_side_notes(table, time, temperature),
+    ]
     return Campaign(
         gauges=gauges,
         parameters=parameters,

@@ -1,11 +1,12 @@
 """The table behind a campaign: header and rows as text, with the line numbers that a text editor shows.
 
-Comma-separated UTF-8. Lines that begin with # and empty lines are skipped. A quoted cell may run over several lines;
+Encoding, separators and decimal marks are those of every other table (`octmip.formats.table.delimited`). Lines that
+begin with # and empty lines are skipped. A quoted cell may run over several lines;
 its row has the number of its first line.
 """
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,8 +15,8 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import CsvRows, plain_number
-
-OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs", "|": "bars"}
+from octmip.formats.table.delimited import Marks, marks_of, ragged
+from octmip.formats.table.source import ENDINGS, open_source
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,12 +33,18 @@ class CampaignTable:
         (n_rows,) cells (n_columns,) of each row.
     numbers
         (n_rows,) line of each row.
+    marks
+        what separates its cells and begins decimals.
+    notes
+        sentences on how the file was read.
     """
 
     header: tuple[str, ...]
     header_number: int
     rows: tuple[tuple[str, ...], ...]
     numbers: tuple[int, ...]
+    marks: Marks
+    notes: tuple[str, ...]
 
     def texts(self, name: str) -> tuple[str, ...]:
         """Return the cells (n_rows,) of a column, spaces stripped."""
@@ -52,7 +59,8 @@ class CampaignTable:
         DataError
             a cell is no finite number.
         """
-        return np.array([_number(text, k, name) for text, k in zip(self.texts(name), self.numbers, strict=True)])
+        texts = (text.replace(self.marks.decimal, ".") for text in self.texts(name))
+        return np.array([_number(text, k, name) for text, k in zip(texts, self.numbers, strict=True)])
 
 
 def read_campaign_table(path: str | Path) -> CampaignTable:
@@ -61,11 +69,16 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
     Raises
     ------
     DataError
-        no such file, not UTF-8, nothing in it, another separator, a row with more or fewer cells than the
-        header.
+        no such file, no text, nothing in it, a row with more or fewer cells than the header.
     """
     path = Path(path)
-    rows = list(_parsed(_text(path)))
+    source = open_source(path, None if path.suffix.lower() in ENDINGS or path.suffix == ".gz" else "csv")
+    if source.format == "parquet":
+        raise DataError(f"campaign file {path} is Parquet; expected CSV or TSV; export it as one of them")
+    text, notes = source.text()
+    lines = list(_content(text))
+    marks = marks_of(source.name, "".join(line for _, line in lines), source.format)
+    rows = list(_parsed(lines, marks.separator))
     if not rows:
         raise DataError(
             f"campaign file {path} is empty (lines that begin with # are comments); expected a header row and one row "
@@ -75,8 +88,7 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
     header = tuple(name.strip() for name in head)
     while len(header) > 1 and not header[-1] and all(len(r) == len(head) and not r[-1].strip() for _, r in body):
         header, head = header[:-1], head[:-1]
-        body = [(k, row[:-1]) for k, row in body]  # a comma at the end of every line
-    _refuse_separator(header, number)
+        body = [(k, row[:-1]) for k, row in body]  # a separator at the end of every line
     if not body:
         raise DataError(
             f"campaign file {path} has a header in row {number} and no reading (lines that begin with # are comments); "
@@ -84,24 +96,14 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
         )
     for k, row in body:
         if len(row) != len(header):
-            raise DataError(_ragged(k, row, len(header)))
-    return CampaignTable(header, number, tuple(tuple(row) for _, row in body), tuple(k for k, _ in body))
+            raise DataError(f"row {k}: {ragged(len(row), len(header))}")
+    cells, numbers = tuple(tuple(row) for _, row in body), tuple(k for k, _ in body)
+    return CampaignTable(header, number, cells, numbers, marks, (*notes, *marks.notes))
 
 
-def _text(path: Path) -> str:
-    if not path.is_file():
-        raise DataError(f"campaign file {path} is not there; expected a CSV file; check the path")
-    try:
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DataError(f"campaign file {path} is not UTF-8 text ({error}); save it as CSV in UTF-8") from error
-    except OSError as error:
-        raise DataError(f"campaign file {path} cannot be read ({error.strerror}); expected a readable file") from error
-
-
-def _parsed(text: str) -> Iterator[tuple[int, list[str]]]:
+def _parsed(lines: Iterable[tuple[int, str]], separator: str) -> Iterator[tuple[int, list[str]]]:
     """Yield each row with the number of its first line."""
-    rows = CsvRows(_content(text), strict=True)
+    rows = CsvRows(lines, strict=True, separator=separator)
     try:
         for row in rows:
             yield rows.first, row
@@ -116,21 +118,6 @@ def _content(text: str) -> Iterator[tuple[int, str]]:
     for number, line in enumerate(text.splitlines(keepends=True), start=1):
         if line.strip() and not line.startswith("#"):
             yield number, line
-
-
-def _refuse_separator(header: tuple[str, ...], number: int) -> None:
-    found = next((mark for mark in OTHER_SEPARATORS if len(header) == 1 and mark in header[0]), None)
-    if found is not None:
-        raise DataError(
-            f"row {number} (header): columns are separated by {OTHER_SEPARATORS[found]}; expected commas, and points "
-            "in decimal numbers; save the table as comma-separated CSV"
-        )
-
-
-def _ragged(number: int, row: list[str], expected: int) -> str:
-    other = next((words for mark, words in OTHER_SEPARATORS.items() if len(row) < expected and mark in row[0]), None)
-    hint = f"it is separated by {other}; use commas in every row" if other else "complete the row"
-    return f"row {number} has {len(row)} columns but the header has {expected}; {hint}"
 
 
 def _number(text: str, row: int, column: str) -> float:

@@ -8,6 +8,7 @@ from typing import Any
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature
 from octmip.formats.columns.column import Column
+from octmip.formats.columns.written import words_of
 from octmip.formats.names import shown
 from octmip.shape import MAX_DEPTH
 from octmip.tree import Leaf, Node, leaves, splits
@@ -39,6 +40,8 @@ def _input_of(column: Column, feature: Feature) -> str:
         return f"1 where {column.name} is missing, else 0"
     ranks = ", ".join(f"{k}: {value}" for k, value in enumerate(column.values))
     number = column.name if column.kind == "number" else f"the rank of {column.name} ({ranks})"
+    if column.form:
+        number = f"{number} in {words_of(column.form)}"
     if feature.kind in ("number", "order"):
         return f"{number}, NaN or NULL where it is missing" if column.has_missing else number
     (below, above), is_left = column.beyond, feature.kind == "missing-left"

@@ -19,7 +19,7 @@ BAD_TABLES = {
     "ragged": ("a,y\n1,u\n2,v,3\n", "Expected 2 fields in line 3"),
     "label only": ("y\nu\nv\n", "no column beside 'y'; expected at least one"),
     "decimal commas and points": ("a;y\n1,5;u\n2.5;v\n", "save the table with points"),
-    "not text": ("a,y\n1,\xff\n", "is not UTF-8"),
+    "not text": ("a,y\n1,\xff\x81\n", "is not UTF-8"),
 }
 
 

@@ -1,0 +1,179 @@
+"""Numbers as people write them: dates, per cent, money, digits in groups. All cells of a column have one form.
+
+| form | written | read as |
+|---|---|---|
+| `%Y-%m-%d`, other patterns of `strptime` | 2025-03-04, 4 Mar 2025, also with a time | days since 1970-01-01, UTC |
+| `days` | durations of pandas | days |
+| `1,000.5` | 1,000.50 or 1 000.50 | 1000.5 |
+| `1.000,5` | 1.000,50 or 2,5 | 1000.5, 2.5 |
+| one of these two and a sign, such as `1,000.5$` or `1,000.5%` | $1,000.50, 5 % | 1000.5, 5 |
+
+A column that fits two forms with two meanings is refused: 03/04/2025 where every cell may be day/month or month/day,
+and 1,234 where every comma may group digits or begin decimals. Of money the comma before three digits groups them,
+since amounts have two decimals.
+"""
+
+import math
+import re
+import unicodedata
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.messages import shown
+
+Floats = NDArray[np.float64]
+ISO, DAYS = "%Y-%m-%d", "days"
+DAY = pd.Timedelta(days=1)
+ORDERS = ("%Y/%m/%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y")
+MONTH_NAMES = ("%d %b %Y", "%d %B %Y", "%d-%b-%Y", "%b %d, %Y", "%B %d, %Y")
+TIMES = ("", " %H:%M", " %H:%M:%S")
+DATES = (ISO, *(day + time for day in (*ORDERS, *MONTH_NAMES) for time in TIMES))
+SHORT_YEAR = re.compile(r"\d{1,2}/\d{1,2}/\d{2}")
+NUMBER_PART = re.compile(
+    r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>\d[\d.,' \u00a0\u202f]*?)\s*(?P<after>[^\w\s.,'+-]?)"
+)
+DIGITS = {
+    "1,000.5": r"(?:\d{1,3}(?:[,' \u00a0\u202f]\d{3})+|\d+)(?:\.\d%s)?",
+    "1.000,5": r"(?:\d{1,3}(?:[.' \u00a0\u202f]\d{3})+|\d+)(?:,\d%s)?",
+}
+
+FORMS = rf"^(|{DAYS}|{'|'.join(map(re.escape, DATES))}|({'|'.join(map(re.escape, DIGITS))})[^\w\s]?)$"
+"""Every form, and "" for plain numbers, as a pattern."""
+
+
+def form_of(texts: Sequence[str]) -> str | None:
+    """Return the form of different texts (n,); None where they have none and are words.
+
+    Raises
+    ------
+    DataError
+        they fit two forms with two meanings, or mix signs; the sentence begins behind the name of the column.
+    """
+    stripped = [text.strip() for text in texts]
+    if not stripped or not all(any(c.isdigit() for c in text) for text in stripped):
+        return None
+    if all(SHORT_YEAR.fullmatch(text) for text in stripped):
+        raise DataError(
+            f"holds dates whose years have two digits, such as {shown(stripped[0])}; expected four digits; write "
+            "2025-03-04"
+        )
+    dates = [form for form in DATES if _read(stripped, form) is not None]
+    if any("%d/%m" in form or "%d-%m" in form for form in dates) and any(
+        "%m/%d" in f or "%m-%d" in f for f in dates[1:]
+    ):
+        raise DataError(
+            f"holds dates such as {shown(stripped[0])}, and in every cell either number may be the month; expected one "
+            "that may not; write them as 2025-03-14"
+        )
+    numbers = {form: read for form in _numeric_forms(stripped) if (read := _read(stripped, form)) is not None}
+    if len(numbers) == 2:
+        one, other = numbers.values()
+        for text, grouped, decimal in zip(stripped, one.tolist(), other.tolist(), strict=True):
+            if grouped != decimal:
+                raise DataError(
+                    f"holds {shown(text)}, which may be {grouped:.15g} or {decimal:.15g}, and no cell shows whether "
+                    "the comma or the point begins decimals; write the numbers without marks between groups of digits"
+                )
+    return next(iter((*dates, *numbers)), None)
+
+
+def read_texts(texts: Sequence[str], form: str) -> Floats:
+    """Return the numbers (n,) of texts of a form.
+
+    Raises
+    ------
+    DataError
+        a text is not of it; the sentence begins behind the name of the column.
+    """
+    stripped = [text.strip() for text in texts]
+    read = _read(stripped, form)
+    if read is None:
+        wrong = next(text for text in stripped if _read([text], form) is None)
+        raise DataError(f"holds {shown(wrong)}; expected {words_of(form)}, as in training; write it so")
+    return read
+
+
+def read_times(series: "pd.Series") -> Floats:
+    """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,)."""
+    stamps = pd.to_datetime(series, utc=True)
+    return np.asarray((stamps - pd.Timestamp(0, tz="UTC")) / DAY, dtype=np.float64)
+
+
+def is_date(form: str) -> bool:
+    """Whether a form is that of dates."""
+    return form.startswith("%")
+
+
+def unit_of(form: str) -> str:
+    """Return what numbers of different forms must share to be compared: dates are days, amounts are plain numbers."""
+    return "date" if is_date(form) else form[7:] if form.endswith("%") else form if form == DAYS else ""
+
+
+def words_of(form: str) -> str:
+    """Return what a form means, for a sentence."""
+    if not form:
+        return "plain numbers or text"
+    if form == DAYS:
+        return "durations in days"
+    if is_date(form):
+        example = pd.Timestamp(2025, 3, 14, 15, 9).strftime(form)
+        return f"dates (14 March 2025: {example}), in days since 1970-01-01"
+    style, sign = form[:7], form[7:]
+    if sign == "%":
+        return f"per cent (5% is 5, and {style} is 1000.5)"
+    return f"{f'amounts in {sign}' if sign else 'numbers'} ({style} is 1000.5)"
+
+
+def number_words(number: float, form: str, plain: str) -> str:
+    """Return a number of a form as people write it; `plain` is what it would be without one."""
+    if not is_date(form):
+        return plain + (form[7:] if form != DAYS else " days")
+    try:
+        stamp = pd.Timestamp(0) + number * DAY
+    except (OverflowError, ValueError):  # beyond the dates that pandas holds
+        return f"day {plain}"
+    return stamp.strftime("%Y-%m-%d" if number == math.floor(number) else "%Y-%m-%d %H:%M:%S")
+
+
+def _read(texts: Sequence[str], form: str) -> Floats | None:
+    """Return the numbers of texts that all have a form, None where one has not."""
+    return _dates(texts, form) if is_date(form) else _numbers(texts, form[:7], form[7:])
+
+
+def _dates(texts: Sequence[str], form: str) -> Floats | None:
+    if form == ISO and not all(re.match(r"\d{4}-\d{2}-\d{2}(?:$|[T ])", text) for text in texts):
+        return None
+    kind = "ISO8601" if form == ISO else form
+    for some in (texts[:1], texts):  # most columns of text fail at the first cell
+        stamps = pd.to_datetime(pd.Series(list(some)), format=kind, errors="coerce", utc=True)
+        if stamps.isna().any():
+            return None
+    return read_times(stamps)
+
+
+def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
+    parts = [NUMBER_PART.fullmatch(text) for text in texts]
+    signs = {part["before"] or part["after"] for part in parts if part is not None}
+    if None in parts or not all(sign in ("", "%") or unicodedata.category(sign) == "Sc" for sign in signs):
+        return ()
+    if len(signs) > 1:
+        named = " and ".join(sorted(sign or "none" for sign in signs))
+        raise DataError(f"holds numbers with different signs ({named}); expected one sign in every cell; write it so")
+    return tuple(style + sign for style in DIGITS for sign in signs)
+
+
+def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
+    pattern = re.compile(DIGITS[style] % ("{1,2}" if sign not in ("", "%") else "+"))
+    out = []
+    for text in texts:
+        part = NUMBER_PART.fullmatch(text)
+        if part is None or (part["before"] or part["after"]) != sign or not pattern.fullmatch(part["digits"]):
+            return None
+        digits = re.sub(r"[' \u00a0\u202f]", "", part["digits"])
+        plain = digits.replace(",", "") if style == "1,000.5" else digits.replace(".", "").replace(",", ".")
+        out.append(float(part["minus"] + plain))
+    return np.array(out)

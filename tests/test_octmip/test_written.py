@@ -1,0 +1,248 @@
+"""Dates, per cent, money and digits in groups are read as people write them, in one form a column, or refused."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip import OptimalTreeClassifier
+from octmip.cli import main
+from octmip.errors import DataError
+from octmip.formats.columns import Columns, ColumnsError
+from octmip.monitor.export.fit import input_words
+from octmip.tree import Leaf, Split
+
+
+def learned(cells, **settings):
+    return Columns.learn(pd.DataFrame({"a": cells}), **settings)
+
+
+@pytest.mark.parametrize(
+    ("cells", "numbers", "note"),
+    [
+        (["2025-03-04", "2025-03-05"], [20151, 20152], "dates"),
+        (["2025-03-04 12:00", "2025-03-05T06:00Z"], [20151.5, 20152.25], "dates"),
+        (["13/04/2025", "05/06/2025"], [20191, 20244], "14/03/2025"),
+        (["04/13/2025", "06/05/2025"], [20191, 20244], "03/14/2025"),
+        (["13/04/2025 06:00", "05/06/2025 12:00"], [20191.25, 20244.5], "14/03/2025 15:09"),
+        (["4.3.2025", "05.03.2025"], [20151, 20152], "14.03.2025"),
+        (["4 Mar 2025", "5 May 2025"], [20151, 20213], "14 Mar 2025"),
+        (["March 4, 2025", "May 5, 2025"], [20151, 20213], "March 14, 2025"),
+        (["2025-03-04", "?"], [20151, np.nan], "dates"),
+        (["5%", "7.5 %", "-2%"], [5, 7.5, -2], "per cent"),
+        (["5,5%", "1.007,25%"], [5.5, 1007.25], "per cent"),
+        (["$1,000.50", "-$5"], [1000.5, -5], "amounts in $"),
+        (["$1,234", "$950"], [1234, 950], "amounts in $"),
+        (["1.234 €", "12,50 €"], [1234, 12.5], "amounts in €"),
+        (["1,234,567", "950"], [1234567, 950], "numbers (1,000.5 is 1000.5)"),
+        (["1 234", "20'000"], [1234, 20000], "numbers (1,000.5 is 1000.5)"),
+    ],
+)
+def test_what_people_write_is_read_as_numbers_with_a_note(cells, numbers, note):
+    columns = learned(cells)
+    assert columns.feature_names == ("a",)
+    np.testing.assert_array_equal(columns.encode(pd.DataFrame({"a": cells}))[:, 0], numbers)
+    assert note in " ".join(columns.changes())
+    assert Columns.from_json(json.loads(json.dumps(columns.to_json()))) == columns
+
+
+@pytest.mark.parametrize(
+    ("cells", "sentence"),
+    [
+        (["03/04/2025", "05/06/2025"], "either number may be the month.*write them as 2025-03-14"),
+        (["03/03/2025", "04/04/2025"], "either number may be the month"),
+        (["03/04/25", "05/06/25"], "years have two digits"),
+        (["1,234", "5,678"], "may be 1234 or 1.234.*without marks"),
+        (["$5", "€6"], r"different signs \(\$ and €\)"),
+        (["5", "6%"], "different signs"),
+    ],
+)
+def test_what_can_be_read_in_two_ways_is_refused_with_its_cure(cells, sentence):
+    with pytest.raises(ColumnsError, match=sentence):
+        learned(cells)
+
+
+@pytest.mark.parametrize("cells", [["5more", "4"], ["1.2.3", "1.2.4"], ["2, 3", "4, 5"], ["A-1", "A-2"], ["x%", "y%"]])
+def test_words_with_digits_stay_words(cells):
+    assert learned(cells).columns[0].kind == "values"
+
+
+@pytest.mark.parametrize(
+    ("trained", "later", "sentence"),
+    [
+        (["5%", "7%"], [0.05, 0.07], "the number 0.05; expected per cent"),
+        (["5%", "7%"], ["$5", "$7"], "'.5'; expected per cent"),
+        ([5.0, 7.0], ["5%", "7%"], "holds text such as '5%'; expected numbers"),
+        (["13/04/2025", "05/06/2025"], ["04/13/2025"] * 2, "expected dates .14 March 2025: 14/03/2025"),
+        (["2025-01-01", "2025-01-02"], [20089, 20090], "the number 20089; expected dates"),
+        ([1.0, 2.0], pd.to_datetime(["2025-01-01", "2025-01-02"]), "holds dates .*expected plain numbers"),
+        (
+            pd.to_datetime(["2025-01-01", "2025-01-02"]),
+            pd.to_timedelta([1, 2], "D"),
+            "durations in days; expected dates",
+        ),
+    ],
+)
+def test_later_tables_are_read_in_the_form_of_training_alone(trained, later, sentence):
+    with pytest.raises(ColumnsError, match=sentence):
+        learned(trained).encode(pd.DataFrame({"a": later}))
+
+
+def test_dates_of_pandas_and_in_texts_are_the_same_number():
+    stamps, texts = pd.to_datetime(["2025-01-01", "2025-01-02"]), ["2025-01-01", "2025-01-02T00:00"]
+    assert (
+        learned(stamps).encode(pd.DataFrame({"a": texts})) == learned(texts).encode(pd.DataFrame({"a": stamps}))
+    ).all()
+
+
+def test_an_ambiguous_later_table_is_read_in_the_order_of_training():
+    columns = learned(["13/04/2025", "05/06/2025"])
+    assert columns.encode(pd.DataFrame({"a": ["03/04/2025"]})).tolist() == [[20181]]
+
+
+def test_a_threshold_is_said_as_people_write_it():
+    split = Split(0, 20151.0, Leaf(0), Leaf(1))
+    assert learned(["2025-03-04", "2025-03-05"]).left_words(split) == "a <= 2025-03-04"
+    assert learned(["2025-03-04", "2025-03-05"]).left_words(Split(0, 20151.5, Leaf(0), Leaf(1))) == (
+        "a <= 2025-03-04 12:00:00"
+    )
+    assert learned(["5%", "7%"]).left_words(Split(0, 6.0, Leaf(0), Leaf(1))) == "a <= 6%"
+    assert input_words(learned(["5%", "7%"])) == ("a in per cent (5% is 5, and 1,000.5 is 1000.5)",)
+
+
+# Every dtype of pandas and polars
+
+TIMES = pd.Series(pd.to_datetime(["2025-03-04 00:00", None, "2025-03-05 12:00"]))
+PANDAS = {
+    "int64": (pd.Series([1, 0, 1]), [1, 0, 1]),
+    "Int64": (pd.Series([1, None, 3], dtype="Int64"), [1, np.nan, 3]),
+    "UInt8": (pd.Series([1, None, 3], dtype="UInt8"), [1, np.nan, 3]),
+    "float32": (pd.Series([0.5, None, 3], dtype="float32"), [0.5, np.nan, 3]),
+    "Float64": (pd.Series([0.5, None, 3], dtype="Float64"), [0.5, np.nan, 3]),
+    "bool": (pd.Series([True, False, True]), [1, 0, 1]),
+    "boolean": (pd.Series([True, None, False], dtype="boolean"), [1, np.nan, 0]),
+    "int64[pyarrow]": (pd.Series([1, None, 3]).astype("int64[pyarrow]"), [1, np.nan, 3]),
+    "bool[pyarrow]": (pd.Series([True, None, False], dtype="bool[pyarrow]"), [1, np.nan, 0]),
+    "sparse": (pd.Series(pd.arrays.SparseArray([0.0, 0.0, 3.0])), [0, 0, 3]),
+    "object of numbers": (pd.Series([1, None, "3"], dtype=object), [1, np.nan, 3]),
+    "convert_dtypes": (pd.Series([1, None, 3], dtype=object).convert_dtypes(), [1, np.nan, 3]),
+    "category of numbers": (pd.Series([1, None, 3], dtype="category"), [1, np.nan, 3]),
+    "ordered category": (pd.Series(pd.Categorical(["S", None, "L"], ["S", "M", "L"], ordered=True)), [0, np.nan, 2]),
+    "datetime": (TIMES, [20151, np.nan, 20152.5]),
+    "datetime with tz": (TIMES.dt.tz_localize("Etc/GMT-6"), [20150.75, np.nan, 20152.25]),
+    "datetime as category": (TIMES.astype("category"), [20151, np.nan, 20152.5]),
+    "timestamp[pyarrow]": (TIMES.astype("timestamp[us][pyarrow]"), [20151, np.nan, 20152.5]),
+    "date32[pyarrow]": (TIMES.astype("date32[pyarrow]"), [20151, np.nan, 20152]),
+    "date objects": (pd.Series([t.date() if t == t else None for t in TIMES], dtype=object), [20151, np.nan, 20152]),
+    "timedelta": (TIMES - TIMES[0], [0, np.nan, 1.5]),
+    "duration[pyarrow]": ((TIMES - TIMES[0]).astype("duration[us][pyarrow]"), [0, np.nan, 1.5]),
+    "period": (pd.Series(pd.PeriodIndex(["2025-03", None, "2025-05"], freq="M")), [20148, np.nan, 20209]),
+}
+TEXTS = {
+    "object": pd.Series(["u", None, "v"], dtype=object),
+    "object with pd.NA": pd.Series(["u", pd.NA, "v"], dtype=object),
+    "string": pd.Series(["u", None, "v"], dtype="string"),
+    "string[python]": pd.Series(["u", None, "v"], dtype="string[python]"),
+    "string[pyarrow]": pd.Series(["u", None, "v"], dtype="string[pyarrow]"),
+    "large_string[pyarrow]": pd.Series(["u", None, "v"]).astype("large_string[pyarrow]"),
+    "convert_dtypes": pd.Series(["u", None, "v"], dtype=object).convert_dtypes(),
+    "category": pd.Series(["u", None, "v"], dtype="category"),
+    "category of string": pd.Series(["u", None, "v"], dtype="string").astype("category"),
+}
+NO_NUMBERS = {
+    "complex": (pd.Series([1j, 2, 3]), "complex"),
+    "interval": (pd.Series(pd.interval_range(0, 3)), "type Interval"),
+    "bytes": (pd.Series([b"a", b"b", b"c"]), "type bytes"),
+    "lists": (pd.Series([[1], [2], [3]]), "type list"),
+}
+
+
+@pytest.mark.parametrize("kind", PANDAS)
+def test_every_dtype_of_numbers_and_times_becomes_one_feature(kind):
+    cells, numbers = PANDAS[kind]
+    frame = pd.DataFrame({"a": cells})
+    np.testing.assert_array_equal(Columns.learn(frame).encode(frame)[:, 0], numbers)
+    model = OptimalTreeClassifier(max_depth=1).fit(frame, ["p", "p", "q"])
+    assert model.predict(frame).shape == (3,)
+
+
+@pytest.mark.parametrize("kind", TEXTS)
+def test_every_dtype_of_text_becomes_questions_with_its_gaps(kind):
+    frame = pd.DataFrame({"a": TEXTS[kind]})
+    columns = Columns.learn(frame)
+    assert columns.feature_names == ("a is u", "a is v", "a is missing")
+    assert columns.encode(frame).tolist() == [[1, 0, 0], [0, 0, 1], [0, 1, 0]]
+    assert (OptimalTreeClassifier(max_depth=2).fit(frame, ["p", "q", "p"]).predict(frame) == ["p", "q", "p"]).all()
+
+
+@pytest.mark.parametrize("kind", NO_NUMBERS)
+def test_what_is_no_number_and_no_text_ends_in_a_sentence(kind):
+    cells, sentence = NO_NUMBERS[kind]
+    with pytest.raises(DataError, match=sentence):
+        Columns.learn(pd.DataFrame({"a": cells}))
+    with pytest.raises(ValueError, match=r"(?i)" + sentence):
+        OptimalTreeClassifier(max_depth=1).fit(pd.DataFrame({"a": cells}), ["p", "p", "q"])
+
+
+def test_every_dtype_of_polars_is_read_as_that_of_pandas():
+    polars = pytest.importorskip("polars", reason="polars is not installed")
+    table = polars.DataFrame(
+        {
+            "whole": polars.Series([1, None, 3], dtype=polars.Int32),
+            "real": polars.Series([0.5, None, 3.0], dtype=polars.Float32),
+            "truth": [True, None, False],
+            "text": ["u", None, "v"],
+            "category": polars.Series(["u", None, "v"], dtype=polars.Categorical),
+            "enum": polars.Series(["L", None, "S"], dtype=polars.Enum(["S", "L"])),
+            "day": polars.Series(["2025-03-04", None, "2025-03-05"]).str.to_date(),
+            "time": polars.Series(["2025-03-04 12:00", None, "2025-03-05 12:00"]).str.to_datetime("%Y-%m-%d %H:%M"),
+            "decimal": polars.Series(["0.5", None, "2.5"]).cast(polars.Decimal(10, 2)),
+            "span": polars.Series([1, None, 2]).cast(polars.Duration("ms")),
+        }
+    )
+    labels = ["p", "q", "p"]
+    for name in table.columns:
+        model = OptimalTreeClassifier(max_depth=2).fit(table.select(name), polars.Series(labels))
+        assert model.predict(table.select(name)).shape == (3,), name
+        assert list(model.feature_names_in_) == [name]
+    assert OptimalTreeClassifier(max_depth=1).fit(table.select("day"), labels).columns_.columns[0].form == "%Y-%m-%d"
+    with pytest.raises(ValueError, match="type list"):
+        OptimalTreeClassifier(max_depth=1).fit(polars.DataFrame({"a": [[1], [2], [3]]}), labels)
+
+
+# By the command
+
+
+def test_a_table_of_dates_and_prices_is_solved_and_predicted(tmp_path, capsys):
+    rows = [
+        f'{k % 28 + 1:02}/0{k % 9 + 1}/2025,"${k * 100:,}.50",{k}%,{"late" if k > 40 else "early"}' for k in range(80)
+    ]
+    data, tree = tmp_path / "t.csv", tmp_path / "t.json"
+    data.write_text("\n".join(["day,price,rate,y", *rows]) + "\n")
+    assert main(["solve", str(data), "--label", "y", "--depth", "1", "--out", str(tree)]) == 0
+    told = capsys.readouterr()
+    assert "read as dates" in told.out + told.err
+    assert "read as amounts in $" in told.out + told.err
+    assert "read as per cent" in told.out + told.err
+    assert main(["certify", str(tree), str(data)]) == 0
+    assert main(["predict", str(tree), str(data), "--label", "y"]) == 0
+    assert "0 of 80" in capsys.readouterr().err
+
+
+def test_a_latin_1_table_with_semicolons_is_read_with_notes(tmp_path, capsys):
+    data = tmp_path / "t.csv"
+    data.write_bytes("größe;y\n1,5;a\n2,5;b\n".encode("latin-1"))
+    assert main(["solve", str(data), "--label", "y", "--depth", "1"]) == 0
+    told = "".join(capsys.readouterr())
+    assert "was read as latin-1" in told
+    assert "decimal commas" in told
+
+
+def test_a_quantity_as_label_is_told_of_target(tmp_path, capsys):
+    data = tmp_path / "t.csv"
+    data.write_text("x,y\n" + "".join(f"{k},{k * 1.5}\n" for k in range(40)))
+    assert main(["solve", str(data), "--label", "y", "--depth", "2"]) == 2
+    error = capsys.readouterr().err
+    assert "--target 'y'" in error
+    assert "--numbers-are-classes" in error
