@@ -17,7 +17,7 @@ MOST_WHOLE = 2.0**53
 """Beyond it float64 merges neighbouring whole numbers."""
 EXTRA_OF = {
     "pyfe3d": "wing",
-    "matplotlib": "report",
+    "matplotlib": "plot",
     "pyarrow": "parquet",
     "pypardiso": "pardiso",
     "sksparse": "cholmod",

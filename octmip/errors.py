@@ -5,8 +5,7 @@ from contextlib import contextmanager
 
 EXTRA_OF = {
     "cvxpy": "sensing",
-    "matplotlib": "report",
-    "jinja2": "report",
+    "matplotlib": "plot",
     "pyarrow": "parquet",
     "onnx": "onnx",
 }

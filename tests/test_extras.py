@@ -15,7 +15,7 @@ from femlib import errors as femlib_errors
 from octmip import errors as octmip_errors
 
 ROOT = Path(__file__).parent.parent
-OPTIONAL = ("cvxpy", "pyfe3d", "matplotlib", "jinja2", "pyarrow", "onnx", "meshio")
+OPTIONAL = ("cvxpy", "pyfe3d", "matplotlib", "pyarrow", "onnx", "meshio")
 
 REFUSE = f"""
 import sys
@@ -149,6 +149,7 @@ def test_the_command_needs_no_extra_for_what_is_no_picture(said):
         "report",
         "report",
         "report",
+        "report",
     ]
     assert not any("install octmip[" in err for _, err in done.values())
 
@@ -176,9 +177,8 @@ def test_a_feature_whose_package_is_missing_names_the_extra(said, use, package):
 @pytest.mark.parametrize(
     ("words", "extra"),
     [
-        ("frontier t.csv --label kind --depth 2 --over depth --out f.svg", "report"),
-        ("report tree.json --out tree.svg", "report"),
-        ("report tree.json --out tree.html", "report"),
+        ("frontier t.csv --label kind --depth 2 --over depth --out f.svg", "plot"),
+        ("report tree.json --out tree.svg", "plot"),
         ("solve t.parquet --label kind --depth 2", "parquet"),
     ],
 )

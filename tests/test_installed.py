@@ -1,6 +1,8 @@
 """What a stranger installs: the wheel, every extra and the source distribution, each in an empty environment."""
 
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -35,6 +37,14 @@ problem = octmip.Problem(np.array([[0.0], [1.0], [2.0]]), np.array([0, 1, 0]), d
 solution = octmip.solve(problem)
 octmip.certify(problem, solution)
 print(octmip.__file__, solution.objective, solution.gap)
+"""
+README_DATA = """
+import numpy as np
+import pandas as pd
+
+features, labels = np.array([[0.0, 1], [1, 0], [2, 5], [3, 4], [4, 2], [5, 3]]), np.array([0, 0, 1, 1, 0, 0])
+risk = np.ones(6)
+table = pd.DataFrame({"a": [1.0, None, 3.0, 4.0, 5.0, 6.0], "text": ["u", "v", "u", None, "v", "v"]})
 """
 TYPED = """
 import numpy as np
@@ -74,7 +84,7 @@ def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octm
 def test_an_installation_fetches_little_and_no_package_of_an_extra(installed_octmip: Installed) -> None:
     fetched = {file.name: file.stat().st_size for file in installed_octmip.downloads.iterdir()}
     assert sum(fetched.values()) <= MOST_DOWNLOADED, fetched
-    extras = {*EXTRA_OF, "pyfe3d"} - {"jinja2"}
+    extras = {*EXTRA_OF, "pyfe3d"}
     assert not extras & {name.partition("-")[0].lower() for name in fetched}
 
 
@@ -98,6 +108,24 @@ def test_the_installed_command_goes_from_a_table_to_predictions(installed_octmip
         assert done.returncode == 0, done.stderr
     predicted = (tmp_path / "predicted.csv").read_text().split()
     assert [line.split(",")[-1] for line in predicted[1:]] == ["no", "no", "yes", "yes", "no", "no"]
+
+
+def test_the_commands_and_programs_of_the_readme_run_after_its_own_install_line(
+    installed_octmip: Installed, tmp_path: Path
+) -> None:
+    text = (ROOT / "README.md").read_text()
+    commands = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)[0].splitlines()
+    assert commands[0] == "pip install octmip"  # what the environment was made by
+    (tmp_path / "DATA.csv").write_text(TABLE.replace("kind", "COLUMN"))
+    for line in commands[1:]:
+        done = installed_octmip.run(*shlex.split(line, comments=True), cwd=tmp_path)
+        assert done.returncode == 0, f"{line}: {done.stderr}"
+    assert (tmp_path / "TREE.html").read_text().lower().startswith("<!doctype html>")
+    programs = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    (tmp_path / "program.py").write_text("\n".join([README_DATA, *programs]))
+    done = installed_octmip.run("python", "program.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "tree.html").exists()
 
 
 def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Installed, tmp_path: Path) -> None:

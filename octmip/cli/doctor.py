@@ -42,7 +42,7 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
         "sensing": Extra(("cvxpy",), "sensor placement by convex relaxation"),
         "wing": Extra(("pyfe3d",), "beams in femlib's structures"),
-        "report": Extra(("matplotlib", "jinja2"), "pages and drawings"),
+        "plot": Extra(("matplotlib",), "drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),
         "onnx": Extra(("onnx",), "export to ONNX"),
     }

@@ -167,7 +167,7 @@ def _content(
     if kind in (".svg", ".png", ".pdf"):
         return _picture(file, kind)
     if kind == ".html":
-        from octmip.report.html import tree_page  # needs the extra "report", which words do not
+        from octmip.report.html import tree_page  # slow to import, and words do without
 
         data = _name_of(arguments.data) if arguments.data else None
         return tree_page(file, Path(arguments.tree).name, evidence, data=data, units=units).encode()
@@ -177,7 +177,7 @@ def _content(
 
 
 def _picture(file: TreeFile, kind: str) -> bytes:
-    from octmip.plot import counted_tree_figure  # needs the extra "report", which words do not
+    from octmip.plot import counted_tree_figure  # needs the extra "plot", which words do not
 
     buffer = io.BytesIO()
     names = file.feature_names, file.class_names

@@ -4,7 +4,6 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from octmip.certificate import certify
-from octmip.errors import needed_by
 from octmip.estimator.notebook import MOST_LEAVES, drawing_svg, notebook_html
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, check_writable, write_bytes
@@ -54,7 +53,7 @@ def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None)
     MissingExtraError
         matplotlib is not installed.
     """
-    from octmip.plot import tree_figure  # needs the extra "report", which fitting does not
+    from octmip.plot import tree_figure  # needs the extra "plot", which fitting does not
 
     return tree_figure(problem, tree, title, _encoded(columns))
 
@@ -75,14 +74,11 @@ def write_page(path: PathLike, problem: Problem, file: TreeFile, held_out: Sampl
 
     Raises
     ------
-    MissingExtraError
-        what draws the page is not installed.
     DataError
         the file cannot be written.
     """
-    with needed_by("a page"):
-        from octmip.report.html import tree_page
-        from octmip.report.tree.evidence import gather, judged_by
+    from octmip.report.html import tree_page
+    from octmip.report.tree.evidence import gather, judged_by
 
     check_writable(path)
     evidence = gather(file, problem, seconds=seconds)

@@ -152,6 +152,8 @@ class CompiledTree:
             return missing
         if np.isnan(threshold):
             return left + right - missing
+        if not is_missing:  # infinity minus infinity, as in the tree
+            return right
         raise DataError(self._complaint(terms, reading))
 
     def label(self, reading: Sequence[float] | NDArray[np.float64]) -> int:
@@ -174,8 +176,10 @@ class CompiledTree:
 
     def _complaint(self, terms: tuple[int, ...], reading: Sequence[float] | NDArray[np.float64]) -> str:
         missing = [self.feature_names[j] for j in terms if np.isnan(reading[j])]
-        what = f"has no number at {', '.join(missing)}" if missing else "adds inf to -inf"
-        return f"reading {what}, where the tree asks for one; leave it out, or use the filter, which can do without it"
+        return (
+            f"reading has no number at {', '.join(missing)}, where the tree asks for one; leave it out, or use the "
+            "filter, which can do without it"
+        )
 
     def leaf_nodes(self, readings: NDArray[np.float64]) -> NDArray[np.intp]:
         """Return the preorder number of the leaf of every row of readings (n, n_features), shape (n,).
@@ -232,7 +236,8 @@ class CompiledTree:
         lacks = np.zeros(len(rows), dtype=bool)
         for k, features in enumerate(self._features):
             lacks |= (k < n_terms) & np.isnan(block[rows, features.take(node)])
-        return np.where(lacks, self._missing.take(node), after)
+        adds = (n_terms > 1) & ~np.isnan(self._thresholds.take(node))  # infinity minus infinity goes right
+        return np.where(lacks, self._missing.take(node), np.where(adds, self._next.take(3 * node + 2), after))
 
     def _totals(
         self, flat: NDArray[np.float64], first: NDArray[np.intp], node: NDArray[np.intp]

@@ -14,14 +14,12 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
-from octmip.errors import needed_by
+import jinja2
+from jinja2.utils import htmlsafe_json_dumps
+from markupsafe import Markup
+
 from octmip.formats.names import shown, visible, visible_lines
 from octmip.report.text import number, percent
-
-with needed_by("a page"):
-    import jinja2
-    from jinja2.utils import htmlsafe_json_dumps
-    from markupsafe import Markup
 
 POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'; script-src {}"

@@ -181,7 +181,7 @@ def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
     for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.plot"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(MissingExtraError, match=r"install octmip\[report\]"):
+    with pytest.raises(MissingExtraError, match=r"install octmip\[plot\]"):
         encoded.plot()
 
 

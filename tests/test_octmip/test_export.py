@@ -1,5 +1,6 @@
 """Exports answer bit for bit whatever names, numbers and depth a tree has, and execute nothing but the tree."""
 
+import importlib.util
 import json
 import math
 import shutil
@@ -7,6 +8,7 @@ import sqlite3
 import subprocess
 import sys
 from ctypes import CDLL, POINTER, c_double
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -19,7 +21,7 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.monitor import CompiledTree
 from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
-from octmip.tree import HyperplaneSplit, Leaf, Split, leaves
+from octmip.tree import HyperplaneSplit, Leaf, Split, leaves, predict
 
 NAMES = [name for _, name in hostile_names(60)]
 ATTACK = "**// FROM readings; DROP TABLE secret; --"
@@ -183,6 +185,56 @@ def shape(request):
     with np.errstate(over="ignore", invalid="ignore"):
         answers = CompiledTree(tree, ("a", "b")).labels(readings)
     return tree, readings, answers.tolist(), range(max(leaf.label for leaf in leaves(tree)) + 1)
+
+
+@pytest.mark.parametrize("missing", [None, "left", "right"])
+def test_infinite_readings_of_a_hyperplane_end_where_the_tree_ends_everywhere(missing, tmp_path):
+    tree = HyperplaneSplit(
+        (0, 1), (1.0, -2.0), 0.5, Leaf(1), HyperplaneSplit((0, 1), (1.0, 1.0), 3.0, Leaf(0), Leaf(2))
+    )
+    tree = replace(tree, missing=missing, right=replace(tree.right, missing=missing))
+    values = [math.inf, -math.inf, 0.25, 2.0, *([math.nan] if missing else [])]
+    readings = np.array([(a, b) for a in values for b in values])
+    wanted = predict(tree, readings).tolist()
+    compiled = CompiledTree(tree, ("a", "b"))
+    with np.errstate(invalid="ignore"):
+        assert compiled.labels(readings).tolist() == [compiled.label(row) for row in readings] == wanted
+    assert sql_answers(tree, readings) == wanted
+    deep = tree
+    for _ in range(12):  # written flat
+        deep = Split(0, -1e308, Leaf(0), deep, missing=missing and "right")
+    assert sql_answers(deep, readings) == predict(deep, readings).tolist()
+    if shutil.which("cc"):
+        assert c_answers(tree, readings, tmp_path) == wanted
+    if importlib.util.find_spec("onnxruntime"):
+        assert onnx_answers(tree, readings) == wanted
+
+
+def sql_answers(tree, readings):
+    base = sqlite3.connect(":memory:")
+    base.execute("CREATE TABLE readings (a DOUBLE PRECISION, b DOUBLE PRECISION, n INTEGER)")
+    base.executemany("INSERT INTO readings VALUES (?, ?, ?)", [(*row, k) for k, row in enumerate(readings.tolist())])
+    found = base.execute(f"SELECT {sql_expression(tree, 'ab', range(9))} FROM readings ORDER BY n").fetchall()
+    base.close()
+    return [label for (label,) in found]
+
+
+def c_answers(tree, readings, tmp_path):
+    (tmp_path / "tree.c").write_text(c_source(tree, "ab", range(9)))
+    command = ["cc", *C_FLAGS, "-O0", "-shared", "-fPIC", "-o", tmp_path / "tree.so", tmp_path / "tree.c"]
+    subprocess.run(command, check=True)
+    label = CDLL(str(tmp_path / "tree.so")).octmip_label
+    label.argtypes = [POINTER(c_double)]
+    return [label((c_double * 2)(*row)) for row in readings.tolist()]
+
+
+def onnx_answers(tree, readings):
+    import onnxruntime as runtime
+
+    options = runtime.SessionOptions()
+    options.intra_op_num_threads = 1
+    session = runtime.InferenceSession(onnx_model(tree, "ab", range(9)).SerializeToString(), options)
+    return session.run(None, {"readings": readings})[0].tolist()
 
 
 def test_sql_holds_any_shape_and_number(shape):

@@ -5,8 +5,6 @@ import re
 from pathlib import Path
 
 import pytest
-
-pytest.importorskip("jinja2", reason="jinja2 is not installed")
 from jinja2 import UndefinedError
 
 from benchmarks.oracles.page_check import check_page

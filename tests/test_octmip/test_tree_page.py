@@ -11,7 +11,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-pytest.importorskip("jinja2", reason="jinja2 is not installed")
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.page_check import check_page, smallest_text
 from benchmarks.oracles.report_runs import tree_file

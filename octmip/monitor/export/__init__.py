@@ -2,6 +2,7 @@
 
 Every export takes `(tree, feature_names, class_names)` and returns the index of the class. A missing reading (NaN,
 NULL) goes to the side that the split names, as in the tree; where a split on its way names none, the result is -1.
+An infinite reading is a number, and a sum of a hyperplane that is none (infinity minus infinity) goes right.
 Thresholds go out with all the bits of float64.
 
 Names may be any text: none of them can act in the language of the export. C and SQL hold no name of a class, C none of

@@ -125,6 +125,9 @@ def _conditions(split: Split | HyperplaneSplit) -> tuple[str, str]:
     assert given is not None
     threshold = float(given).hex()
     lost = {side: f" || {missing}" if split.missing == side else "" for side in SIDES}
+    if isinstance(split, HyperplaneSplit):  # a sum that is no number goes right, where no reading is missing
+        present = "1" if split.missing else missing.replace("!=", "==").replace("||", "&&")
+        return f"{asked} <= {threshold}{lost['left']}", present
     return f"{asked} <= {threshold}{lost['left']}", f"{asked} > {threshold}{lost['right']}"
 
 

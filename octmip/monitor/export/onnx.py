@@ -86,7 +86,11 @@ class _Graph:
         given = split.threshold if isinstance(split, Split) else split.offset
         assert given is not None
         total, limit = self.total(split), self.constant(float(given))
-        left, right = self.add("LessOrEqual", total, limit), self.add("Greater", total, limit)
+        left = self.add("LessOrEqual", total, limit)
+        if isinstance(split, HyperplaneSplit):  # a sum that is no number goes right, where no reading is missing
+            right = self.add("Not", self.missing(split))
+        else:
+            right = self.add("Greater", total, limit)
         if split.missing == "left":
             left = self.add("Or", left, self.missing(split))
         elif split.missing == "right":

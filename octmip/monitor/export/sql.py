@@ -5,7 +5,8 @@ powers of two, all exact in float64, and so is their quotient.
 
 Missing readings. NULL is on no side of a split. SQLite stores NaN as NULL; PostgreSQL and DuckDB keep it and hold it
 for larger than every number, so the right side is asked as ``-x < -threshold``: true for what is larger than the
-threshold, false for NaN in either order. Where a split has a side for missing readings, that side is also asked for
+threshold, false for NaN in either order. A sum that is no number, infinity minus infinity, goes right as in the tree.
+Where a split has a side for missing readings, that side is also asked for
 what is neither 0 or less nor, in the same way, more.
 
 Names. The only names in the text are column names, always in double quotes with inner ones doubled: nothing that a
@@ -103,6 +104,8 @@ def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple
     if isinstance(split, Split) and split.threshold is None:
         return (missing, present) if split.missing == "left" else (present, missing)
     left, right = _sides(split, columns)
+    if isinstance(split, HyperplaneSplit):  # a sum that is no number goes right, where no reading is missing
+        right = f"(CASE WHEN {left} THEN 0 ELSE 1 END = 1 AND {present})"
     if split.missing is None:
         return left, right
     return (f"({left} OR {missing})", right) if split.missing == "left" else (left, f"({right} OR {missing})")

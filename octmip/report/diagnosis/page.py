@@ -5,9 +5,9 @@ import math
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
-from octmip.errors import needed_by
 from octmip.formats.names import shown
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.causes import Cause
@@ -45,9 +45,6 @@ from octmip.report.diagnosis.words import (
 )
 from octmip.report.page import page_facts, render
 from octmip.twin import MICROSTRAIN, MIXED, Load, amounts_of, sign_of
-
-with needed_by("a page"):
-    from markupsafe import Markup
 
 Floats = NDArray[np.float64]
 

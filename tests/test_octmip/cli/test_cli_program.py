@@ -99,7 +99,7 @@ def test_doctor_finds_this_installation_in_order(run):
     assert out.splitlines()[-1] == "This installation works."
     found = json.loads(run("doctor", "--json")[1])
     assert found["is_healthy"]
-    assert {"python", "numpy", "HiGHS", "native core", "octmip[report]"} <= {line["name"] for line in found["findings"]}
+    assert {"python", "numpy", "HiGHS", "native core", "octmip[plot]"} <= {line["name"] for line in found["findings"]}
 
 
 def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
