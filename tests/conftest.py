@@ -41,3 +41,9 @@ def browser() -> Iterator[Any]:
 def installed_octmip(tmp_path_factory: pytest.TempPathFactory) -> Installed:
     """Return an empty environment with the built wheel and its own dependencies alone: no extra, no checkout."""
     return installed(shared_folder(tmp_path_factory))
+
+
+@pytest.fixture(scope="session")
+def installed_octmip_plot(tmp_path_factory: pytest.TempPathFactory) -> Installed:
+    """Return an empty environment with the built wheel and the extra "plot"."""
+    return installed(shared_folder(tmp_path_factory), "plot")

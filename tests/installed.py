@@ -86,7 +86,7 @@ def built(folder: Path) -> Path:
 
 
 def installed(folder: Path, extras: str = "") -> Installed:
-    """Return an environment that holds the built wheel with some extras ("report", "mio,wing"), and nothing else.
+    """Return an environment that holds the built wheel with some extras ("plot", "plot,wing"), and nothing else.
 
     What the wheel needs without extras is installed once: an environment with extras sees it, and adds its own.
     """

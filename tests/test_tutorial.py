@@ -42,12 +42,12 @@ def steps_of(text: str) -> list[tuple[str, str, str]]:
     return steps
 
 
-def test_the_tutorial_runs_from_installation_to_page(installed_octmip: Installed, tmp_path: Path) -> None:
+def test_the_tutorial_runs_from_installation_to_page(installed_octmip_plot: Installed, tmp_path: Path) -> None:
     steps = steps_of(PAGE.read_text())
     assert [line for kind, line, _ in steps if kind == "console" and not line.startswith("octmip ")] == []
     (tmp_path / "runner.py").write_text(RUNNER)
     (tmp_path / "blocks.json").write_text(json.dumps([step[:2] for step in steps]))
-    done = installed_octmip.run("python", "runner.py", cwd=tmp_path)
+    done = installed_octmip_plot.run("python", "runner.py", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     checker, options = doctest.OutputChecker(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     said = json.loads((tmp_path / "said.json").read_text())

@@ -79,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     index = _index(arguments.index, file, table)
     counted = _counted(file, table, arguments.label, predictions) if arguments.label else None
     content = _csv(file, predictions, shares, index)
+    how = ("probabilities are shares of the training rows, which are too high for fresh ones",) * (shares is not None)
     # A name that no file can hold is said beforehand; JSON has escapes for it.
     encoded = _utf8(content) if arguments.out or not arguments.json else b""
     with then_written(arguments.out, partial(write_bytes, content=encoded), is_quiet=True):
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
             return 0
         if not arguments.out:
             print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-        for note in (*table.notes, *_unseen(file, table), *_gaps(features)):
+        for note in (*table.notes, *how, *_unseen(file, table), *_gaps(features)):
             print(f"note: {visible(note)}", file=sys.stderr)
         if counted is not None:
             print(_errors_text(counted, len(predictions)), file=sys.stderr)

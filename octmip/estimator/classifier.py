@@ -34,6 +34,7 @@ from octmip.run import Method
 from octmip.shape import MAX_DEPTH
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import solve
+from octmip.tradeoff import leaves_on_fresh_rows
 from octmip.uncertainty import LeafDistribution
 
 
@@ -71,7 +72,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
         Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.
     smoothing
-        of the probabilities in each leaf: so much training weight is added, in equal parts to every class.
+        of the probabilities in each leaf: so much training weight is added, in equal parts to every class. By default
+        (0) they are shares of the training rows, which are too high for fresh ones. "out-of-fold" corrects them by rows
+        held out of 20 refits, each with the method and the seconds of the fit (`octmip.tradeoff.leaf_shares`).
     method
         of `octmip.solve`: "auto" proves for splits on one feature, and searches without a proof for hyperplanes.
     seconds
@@ -96,7 +99,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     certificate_
         what was recomputed from problem and tree alone (`octmip.Certificate`); `sensors_` are those it names.
     leaf_distribution_
-        the classes in each leaf (`octmip.uncertainty.LeafDistribution`).
+        the classes in each leaf (`octmip.uncertainty.LeafDistribution`); `made` says how they were counted.
     feature_importances_
         (n_features_in_,) share of each column of X in the training cost that the splits save.
 
@@ -118,7 +121,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         sensor_budget: float | None = None,
         categories: Literal["yes-no", "order", "refuse"] = "yes-no",
         missing: Literal["either-side", "refuse"] = "either-side",
-        smoothing: float = 0.0,
+        smoothing: float | Literal["out-of-fold"] = 0.0,
         method: Method = "auto",
         seconds: float = 60.0,
         n_jobs: int | None = None,
@@ -172,9 +175,13 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         kept = weights != 0
         problem = self._problem(features[kept], labels[kept], weights[kept])
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        self._keep(problem, solve(problem, self.method, Limits(seconds=self.seconds), seed=seed, n_jobs=threads))
+        limits = Limits(seconds=self.seconds)
+        self._keep(problem, solve(problem, self.method, limits, seed=seed, n_jobs=threads))
         if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")
+        if self.smoothing == "out-of-fold":
+            settings: dict[str, Any] = {"method": self.method, "limits": limits, "seed": seed, "n_jobs": threads}
+            self.leaf_distribution_ = leaves_on_fresh_rows(problem, self.tree_, **settings)
         warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
         return self
 
@@ -183,7 +190,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
         self.problem_, self.solution_ = problem, solution
         self.certificate_ = certify(problem, solution)
-        self.leaf_distribution_ = LeafDistribution.of(solution.tree, problem, strength=self.smoothing)
+        strength = 0.0 if self.smoothing == "out-of-fold" else self.smoothing
+        self.leaf_distribution_ = LeafDistribution.of(solution.tree, problem, strength=strength)
 
     def _problem(self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]) -> Problem:
         return Problem(
@@ -212,8 +220,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     def predict_proba(self, X: ArrayLike, prior: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the probability of each class in the leaf of each row, shape (n_samples, n_classes).
 
-        It is the class's share of the training weight there, smoothed; with a prior (n_classes,) it is what that
-        becomes where the classes come with these probabilities instead of those in training.
+        It is the class's share of the training weight there, smoothed or corrected as `smoothing` says; with a prior
+        (n_classes,) it is what that becomes where the classes come with these probabilities instead of those in
+        training.
         """
         check_is_fitted(self, "solution_")
         return self.leaf_distribution_.predict(read_samples(self, X), prior)

@@ -4,12 +4,14 @@ frontier   the least cost against depth, sensor budget or leaf penalty, each poi
 path       for every leaf penalty the best tree: all the trees that are best for some penalty
 risk       missed critical states against false alarms, over the cost of a failure
 held_out   rows kept from training, and what a tree and CART lose there
+leaf_shares  leaf probabilities, corrected by rows held out of refits
 choice     depth and leaf penalty by cross-validation over those paths
 """
 
 from octmip.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
 from octmip.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
 from octmip.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score
+from octmip.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.tradeoff.risk import RiskPoint, trace_risk_frontier
 
@@ -31,6 +33,7 @@ __all__ = [
     "choose_tree",
     "default_values",
     "held_out_rows",
+    "leaves_on_fresh_rows",
     "score",
     "trace_frontier",
     "trace_path",

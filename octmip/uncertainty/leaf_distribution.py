@@ -82,6 +82,38 @@ def checked_prior(prior: ArrayLike, n_classes: int) -> Floats:
     return np.asarray(values / values.sum())
 
 
+def fitted_line(shares: Floats, hits: NDArray[np.bool_], weights: Floats) -> tuple[float, float]:
+    """Return intercept and slope of the share of hits over the given shares, both (n,), by weighted least squares.
+
+    Where the shares do not differ, or hits fall with them, it is the share of hits alone.
+    """
+    weight = weights / weights.sum()
+    mean, hit = float(weight @ shares), float(weight @ hits)
+    spread = float(weight @ (shares - mean) ** 2)
+    slope = float(weight @ ((shares - mean) * (hits - hit))) / spread if spread > 1e-12 else 0.0
+    slope = max(slope, 0.0)
+    return hit - slope * mean, slope
+
+
+def corrected_shares(shares: Floats, line: tuple[float, float], prior: Floats) -> Floats:
+    """Return shares (n_leaves, n_classes) whose greatest of each row follows a line (intercept, slope).
+
+    The other classes keep their ratios, those of `prior` (n_classes,) in a leaf of one class; the greatest stays so.
+    """
+    out = np.array(shares)
+    for row in out:
+        top = int(row.argmax())
+        rest = np.where(np.arange(len(row)) == top, 0.0, row if row[top] < 1.0 else prior)
+        if not rest.any():  # no other class anywhere
+            continue
+        rest = rest / rest.sum()
+        least = float(rest.max() / (1.0 + rest.max())) * (1.0 + 1e-9)  # no tie, which might fall to another class
+        greatest = min(max(line[0] + line[1] * float(row[top]), least), 1.0)
+        row[:] = (1.0 - greatest) * rest
+        row[top] = greatest
+    return out
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LeafDistribution:
     """The classes in each leaf of a tree.
@@ -96,6 +128,9 @@ class LeafDistribution:
         of the smoothing, in units of weight.
     prior
         (n_classes,) towards which it draws; None: uniform.
+    line
+        intercept and slope that the greatest share of each leaf follows on rows that took no part in the training
+        (`octmip.tradeoff.leaf_shares`); None: the shares are those of the training rows.
     probabilities
         (n_leaves, n_classes), derived.
     """
@@ -104,6 +139,7 @@ class LeafDistribution:
     weights: Floats
     strength: float = 0.0
     prior: Floats | None = None
+    line: tuple[float, float] | None = None
     probabilities: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -113,10 +149,10 @@ class LeafDistribution:
                 f"weights has shape {weights.shape} and the tree {len(leaves(self.tree))} leaves; "
                 "expected one row per leaf, weights of 0 or more"
             )
-        for name, values in (
-            ("weights", weights),
-            ("probabilities", smoothed_shares(weights, self.strength, self.prior)),
-        ):
+        shares = smoothed_shares(weights, self.strength, self.prior)
+        if self.line is not None:
+            shares = corrected_shares(shares, self.line, smoothed_shares(weights.sum(axis=0)))
+        for name, values in (("weights", weights), ("probabilities", shares)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
 
@@ -142,6 +178,13 @@ class LeafDistribution:
         added = problem.weights if is_weighted else np.ones(problem.n_samples)
         np.add.at(weights, (leaf_index(tree, problem.features), problem.codes), added)
         return cls(tree, weights, strength, prior)
+
+    @property
+    def made(self) -> str:
+        """How the probabilities were made, for a sentence."""
+        if self.line is not None:
+            return "training shares, the greatest corrected by rows held out of refits"
+        return "training shares" + (f", smoothed by {self.strength:g}" if self.strength else "")
 
     @property
     def training_prior(self) -> Floats:

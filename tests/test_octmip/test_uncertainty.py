@@ -17,6 +17,7 @@ from octmip.uncertainty import (
     reliability,
     smoothed_shares,
 )
+from octmip.uncertainty.leaf_distribution import corrected_shares, fitted_line
 
 TREE = Split(0, 0.5, Leaf(0), Leaf(1))
 
@@ -183,3 +184,52 @@ def test_a_weight_of_two_counts_as_two_samples_and_a_heavy_one_widens_the_sets()
 def test_wrong_input_is_refused(call):
     with pytest.raises(ProblemError):
         call()
+
+
+# Probabilities that hold on fresh rows
+
+
+def noisy(n, seed):
+    """Return features that say little about three classes."""
+    rng = np.random.default_rng(seed)
+    features = rng.normal(size=(n, 6))
+    return features, np.where(rng.random(n) < 0.2, (features[:, 0] > 0).astype(int), rng.integers(0, 3, n))
+
+
+def test_shares_of_training_rows_are_too_high_and_those_corrected_out_of_fold_are_not():
+    errors = {0.0: [], "out-of-fold": []}
+    for seed in range(6):
+        fresh, codes = noisy(20_000, seed + 100)
+        for smoothing, found in errors.items():
+            model = OptimalTreeClassifier(max_depth=2, smoothing=smoothing).fit(*noisy(1500, seed))
+            found.append(calibration_error(model.predict_proba(fresh), codes))
+            assert (model.predict_proba(fresh).argmax(axis=1) == model.predict(fresh)).all()
+    assert np.mean(errors["out-of-fold"]) < 0.02 < np.mean(errors[0.0])
+
+
+def test_leaves_say_how_their_probabilities_were_made():
+    features, labels = noisy(100, 0)
+    made = [
+        OptimalTreeClassifier(1, smoothing=s).fit(features, labels).leaf_distribution_.made
+        for s in (0, 2, "out-of-fold")
+    ]
+    assert made == [
+        "training shares",
+        "training shares, smoothed by 2",
+        "training shares, the greatest corrected by rows held out of refits",
+    ]
+
+
+def test_the_line_is_that_of_least_squares_and_never_falls():
+    shares, hits = np.array([0.4, 0.4, 0.8, 0.8]), np.array([True, False, True, True])
+    assert fitted_line(shares, hits, np.ones(4)) == pytest.approx((0.0, 1.25))
+    assert fitted_line(shares, ~hits, np.ones(4)) == pytest.approx((0.25, 0.0))
+    assert fitted_line(np.full(4, 0.5), hits, np.array([1.0, 0, 0, 1.0])) == (1.0, 0.0)
+
+
+def test_a_corrected_leaf_stays_a_distribution_whose_greatest_share_is_its_class():
+    shares, prior = np.array([[0.6, 0.3, 0.1], [1.0, 0.0, 0.0], [0.5, 0.5, 0.0]]), np.array([0.2, 0.6, 0.2])
+    out = corrected_shares(shares, (0.0, 0.8), prior)
+    assert np.allclose(out, [[0.48, 0.39, 0.13], [0.8, 0.15, 0.05], [0.5, 0.5, 0.0]])
+    assert np.allclose(corrected_shares(shares, (0.0, 0.1), prior).argmax(axis=1), 0)
+    assert corrected_shares(np.array([[1.0]]), (0.0, 0.5), np.array([1.0])).tolist() == [[1.0]]
