@@ -86,7 +86,7 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     if kind == "M":
         return _numbers(read_times(series), is_missing, ISO)
     if kind == "m":
-        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)
+        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)  # type: ignore[operator]
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
