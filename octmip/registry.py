@@ -41,6 +41,14 @@ class Registration:
     alone_to_depth: int = 0
     """To this depth its own start finds the optimum early, and a search first would take as long as many a proof."""
 
+    cannot: tuple[str, ...] = ()
+    """Settings of a Problem that it does not know: asked for, they are refused in one sentence."""
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Return the first setting of a problem that the solver does not know, None where it knows all."""
+        asked = {name: getattr(problem, name) for name in self.cannot}
+        return next((name for name, value in asked.items() if value not in (None, False, "constant")), None)
+
     def load(self) -> Solver:
         """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
 
@@ -66,8 +74,12 @@ OCT = Registration("octmip.mip.oct", "solve_oct", proves=True, is_mixed_integer=
 OCT_H = Registration("octmip.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
 FLOW = Registration("octmip.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
 BENDERS = Registration("octmip.mip.benders.solver", "solve_benders", proves=True)
-NUMBERS = Registration("octmip.regression.exact", "exact_regression", proves=True, alone_to_depth=MAX_DEPTH)
-NUMBERS_SEARCH = Registration("octmip.regression.search", "search_regression", proves=False)
+NUMBERS = Registration(
+    "octmip.regression.exact", "exact_regression", proves=True, alone_to_depth=MAX_DEPTH, cannot=("gaps", "leaf_model")
+)
+NUMBERS_SEARCH = Registration(
+    "octmip.regression.search", "search_regression", proves=False, cannot=("gaps", "integer_normals")
+)
 
 REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
     ("classes", "axis"): {

@@ -148,15 +148,19 @@ def chosen_method(problem: Problem, method: str) -> str:
     known = solvers_of(problem)
     if method not in METHODS:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
-    if method != "auto":
-        if method not in known:
-            raise ProblemError(
-                f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
-                f"{', '.join(('auto', *known))}"
-            )
-        return method
+    if method not in ("auto", *known):
+        raise ProblemError(
+            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
+            f"{', '.join(('auto', *known))}"
+        )
     is_exact = problem.split == "axis" and problem.is_provable
-    return "exact" if is_exact else "search"
+    chosen = method if method != "auto" else "exact" if is_exact else "search"
+    if (setting := known[chosen].refusal(problem)) is not None:
+        raise ProblemError(
+            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {setting}; leave "
+            f"{setting} out (missing readings: fill them, or let an estimator or the command encode them)"
+        )
+    return chosen
 
 
 def _wants_incumbent(problem: Problem, name: str) -> bool:

@@ -206,7 +206,7 @@ class _Search:
         costs = problem.sensor_costs
         left = problem.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
         is_free = [s in part.held or (s not in part.banned and costs[s] <= left) for s in range(len(costs))]
-        return [is_free[sensor] for sensor in problem.sensor_index]
+        return [is_free[s] and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
 
     def _native_progress(self, spent: float) -> Callable[[float, int, int, int], None] | None:
         progress = self.progress

@@ -134,7 +134,12 @@ class _Search:
             if problem.sensor_costs[sensor] <= left and not is_left_out:
                 kept.add(sensor)
                 left -= problem.sensor_costs[sensor]
-        return np.flatnonzero([sensor in kept for sensor in problem.sensor_index.tolist()])
+        usable = [s in kept and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
+        groups = problem.allowed_splits
+        if groups is None or problem.split == "axis":
+            return np.flatnonzero(usable)
+        group = groups[int(self.rng.integers(len(groups)))]  # whose features may meet in every split
+        return np.intersect1d(np.flatnonzero(usable), np.array(group, dtype=np.int64))
 
     def build(self, rows: Rows, depth: int, tilt: NDArray[np.float64] | None = None) -> Node:
         """Return a tree for some samples, built from the root; `tilt` (n_samples,) multiplies their weights."""

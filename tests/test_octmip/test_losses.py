@@ -100,3 +100,25 @@ def test_a_loss_asks_for_targets_of_its_kind():
         _ = numbers.costs
     with pytest.raises(ProblemError, match="leaf_model is 'linear'"):
         Problem(FEATURES, TARGETS, depth=1, leaf_model="linear")
+
+
+@pytest.mark.parametrize("method", ["exact", "search"])
+def test_what_no_solver_of_numbers_knows_is_refused_by_name(method):
+    gaps = FEATURES.copy()
+    gaps[0, 0] = np.nan
+    with pytest.raises(
+        ProblemError, match=f"method '{method}' with the loss 'absolute' does not know the problem's gaps"
+    ):
+        solve(Problem(gaps, TARGETS, depth=1, loss=NUMBER_LOSSES["absolute"]), method)
+    planes = Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["absolute"], split="hyperplane", integer_normals=3)
+    with pytest.raises(ProblemError, match=r"integer_normals|finds no hyperplane trees"):
+        solve(planes, method)
+
+
+@pytest.mark.parametrize("method", ["exact", "search"])
+def test_numbers_keep_to_the_features_that_splits_may_read(method):
+    targets = FEATURES[:, 0] + 0.1 * FEATURES[:, 1]
+    problem = Problem(FEATURES, targets, depth=2, loss=NUMBER_LOSSES["squared"], allowed_splits=[[1]])
+    alone = Problem(FEATURES[:, [1]], targets, depth=2, loss=NUMBER_LOSSES["squared"])
+    assert certify(problem, solve(problem, method)).sensors == ("x1",)
+    assert solve(problem).objective == solve(alone).objective
