@@ -246,3 +246,11 @@ def test_a_quantity_as_label_is_told_of_target(tmp_path, capsys):
     error = capsys.readouterr().err
     assert "--target 'y'" in error
     assert "--numbers-are-classes" in error
+
+
+def test_a_threshold_on_dates_is_a_date_where_no_column_is_text(tmp_path, capsys):
+    rows = [f"2025-01-{k:02},{'late' if k > 15 else 'early'}" for k in range(1, 29)]
+    data = tmp_path / "t.csv"
+    data.write_text("\n".join(["day,y", *rows]) + "\n")
+    assert main(["solve", str(data), "--label", "y", "--depth", "1"]) == 0
+    assert "day <= 2025-01-15 12:00:00" in capsys.readouterr().out

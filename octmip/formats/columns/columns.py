@@ -129,8 +129,9 @@ class Columns:
 
     @property
     def is_plain(self) -> bool:
-        """Whether every feature is its column as it stands."""
-        return all(feature.kind == "number" for feature in self.features)
+        """Whether every feature is its column as it stands, written as a plain number."""
+        is_number = all(feature.kind == "number" for feature in self.features)
+        return is_number and not any(column.form for column in self.columns)
 
     def encode(self, frame: pd.DataFrame, *, gaps: bool | None = None) -> NDArray[np.float64]:
         """Return the features of a table's rows, shape (n_rows, n_features), NaN where a number is missing.
