@@ -19,6 +19,8 @@ from octmip.cli.samples.question import Question, ask
 from octmip.errors import DataError, ProblemError, SolverError
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
+from octmip.methods import interruption
+from octmip.methods.interruption import held_back
 from octmip.problem import Problem
 from octmip.registry import METHODS
 from octmip.report.markdown import markdown_table
@@ -56,18 +58,19 @@ def run(arguments: argparse.Namespace) -> int:
     """Run every method and show them."""
     limits = limits_of(arguments)
     question = ask(arguments)
-    problem = question.problem
-    rows, methods = [], _methods(arguments, problem)
-    start = solve(problem, "cart", seed=arguments.seed).tree if set(methods) & set(BY_HIGHS) else None
-    for method in methods:
-        rows.append(_row(arguments, question, method, limits, start if method in BY_HIGHS else None))
-        if rows[-1].get("stop") == Stop.INTERRUPTED:
-            break
+    rows = _rows(arguments, question, limits)
     _add_gap_to_best_bound(rows)
+    with held_back():
+        _show(arguments, question, rows)
+    return 0
+
+
+def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]]) -> None:
+    problem = question.problem
     if arguments.json:
         notes = {"notes": list(question.notes)}
         print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **notes})
-        return 0
+        return
     held = () if question.held_out is None else ("errors held out",)
     columns = (
         "method",
@@ -91,7 +94,26 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"\n{row['method']}: {visible(row['error'])}")
         elif row["scope"]:
             print(f"\n{row['method']}: its bound holds for {row['scope']} only")
-    return 0
+
+
+def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
+    """Return a row for each method; after a signal those that are known, if there are any."""
+    rows: list[dict[str, Any]] = []
+    methods = _methods(arguments, question.problem)
+    start = solve(question.problem, "cart", seed=arguments.seed).tree if set(methods) & set(BY_HIGHS) else None
+    for method in methods:
+        try:
+            row = _row(arguments, question, method, limits, start if method in BY_HIGHS else None)
+        except BaseException:  # between two solves a signal makes any error, of an import for instance
+            if rows and interruption.is_heard():
+                break
+            raise
+        if "error" in row and rows and interruption.is_heard():
+            break
+        rows.append(row)
+        if row.get("stop") == Stop.INTERRUPTED:
+            break
+    return rows
 
 
 def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the script."""
-    from octmip.cli import COMMANDS, MODULES  # which imports this module by name when it is called
+    from octmip.cli.program import COMMANDS, MODULES  # which imports this module by name when it is called
 
     whole = argparse.ArgumentParser(prog="octmip", description="optimal classification trees, with their proofs")
     commands = whole.add_subparsers(parser_class=_CommandParser)

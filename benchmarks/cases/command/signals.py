@@ -24,7 +24,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.tables import Line
-from octmip.cli import COMMANDS
+from octmip.cli.program import COMMANDS
 from octmip.report.markdown import markdown_table
 
 N_MOMENTS = 40

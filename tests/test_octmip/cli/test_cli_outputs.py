@@ -99,8 +99,8 @@ def test_names_that_do_not_exist_yet_are_compared_by_their_places(tmp_path: Path
 def test_every_argument_that_ends_like_a_file_says_what_is_done_with_it() -> None:
     import importlib
 
-    from octmip.cli import COMMANDS, MODULES
     from octmip.cli.arguments import Parser
+    from octmip.cli.program import COMMANDS, MODULES
 
     for name in COMMANDS:
         parser = Parser(name, None)

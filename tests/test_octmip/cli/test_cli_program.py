@@ -7,8 +7,9 @@ import time
 
 import pytest
 
-from octmip.cli import COMMANDS, doctor, main
+from octmip.cli import doctor, main
 from octmip.cli.answer import ElapsedLine, ProgressLine
+from octmip.cli.program import COMMANDS
 from octmip.solution import Progress
 
 
@@ -24,9 +25,7 @@ def test_help_names_every_command(run):
     assert all(name in out for name in COMMANDS)
     assert run("--version")[1].startswith("octmip ")
     for name in COMMANDS:
-        with pytest.raises(SystemExit) as leaving:
-            main([name, "--help"])
-        assert leaving.value.code == 0
+        assert main([name, "--help"]) == 0
 
 
 def test_help_does_not_wait_for_heavy_packages():
@@ -69,8 +68,7 @@ def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
 
 @pytest.mark.parametrize("name", ["solve", "certify", "predict", "compare", "frontier", "doctor", "completion"])
 def test_every_help_ends_with_examples_that_the_parser_takes(capsys, name):
-    with pytest.raises(SystemExit):
-        main([name, "--help"])
+    assert main([name, "--help"]) == 0
     out = capsys.readouterr().out
     examples = out.partition("examples:\n")[2].strip().splitlines()
     assert examples

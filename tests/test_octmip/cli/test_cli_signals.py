@@ -1,7 +1,9 @@
 """SIGINT and SIGTERM end every command with what is known; without a result the exit code is 130 or 143."""
 
+import json
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -13,8 +15,9 @@ import pandas as pd
 import pytest
 
 from benchmarks.cases.command import signals
-from octmip import Problem, Solution, solve
-from octmip.cli import COMMANDS, main
+from octmip import Certificate, Problem, Solution, certify, solve
+from octmip.cli import main
+from octmip.cli.program import COMMANDS
 from octmip.cli.stages import term_as_interrupt
 from octmip.methods.interruption import held_back
 from octmip.near_sets import Role, sensor_roles
@@ -74,6 +77,52 @@ def test_a_proof_that_is_terminated_is_shown_though_its_log_is_not_written(
     assert "Not proven optimal (stop: interrupted" in shown.out
     assert "the proof was interrupted; tree and bound stand without it" in shown.err
     assert not log.exists()
+
+
+def test_a_comparison_that_is_interrupted_between_two_solves_shows_what_it_has(
+    hard: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def signalled(problem: Problem, solution: Solution) -> Certificate:
+        if solution.solver == "search":
+            signal.raise_signal(signal.SIGTERM)
+        return certify(problem, solution)
+
+    monkeypatch.setattr("octmip.cli.compare.certify", signalled)
+    words = ["compare", str(hard), "--label", "y", "--depth", "2", "--methods", "cart,search", "--seconds", "1"]
+    assert main([*words, "--json"]) == 0
+    assert [row["method"] for row in json.loads(capsys.readouterr().out)["rows"]] == ["cart"]
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_while_the_program_is_loaded_ends_it_without_a_traceback(number: int, code: int) -> None:
+    # Everything that the program imports of its own sends the signal first.
+    program = (
+        "import os, sys, importlib.abc\n"
+        "class Loading(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        f"        if name == 'octmip.cli.program': os.kill(os.getpid(), {int(number)})\n"
+        "sys.meta_path.insert(0, Loading())\n"
+        "from octmip.cli import main\n"
+        "assert not {'numpy', 'octmip.errors'} & {*sys.modules}\n"
+        "sys.exit(main())\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program, "doctor"], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (code, "")
+    assert ended.stderr == f"octmip: {'terminated' if number == signal.SIGTERM else 'interrupted'}\n"
+
+
+def test_a_signal_after_the_result_changes_nothing() -> None:
+    program = (
+        "import atexit, os, signal, sys\n"
+        "class Late:\n"
+        "    def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
+        "late = Late()\n"  # Python deletes it when it takes itself down
+        "from octmip.cli import main\n"
+        "sys.exit(main())\n"
+    )
+    ended = subprocess.run([sys.executable, "-c", program, "completion", "bash"], capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "complete" in ended.stdout
 
 
 def test_a_command_without_a_result_ends_with_143(
