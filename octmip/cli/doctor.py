@@ -11,14 +11,16 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 from typing import Any
 
 from octmip.cli.arguments import add_json_argument
 from octmip.formats.names import visible
+from octmip.methods.interruption import is_heard
 
 EXAMPLES = """\
   octmip doctor
@@ -66,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Examine and show."""
-    findings = [*_versions(), _core(), *_extras()]
+    findings = list(_findings())
     machine = _machine()
     is_healthy = all(finding.is_good for finding in findings if finding.is_needed)
     if arguments.json:
@@ -83,10 +85,27 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if is_healthy else 1
 
 
-def _versions() -> list[Finding]:
+def _findings() -> Iterator[Finding]:
+    """Yield what is found.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        a signal was heard: a package that it left half imported is not broken.
+    """
     here = f"Python {platform.python_version()} in {sys.prefix}, {platform.system()} {platform.machine()}"
-    python = Finding("python", sys.version_info >= (3, 11), here)
-    return [python, _package("octmip", "octmip"), *(_package(name, module) for name, module in NEEDED.items())]
+    examined: list[Callable[[], Finding]] = [
+        lambda: Finding("python", sys.version_info >= (3, 11), here),
+        partial(_package, "octmip", "octmip"),
+        *(partial(_package, name, module) for name, module in NEEDED.items()),
+        _core,
+    ]
+    for examine in examined:
+        finding = examine()
+        if is_heard():
+            raise KeyboardInterrupt
+        yield finding
+    yield from _extras()
 
 
 def _package(name: str, module: str) -> Finding:

@@ -129,8 +129,8 @@ def outcome(command: str, folder: Path, number: signal.Signals, moment: float) -
 
 def judged(command: str, number: signal.Signals, code: int, out: str, err: str) -> str:
     """Return "result", "interrupted" or "loading"; else what is wrong."""
-    if code == -number and not out:  # Python itself has not begun with the command
-        return "loading"
+    if not out and "octmip" not in err and (code == -number or (code == 1 and "KeyboardInterrupt" in err)):
+        return "loading"  # Python itself has not begun with the command
     if "Traceback" in err:
         return f"traceback: {err.strip().splitlines()[-1]}"
     if code == 128 + number:

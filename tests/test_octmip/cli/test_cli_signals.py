@@ -1,5 +1,6 @@
 """SIGINT and SIGTERM end every command with what is known; without a result the exit code is 130 or 143."""
 
+import argparse
 import json
 import os
 import signal
@@ -16,7 +17,7 @@ import pytest
 
 from benchmarks.cases.command import signals
 from octmip import Certificate, Problem, Solution, certify, solve
-from octmip.cli import main
+from octmip.cli import doctor, main
 from octmip.cli.program import COMMANDS
 from octmip.cli.stages import term_as_interrupt
 from octmip.methods.interruption import held_back
@@ -150,6 +151,21 @@ def test_an_error_that_others_make_of_a_signal_is_an_interruption(
     monkeypatch.setattr("octmip.cli.doctor.run", broken)
     assert main(["doctor"]) == 130
     assert capsys.readouterr().err == "octmip: interrupted\n"
+
+
+def test_a_package_that_a_signal_leaves_half_imported_is_not_called_broken(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(name: str) -> None:
+        try:
+            signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            raise ImportError("half a module") from None
+
+    monkeypatch.setattr(doctor.importlib, "import_module", broken)
+    with term_as_interrupt(), pytest.raises(KeyboardInterrupt):
+        doctor.run(argparse.Namespace(json=True))
+    assert capsys.readouterr().out == ""
 
 
 def test_a_signal_that_a_finaliser_drops_is_sent_again(
