@@ -65,7 +65,7 @@ def test_progress_is_in_the_units_of_the_problem_and_goes_on_from_what_was_known
     assert seen == [Progress(3.0, 1.5, 0.5, 13), Progress(3.5, 1.25, 1.25, 14)]
     native_progress(seen.append, costs)(1.0, 2**63 - 1, 0, 3)
     assert seen[-1] == Progress(1.0, math.inf, 0.0, 3)
-    assert native_progress(None, costs) is None
+    assert native_progress(None, costs)(1.0, whole, whole, 3) is None  # asked for signals alone
 
 
 def test_leaves_take_the_label_of_least_cost_and_keep_theirs_where_no_sample_comes():
