@@ -184,7 +184,7 @@ CLAIMS = (
         "math.ceil(wanted * unit)",
         ("test_octmip/test_regression_proof.py",),
     ),
-    Mutant("octmip/formats/tree_file.py", "if version not in range(1, VERSION + 1):", "if version < 0:", TREE_FILE),
+    Mutant("octmip/formats/tree_file.py", "if version != VERSION:", "if version < 0:", TREE_FILE),
     Mutant(
         "octmip/formats/tree_file.py",
         'if total != training["n_samples"]:',

@@ -55,7 +55,8 @@ def tree_file(names: Sequence[str]) -> TreeFile:
     counts = np.eye(len(classes), dtype=np.int64)
     asked = {"depth": 6, "split": "axis", "leaf_size": 1, "leaf_penalty": 0.0, "sensor_budget": 1.0}
     costs = (1.0 - np.eye(len(classes))).tolist()
-    settings = dict.fromkeys(SETTINGS) | asked | {"costs": costs, "sensor_of_feature": list(names)}
+    loss = {"name": "classes", "costs": costs}
+    settings = dict.fromkeys(SETTINGS) | asked | {"loss": loss, "sensor_of_feature": list(names)}
     return TreeFile(solution, tuple(names), classes, settings, "0" * 64, len(classes), names[0], names[-1], counts)
 
 

@@ -94,7 +94,7 @@ def read_tree(rng: Generator, folder: Path) -> None:
     assert predict(file.tree, samples).max() < len(file.class_names)
     with contextlib.suppress(OctmipError):
         table = read_table(folder / "table.csv")
-        labels = table.labels(file.label_column or "y", file.class_names)
+        labels = table.labels(file.target_column or "y", file.class_names)
         weights = table.numbers([file.weights_column])[:, 0] if file.weights_column else None
         certify(file.problem(table.numbers(file.feature_names), labels, weights), file.solution)
 

@@ -11,7 +11,7 @@ from benchmarks.readers.mangling import Generator, pick
 from octmip.certificate import certify
 from octmip.cli.regression.question import read_numbers
 from octmip.errors import OctmipError
-from octmip.formats.regression_file import read_regression_file, record_regression, write_regression_file
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.losses import AbsoluteError, SquaredError
 from octmip.problem import Problem
 from octmip.solver import solve
@@ -41,14 +41,14 @@ def make_regression(number: int, folder: Path) -> None:
     else:
         problem = Problem(features, targets, depth=2, loss=AbsoluteError(), feature_names=NAMES, target_name="y")
     solution = solve(problem, options={"restarts": 2} if number % 2 else None)
-    write_regression_file(folder / "tree.json", record_regression(problem, solution, None, None))
+    write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
     frame = pd.DataFrame(features, columns=list(NAMES)).assign(y=targets)
     frame.to_csv(folder / "table.csv", index=False)
 
 
 def read_regression(rng: Generator, folder: Path) -> None:
     """Read a regression tree, predict by it, and certify it or say why not."""
-    file = read_regression_file(folder / "tree.json")
+    file = read_tree_file(folder / "tree.json", "number")
     with np.errstate(over="ignore", invalid="ignore"):
         predict_values(file.tree, rng.normal(size=(3, len(file.feature_names))))
     with contextlib.suppress(OctmipError):

@@ -51,7 +51,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "methods.ties": 6,
         "formats.solves_file": 6,
         "formats.tree_file": 6,
-        "formats.regression_file": 6,
         "proof": 6,
         "set_certificate": 6,
         "mip": 8,

@@ -17,7 +17,6 @@ from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.cli.samples.training import Training, read_test, read_training
 from octmip.errors import CertificateError, DataError
 from octmip.formats.messages import shown
-from octmip.formats.regression_file import is_regression_file
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
@@ -49,9 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Certify and show."""
-    if is_regression_file(arguments.tree):
-        return certify_numbers(arguments)
     file = read_tree_file(arguments.tree)
+    if file.loss.predicts == "number":
+        return certify_numbers(arguments, file)
     with ElapsedLine("certifying"):
         training = read_training(
             file,

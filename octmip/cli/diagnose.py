@@ -88,7 +88,7 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     line(f"reading {arguments.campaign}")
     campaign = read_campaign(arguments.campaign, twin)
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
-    file = read_tree_file(arguments.tree) if arguments.tree else None
+    file = read_tree_file(arguments.tree, "class") if arguments.tree else None
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
     if arguments.load_limits:
         settings["load_limits"] = tuple(arguments.load_limits)

@@ -32,7 +32,6 @@ from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
 from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
-from octmip.formats.regression_file import is_regression_file
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
 from octmip.tree import leaf_index, leaves
@@ -66,9 +65,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Predict and show."""
-    if is_regression_file(arguments.tree):
-        return predict_numbers(arguments)
     file = read_tree_file(arguments.tree)
+    if file.loss.predicts == "number":
+        return predict_numbers(arguments, file)
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
     features = _features(file, table)

@@ -21,7 +21,6 @@ from octmip.formats.columns import Columns
 from octmip.formats.files import write_bytes
 from octmip.formats.messages import shown
 from octmip.formats.names import visible
-from octmip.formats.regression_file import is_regression_file
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.report.dot import tree_dot
 from octmip.report.markdown import code_block, markdown_table
@@ -73,11 +72,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the report."""
-    if is_regression_file(arguments.tree):
-        return report_numbers(arguments)
+    file = read_tree_file(arguments.tree)
+    if file.loss.predicts == "number":
+        return report_numbers(arguments, file)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
-    file = read_tree_file(arguments.tree)
     units = _units(arguments.unit, file)
     evidence = None
     if arguments.data:

@@ -177,7 +177,7 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
     with held_back():
         certificate = certify(problem, solution)
         held_out = question.claim(None if found is None else found.held_out)
-        columns = question.label_column, question.weights_column, question.preparation
+        columns = question.target_column, question.weights_column, question.preparation
         file = record_tree(problem, solution, *columns, held_out)
         last = verdict(problem, solution, certificate)
         with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):

@@ -1,20 +1,20 @@
 """Tree files: a tree with all that is needed to use and to check it, as JSON.
 
-    {"format": "octmip-tree", "version": 3,
+    {"format": "octmip-tree", "version": 4,
      "tree": {"feature": "g01", "threshold": 2.5, "left": {"label": 0}, "right": {"label": 20}},
-     "feature_names": [...], "class_names": [...],
-     "problem": {"depth": 3, "split": "axis", ...},             everything of the Problem but its samples
-     "training": {"sha256": ..., "n_samples": ..., "label": "mu1", "weights": null, "leaf_counts": [[...], ...]},
+     "feature_names": [...], "class_names": [...],              no class names: a tree of numbers
+     "problem": {"depth": 3, "loss": {"name": "classes", "costs": [[...], ...]}, ...},
+                                                                everything of the Problem but its samples
+     "training": {"sha256": ..., "n_samples": ..., "target": "mu1", "weights": null, "leaf_counts": [[...], ...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
      "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
      "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "errors": 2, "cost": 2.0}}           null: none held out
 
+A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
+
 Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.tree). A split with the entry
 "missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing else. One
 without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
-
-Older versions are still read. Version 2 had no "missing", no "gaps" among the settings, and a column of numbers with
-missing cells was two features ("is_doubled") and had no "form"; version 1 had no "table" and no "held_out" either.
 """
 
 import dataclasses
@@ -23,7 +23,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,7 @@ from octmip.formats.messages import shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
-from octmip.losses import ClassCosts
+from octmip.losses import Loss, loss_of
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
 from octmip.tree import Node, leaf_index, leaves, n_splits, splits
@@ -70,17 +70,18 @@ class TreeFile:
     solution
         the claims, tree included.
     feature_names, class_names
-        of the problem.
+        of the problem; no class names of numbers.
     settings
-        keyword arguments of Problem (all but samples, weights and names).
+        keyword arguments of Problem (all but samples, weights and names), the loss as `Loss.to_json` has it.
     sha256
         of the training data, `Problem.digest`.
     n_samples
         at training.
-    label_column, weights_column
+    target_column, weights_column
         of the training table, None where it was none.
     leaf_counts
-        (n_leaves, n_classes) training samples of each class in each leaf, leaves from the left.
+        (n_leaves, n_classes) training samples of each class in each leaf, leaves from the left; of numbers
+        (n_leaves, 1) all of them.
     preparation
         how the training's table became samples; None where it was none.
     held_out
@@ -93,7 +94,7 @@ class TreeFile:
     settings: Mapping[str, Any]
     sha256: str
     n_samples: int
-    label_column: str | None
+    target_column: str | None
     weights_column: str | None
     leaf_counts: NDArray[np.int64]
     preparation: Preparation | None = None
@@ -118,20 +119,24 @@ class TreeFile:
         """How the columns of a table become the features; None where every feature is its column."""
         return None if self.preparation is None or self.preparation.columns.is_plain else self.preparation.columns
 
+    @property
+    def loss(self) -> Loss:
+        """What a wrong prediction costs."""
+        return loss_of(self.settings["loss"])
+
     def problem(
-        self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64] | None
+        self, features: NDArray[np.float64], targets: NDArray[Any], weights: NDArray[np.float64] | None
     ) -> Problem:
         """Return the problem of this file over other (or the same) samples."""
-        names = {"feature_names": self.feature_names, "class_names": self.class_names}
-        settings: dict[str, Any] = {name: value for name, value in self.settings.items() if name != "costs"}
-        loss = ClassCosts(self.settings["costs"])
-        return Problem(features, labels, weights=weights, loss=loss, **names, **settings)  # type: ignore[arg-type]
+        names: dict[str, Any] = {"feature_names": self.feature_names, "class_names": self.class_names}
+        named = names | {"target_name": self.target_column or "target"}
+        return Problem(features, targets, weights=weights, **named, **{**self.settings, "loss": self.loss})
 
 
 def record_tree(
     problem: Problem,
     solution: Solution,
-    label_column: str | None = None,
+    target_column: str | None = None,
     weights_column: str | None = None,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
@@ -147,7 +152,7 @@ def record_tree(
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
     settings = {name: getattr(problem, name) for name in SETTINGS}
     settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
-    settings["costs"] = problem.costs.tolist()
+    settings["loss"] = problem.loss.to_json()
     settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
     settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
     return TreeFile(
@@ -157,7 +162,7 @@ def record_tree(
         settings=settings,
         sha256=problem.digest(),
         n_samples=problem.n_samples,
-        label_column=label_column,
+        target_column=target_column,
         weights_column=weights_column,
         leaf_counts=leaf_counts(problem, solution.tree),
         preparation=preparation,
@@ -166,9 +171,13 @@ def record_tree(
 
 
 def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
-    """Return the samples of each class in each leaf, leaves from the left, shape (n_leaves, n_classes)."""
-    counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
+    """Return the samples of each class in each leaf, leaves from the left, shape (n_leaves, n_classes).
+
+    Of numbers the shape is (n_leaves, 1): all samples of each leaf.
+    """
+    counts = np.zeros((len(leaves(tree)), problem.n_classes or 1), dtype=np.int64)
+    codes = problem.codes if problem.n_classes else 0
+    np.add.at(counts, (leaf_index(tree, problem.features), codes), 1)
     return counts
 
 
@@ -201,7 +210,7 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "training": {
             "sha256": file.sha256,
             "n_samples": file.n_samples,
-            "label": file.label_column,
+            "target": file.target_column,
             "weights": file.weights_column,
             "leaf_counts": file.leaf_counts.tolist(),
         },
@@ -216,59 +225,44 @@ def finite_or_none(number: float) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def read_tree_file(path: PathLike) -> TreeFile:
-    """Return the content of a tree file.
+def read_tree_file(path: PathLike, predicts: Literal["class", "number"] | None = None) -> TreeFile:
+    """Return the content of a tree file; with `predicts` of a tree whose leaves hold this alone.
 
     Raises
     ------
     DataError
         the file cannot be read, or ends early.
     TreeError
-        it is of another kind or a newer version, or what it holds is no tree.
+        it is of another kind or version, or what it holds is no tree, or one that predicts something else.
     """
     content = read_json_object(path)
     if content.get("format") != FORMAT:
         raise TreeError(f"{path} is no tree file: format is {shown(content.get('format'))}; expected {FORMAT!r}")
     version: Any = content.get("version")
-    if type(version) not in (int, float) or version < 1:
-        raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
-    if version > VERSION:
+    if type(version) in (int, float) and version > VERSION:
         raise TreeError(
             f"{path} is of version {shown(version)}, newer than the known {VERSION}; install a newer octmip"
         )
-    if version not in range(1, VERSION + 1):
+    if version != VERSION:
         raise TreeError(f"{path} has version {shown(version)}; expected {VERSION}; write it again with octmip solve")
-    if version == 1:
-        content |= {"table": None, "held_out": None}
-    if version < 3:
-        content = _of_version_three(content)
     try:
-        return _decode(CONTENT.take(content))
+        file = _decode(CONTENT.take(content))
     except OctmipError as error:
         cure = "write the file again with octmip solve --out, or correct that entry"
         raise TreeError(f"{path} holds no valid tree: {error}; {cure}") from error
-
-
-def _of_version_three(content: dict[str, Any]) -> dict[str, Any]:
-    """Return an older file as version 3 has it; what is no valid file stays so."""
-    settings, table = content.get("problem"), content.get("table")
-    if type(settings) is dict:
-        content |= {"problem": settings | {"gaps": False}}
-    columns = table.get("columns") if type(table) is dict else None
-    listed = columns.get("columns") if type(columns) is dict else None
-    if type(table) is not dict or type(columns) is not dict or type(listed) is not list:
-        return content
-    listed = [_doubled(column) if type(column) is dict else column for column in listed]
-    return content | {"table": table | {"columns": columns | {"columns": listed}}}
-
-
-def _doubled(column: dict[str, Any]) -> dict[str, Any]:
-    is_doubled = column.get("has_missing") is True and column.get("kind") != "values"
-    return column | {"is_doubled": is_doubled, "form": ""}
+    if predicts not in (None, file.loss.predicts):
+        raise TreeError(
+            f"{path} holds a tree whose leaves predict a {file.loss.predicts}; expected a {predicts} in every leaf; "
+            f"give a file of octmip solve {'--label' if predicts == 'class' else '--target'}"
+        )
+    return file
 
 
 def _decode(content: dict[str, Any]) -> TreeFile:
     features, classes = (different(content[name], name) for name in ("feature_names", "class_names"))
+    loss = content["problem"]["loss"]["name"]
+    if bool(classes) != (loss == "classes"):
+        raise TreeError(f"class_names has {len(classes)} names but problem.loss is {loss!r}; expected them of classes")
     tree = decode_tree(content["tree"], features, classes)
     claims, training = content["solution"], content["training"]
     claims["bound"] = -math.inf if claims["bound"] is None else claims["bound"]
@@ -279,12 +273,18 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         settings=_sized(content["problem"], len(features), len(classes)),
         sha256=training["sha256"],
         n_samples=training["n_samples"],
-        label_column=training["label"],
+        target_column=training["target"],
         weights_column=training["weights"],
-        leaf_counts=_counts(training, n_splits(tree) + 1, len(classes)),
+        leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
         preparation=_preparation(content["table"], features),
-        held_out=None if content["held_out"] is None else HeldOut(**content["held_out"]),
+        held_out=_held_out(content["held_out"], loss),
     )
+
+
+def _held_out(content: dict[str, Any] | None, loss: str) -> HeldOut | None:
+    if content is not None and loss != "classes":
+        raise TreeError(f"held_out is an object but problem.loss is {loss!r}; expected null, or counts of classes")
+    return None if content is None else HeldOut(**content)
 
 
 def _preparation(content: dict[str, Any] | None, features: tuple[Any, ...]) -> Preparation | None:
@@ -305,7 +305,7 @@ def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[
         sizes = sorted({len(row) for row in rows})
         raise TreeError(
             f"leaf_counts has shape ({len(rows)}, {' or '.join(map(str, sizes))}); expected {(n_leaves, n_classes)}, "
-            "a row for each leaf and a column for each class"
+            "a row for each leaf and a column for each class, one of numbers"
         )
     total = sum(map(sum, rows))
     if total != training["n_samples"]:
@@ -315,8 +315,9 @@ def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[
 
 def _sized(settings: dict[str, Any], n_features: int, n_classes: int) -> dict[str, Any]:
     """Return the settings, once their sizes fit the names."""
-    if [len(row) for row in settings["costs"]] != [n_classes] * n_classes:
-        raise TreeError(f"problem.costs has {len(settings['costs'])} rows; expected {(n_classes, n_classes)} numbers")
+    costs = settings["loss"].get("costs", [])
+    if [len(row) for row in costs] != [n_classes] * n_classes:
+        raise TreeError(f"problem.loss.costs has {len(costs)} rows; expected {(n_classes, n_classes)} numbers")
     if len(settings["sensor_of_feature"]) != n_features:
         got = len(settings["sensor_of_feature"])
         raise TreeError(f"problem.sensor_of_feature has {got} names; expected one for each of {n_features} features")

@@ -25,11 +25,12 @@ from octmip.formats.checked import (
 )
 from octmip.formats.columns.columns import COLUMNS
 from octmip.formats.messages import shown
+from octmip.losses import NUMBER_LOSSES, ClassCosts
 from octmip.shape import MAX_DEPTH
 from octmip.solution import Stop
 from octmip.tree import SIDES
 
-FORMAT, VERSION = "octmip-tree", 3
+FORMAT, VERSION = "octmip-tree", 4
 COST, COUNT = Number(low=0.0), Whole(1, 2**53)
 NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
 
@@ -38,14 +39,18 @@ NAME, CLASS = Text(), AsItIs(Either((Text(), Truth(), Number())))
 class NodeKind:
     """A node of a tree: a leaf, a split on one feature, or one on several, by the entries that it has."""
 
-    words: str = "a node: label, or left and right with feature and threshold, or features, coefficients and offset"
+    words: str = (
+        "a node: label, or value, or left and right with feature and threshold, or features, coefficients and offset"
+    )
 
     def take(self, value: Any) -> dict[str, Any]:
         """Return the node and all below it."""
         marks = [mark for mark in _NODES if type(value) is dict and mark.split()[0] in value]
         kind = next((_NODES[mark] for mark in marks if mark.endswith(" missing") == ("missing" in value)), None)
         if kind is None:
-            raise MisfitError(f"is {shown(value)} and lacks the entry 'label' or 'left'; expected {self.words}")
+            raise MisfitError(
+                f"is {shown(value)} and lacks the entry 'label', 'value' or 'left'; expected {self.words}"
+            )
         return kind.take(value)
 
     def schema(self) -> Schema:
@@ -59,19 +64,44 @@ _PLANE: dict[str, Kind] = {"features": ListOf(NAME, 1), "coefficients": ListOf(N
 _MISSING: dict[str, Kind] = {"missing": Choice(SIDES)}
 _NODES = {
     "label": Record({"label": CLASS}, closed=True),
+    "value": Record({"value": Number(), "features": ListOf(NAME), "coefficients": ListOf(Number())}, closed=True),
     "feature": Record({"feature": NAME, "threshold": Number(), **_SIDES}, closed=True),
     "feature missing": Record({"feature": NAME, "threshold": maybe(Number()), **_MISSING, **_SIDES}, closed=True),
     "left": Record({**_PLANE, **_SIDES}, closed=True),
     "left missing": Record({**_PLANE, **_MISSING, **_SIDES}, closed=True),
 }
 """Nodes by the entry that marks them; "missing" besides where the split has a side for missing readings."""
+
+
+@dataclass(frozen=True, slots=True)
+class LossKind:
+    """What `Loss.to_json` returns, by the name that it holds."""
+
+    words: str = "an object with name"
+
+    def take(self, value: Any) -> dict[str, Any]:
+        """Return the name, and what belongs to it."""
+        return _LOSSES[Record({"name": Choice(tuple(_LOSSES))}).take(value)["name"]].take(value)
+
+    def schema(self) -> Schema:
+        """Return the JSON Schema."""
+        return {"anyOf": [kind.schema() for kind in _LOSSES.values()]}
+
+
+_OF_LOSS: dict[str, dict[str, Kind]] = {ClassCosts.name: {"costs": ListOf(ListOf(COST))}}
+_LOSSES = {
+    name: Record({"name": Choice((name,)), **_OF_LOSS.get(name, {})}, closed=True)
+    for name in (ClassCosts.name, *NUMBER_LOSSES)
+}
 SETTINGS: dict[str, Kind] = {
     "depth": Whole(1, MAX_DEPTH),
+    "loss": LossKind(),
     "split": Choice(("axis", "hyperplane")),
     "split_size": maybe(COUNT),
     "leaf_size": COUNT,
     "leaf_penalty": COST,
-    "costs": ListOf(ListOf(COST)),
+    "leaf_model": Choice(("constant", "linear")),
+    "ridge": COST,
     "sensor_of_feature": ListOf(NAME),
     "sensor_cost": MapOf(COST),
     "sensor_budget": maybe(COST),
@@ -94,7 +124,7 @@ CLAIMS: dict[str, Kind] = {
 TRAINING: dict[str, Kind] = {
     "sha256": Text("^[0-9a-f]{64}$", "the 64 digits of a sha256, a text"),
     "n_samples": COUNT,
-    "label": maybe(NAME),
+    "target": maybe(NAME),
     "weights": maybe(NAME),
     "leaf_counts": ListOf(ListOf(Whole(0, 2**53)), 1),
 }
@@ -114,7 +144,7 @@ CONTENT = Record(
     {
         "tree": NODE,
         "feature_names": ListOf(NAME, 1),
-        "class_names": ListOf(CLASS, 1),
+        "class_names": ListOf(CLASS),
         "problem": Record(SETTINGS),
         "training": Record(TRAINING),
         "solution": Record(CLAIMS),

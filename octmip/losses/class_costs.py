@@ -120,5 +120,5 @@ class ClassCosts(Loss):
         return {"errors": int((predicted != codes).sum())}
 
     def to_json(self) -> dict[str, Any]:
-        """Return the matrix."""
-        return {"costs": self.matrix.tolist()}
+        """Return the name and the matrix."""
+        return {"name": self.name, "costs": self.matrix.tolist()}

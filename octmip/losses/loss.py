@@ -71,5 +71,5 @@ class Loss(ABC):
         """Return what people judge predictions by, by its name."""
 
     def to_json(self) -> dict[str, Any]:
-        """Return what a file holds of the loss beside its name."""
-        return {}
+        """Return what a file holds of the loss: its name, and what belongs to it; `octmip.losses.loss_of` reads it."""
+        return {"name": self.name}

@@ -10,7 +10,19 @@ import numpy as np
 import pytest
 
 import octmip
-from octmip import ClassCosts, HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
+from octmip import (
+    ClassCosts,
+    HyperplaneSplit,
+    Leaf,
+    Problem,
+    Solution,
+    Split,
+    SquaredError,
+    Stop,
+    certify,
+    predict,
+    solve,
+)
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.tree_file import (
     columns_read,
@@ -61,7 +73,7 @@ def test_everything_comes_back_the_same(tmp_path):
     back = read_tree_file(tmp_path / "t.json")
     assert encode(back) == encode(file)
     assert back.solution == solution
-    assert back.label_column == "y"
+    assert back.target_column == "y"
     assert back.weights_column == "w"
     again = back.problem(problem.features, problem.targets, problem.weights)
     assert again.digest() == problem.digest() == back.sha256
@@ -149,7 +161,7 @@ def change(content, *keys, to):
             "tree.threshold is '1'; expected a finite number; write the file again",
         ),
         (("tree",), [], "no valid tree"),
-        (("tree",), {}, "lacks the entry 'label' or 'left'"),
+        (("tree",), {}, "lacks the entry 'label', 'value' or 'left'"),
         (("solution", "stop"), "tired", "solution.stop is 'tired'; expected one of 'optimal'"),
         (("solution", "bound"), [], r"solution.bound is \[\]; expected a finite number or null"),
         (("solution", "seconds"), "long", "solution.seconds is 'long'"),
@@ -185,9 +197,17 @@ LONG = 10**29
         (("training", "n_samples"), 41, "leaf_counts adds up to 40; expected training.n_samples, 41"),
         (("training", "leaf_counts", 0, 0), 39, "leaf_counts adds up to .*; expected training.n_samples, 40"),
         (("training", "n_samples"), 0, "training.n_samples is 0; expected a whole number from 1"),
-        (("problem", "costs"), [[0, 10**400], [1, 0]], r"problem.costs\[0\]\[1\] is a whole number of more than 60"),
-        (("problem", "costs"), [[0], [1]], r"problem.costs has 2 rows; expected \(2, 2\) numbers"),
-        (("problem", "costs"), [[0, -1], [1, 0]], r"problem.costs\[0\]\[1\] is -1; expected a finite number of 0"),
+        (
+            ("problem", "loss", "costs"),
+            [[0, 10**400], [1, 0]],
+            r"problem.loss.costs\[0\]\[1\] is a whole number of more than 60",
+        ),
+        (("problem", "loss", "costs"), [[0], [1]], r"problem.loss.costs has 2 rows; expected \(2, 2\) numbers"),
+        (
+            ("problem", "loss", "costs"),
+            [[0, -1], [1, 0]],
+            r"problem.loss.costs\[0\]\[1\] is -1; expected a finite number of 0",
+        ),
         (("problem", "sensor_of_feature"), "left", "problem.sensor_of_feature is 'left'; expected a list"),
         (("problem", "sensor_of_feature"), ["left"], "sensor_of_feature has 1 names; expected one for each of 3"),
         (("problem", "sensor_of_feature"), None, "problem.sensor_of_feature is None; expected a list"),
@@ -231,6 +251,68 @@ def test_a_value_out_of_its_bounds_is_refused_with_its_place(tmp_path, keys, to,
     change(content, *keys, to=to)
     path.write_text(json.dumps(content))
     with pytest.raises(TreeError, match=f"no valid tree: .*{sentence}"):
+        read_tree_file(path)
+
+
+def numbers_written(tmp_path):
+    problem = Problem(np.arange(8.0)[:, None], np.arange(8.0), depth=1, loss=SquaredError(), feature_names=["a"])
+    write_tree_file(tmp_path / "n.json", record_tree(problem, solve(problem), "y"))
+    return tmp_path / "n.json"
+
+
+def test_a_tree_of_numbers_comes_back_the_same_and_is_of_the_published_schema(tmp_path):
+    path = numbers_written(tmp_path)
+    content, file = json.loads(path.read_text()), read_tree_file(path)
+    assert content["problem"]["loss"] == {"name": "squared"}
+    assert content["tree"]["left"] == {"value": 1.5, "features": [], "coefficients": []}
+    assert (file.leaf_counts.tolist(), file.class_names, file.loss) == ([[4], [4]], (), SquaredError())
+    assert encode(file) == content
+    assert jsonschema.Draft202012Validator(schema()).is_valid(content)
+
+
+@pytest.mark.parametrize(
+    ("keys", "to", "sentence"),
+    [
+        (("tree", "left"), LOW, "names the class 'low', which is not among its 0 class names"),
+        (("tree", "left", "value"), "1", "tree.left.value is '1'; expected a finite number"),
+        (("tree", "left", "coefficients"), [1.0], "a node has 0 features and 1 coefficients"),
+        (("tree", "left", "label"), "low", "tree.left has the entry 'value'; expected an object with label"),
+        (("class_names",), ["low", "high"], "class_names has 2 names but problem.loss is 'squared'"),
+        (
+            ("problem", "loss"),
+            {"name": "classes", "costs": []},
+            "class_names has 0 names but problem.loss is 'classes'",
+        ),
+        (("problem", "loss"), {"name": "cubic"}, "problem.loss.name is 'cubic'; expected one of 'classes', 'squared'"),
+        (("problem", "loss"), {"name": "squared", "costs": []}, "problem.loss has the entry 'costs'"),
+        (("problem", "loss"), "squared", "problem.loss is 'squared'; expected an object with name"),
+        (("training", "leaf_counts"), [[4, 0], [4, 0]], r"leaf_counts has shape \(2, 2\); expected \(2, 1\)"),
+        (
+            ("held_out",),
+            {"share": None, "seed": 0, "n_samples": 2, "errors": 1, "cost": 1.0},
+            "held_out is an object but problem.loss is 'squared'",
+        ),
+    ],
+)
+def test_a_tree_of_numbers_changed_by_hand_is_refused_with_its_place(tmp_path, keys, to, sentence):
+    path = numbers_written(tmp_path)
+    content = json.loads(path.read_text())
+    change(content, *keys, to=to)
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=f"no valid tree: .*{sentence}"):
+        read_tree_file(path)
+
+
+def test_a_number_in_a_tree_of_classes_and_a_tree_that_predicts_something_else_are_refused(tmp_path):
+    path = written(tmp_path)
+    with pytest.raises(TreeError, match="leaves predict a class; expected a number in every leaf"):
+        read_tree_file(path, "number")
+    with pytest.raises(TreeError, match="leaves predict a number; expected a class in every leaf"):
+        read_tree_file(numbers_written(tmp_path), "class")
+    content = json.loads(path.read_text())
+    content["tree"] = {"value": 1.0, "features": [], "coefficients": []}
+    path.write_text(json.dumps(content))
+    with pytest.raises(TreeError, match=r"a leaf predicts the number 1\.0; expected one of the 2 classes"):
         read_tree_file(path)
 
 

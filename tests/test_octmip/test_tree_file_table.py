@@ -1,7 +1,6 @@
-"""Tree files of tables: how columns became features comes back, and files without it are read as before."""
+"""Tree files of tables: how columns became features comes back."""
 
 import json
-from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -39,36 +38,6 @@ def test_columns_and_what_is_held_out_come_back(tmp_path):
         "else",
         "    1",
     ]
-
-
-def test_a_file_of_version_1_is_read(tmp_path):
-    path = written(tmp_path)
-    content = json.loads(path.read_text())
-    del content["table"], content["held_out"]
-    path.write_text(json.dumps(content | {"version": 1}))
-    file = read_tree_file(path)
-    assert file.preparation is None
-    assert file.columns is None
-    assert file.held_out is None
-
-
-def test_a_file_of_version_2_keeps_its_two_features_of_a_column_with_gaps(tmp_path):
-    path = tmp_path / "t.json"
-    found = Columns.learn(FRAME).columns
-    doubled = Columns(tuple(replace(column, is_doubled=column.name == "age") for column in found))
-    problem = Problem(doubled.encode(FRAME), [1, 0, 0, 1] * 3, depth=2, feature_names=doubled.feature_names)
-    solution = solve(problem, "exact")
-    write_tree_file(path, record_tree(problem, solution, "y", None, Preparation(doubled)))
-    content = json.loads(path.read_text())
-    del content["problem"]["gaps"]
-    for column in content["table"]["columns"]["columns"]:
-        del column["is_doubled"]
-    path.write_text(json.dumps(content | {"version": 2}))
-    file = read_tree_file(path)
-    assert file.preparation is not None
-    assert file.preparation.columns == doubled
-    assert file.tree == solution.tree
-    assert not file.settings["gaps"]
 
 
 def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):

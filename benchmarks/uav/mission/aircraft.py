@@ -162,7 +162,7 @@ def _tree(folder: Path, data: Dataset, label: str, depth: int, miss: float) -> T
     if path.exists():
         try:
             file = read_tree_file(path)
-            if file.sha256 == problem.digest() and file.settings["costs"] == problem.costs.tolist():
+            if file.sha256 == problem.digest() and file.settings["loss"] == problem.loss.to_json():
                 return file
         except OctmipError:
             pass  # another version's file: solved again below

@@ -20,18 +20,17 @@ from octmip.cli.samples.names import one_name
 from octmip.errors import CertificateError, DataError
 from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
-from octmip.formats.regression_file import RegressionFile, read_regression_file
 from octmip.formats.table import Table, read_table
+from octmip.formats.tree_file import TreeFile
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
 from octmip.report.text import number
 from octmip.tree import predict_values
 
 
-def certify_numbers(arguments: argparse.Namespace) -> int:
+def certify_numbers(arguments: argparse.Namespace, file: TreeFile) -> int:
     """Certify a regression tree and show what was recounted."""
     _refuse(arguments, {"label": "a class", "weights": "another column of weights"})
-    file = read_regression_file(arguments.tree)
     with ElapsedLine("certifying"):
         problem = read_numbers(file, arguments.data, arguments.format, arguments.tree)
         certificate = _certified(problem, file)
@@ -52,10 +51,9 @@ def certify_numbers(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def predict_numbers(arguments: argparse.Namespace) -> int:
+def predict_numbers(arguments: argparse.Namespace, file: TreeFile) -> int:
     """Apply a regression tree to a table."""
     _refuse(arguments, {"probabilities": "shares of classes", "label": "a class; expected the target in the table"})
-    file = read_regression_file(arguments.tree)
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
     predictions = predict_values(file.tree, features_of(file.preparation, file.feature_names, table))
@@ -76,7 +74,7 @@ def predict_numbers(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def report_numbers(arguments: argparse.Namespace) -> int:
+def report_numbers(arguments: argparse.Namespace, file: TreeFile) -> int:
     """Show a regression tree in words, or write them as text or Markdown."""
     suffix = Path(arguments.out).suffix.lower() if arguments.out else ".txt"
     if suffix not in (".txt", ".md"):
@@ -85,10 +83,9 @@ def report_numbers(arguments: argparse.Namespace) -> int:
             "expected .txt or .md; name such a file, or leave --out out"
         )
     _refuse(arguments, {"proof": "a log of classes", "holdout": "shares of classes"})
-    file = read_regression_file(arguments.tree)
     columns = None if file.preparation is None or file.preparation.columns.is_plain else file.preparation.columns
-    text = numbers_tree_text(file.tree, file.feature_names, file.leaf_sizes, columns)
-    text = f"{file.target_name} is predicted as\n\n{text}\n"
+    text = numbers_tree_text(file.tree, file.feature_names, file.leaf_counts, columns)
+    text = f"{file.target_column or 'the target'} is predicted as\n\n{text}\n"
     if arguments.data:
         problem = read_numbers(file, arguments.data, arguments.format, arguments.tree)
         certificate = _certified(problem, file)
@@ -113,11 +110,11 @@ def _refuse(arguments: argparse.Namespace, options: dict[str, str]) -> None:
             )
 
 
-def _certified(problem: Problem, file: RegressionFile) -> Certificate:
+def _certified(problem: Problem, file: TreeFile) -> Certificate:
     return certify(problem, file.solution)
 
 
-def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: Problem) -> Errors | None:
+def _tested(arguments: argparse.Namespace, file: TreeFile, problem: Problem) -> Errors | None:
     if not arguments.test:
         return None
     if file.preparation is None:
@@ -128,26 +125,26 @@ def _tested(arguments: argparse.Namespace, file: RegressionFile, problem: Proble
     return tested(arguments.test, problem, file.preparation, file.tree)
 
 
-def _checked_proof(arguments: argparse.Namespace, file: RegressionFile, problem: Problem) -> ProofReport | None:
+def _checked_proof(arguments: argparse.Namespace, file: TreeFile, problem: Problem) -> ProofReport | None:
     if not arguments.proof:
         return None
     with ElapsedLine("checking the proof"):
         return check_proof(problem, arguments.proof, bound=file.solution.bound)
 
 
-def _text(file: RegressionFile, problem: Problem, certificate: Certificate) -> str:
+def _text(file: TreeFile, problem: Problem, certificate: Certificate) -> str:
     return numbers_text(file.solution, certificate, problem.loss.name, problem.n_samples)
 
 
-def _errors(file: RegressionFile, table: Table, predictions: NDArray[np.float64]) -> Errors | None:
+def _errors(file: TreeFile, table: Table, predictions: NDArray[np.float64]) -> Errors | None:
     """Return the errors in the rows that have a target; None where the table has no such column."""
-    if file.target_name not in table.columns:
+    if file.target_column is None or file.target_column not in table.columns:
         return None
-    is_missing = table.missing(file.target_name, "target")
+    is_missing = table.missing(file.target_column, "target")
     if is_missing.all():
         return None
-    known = table.rows(~is_missing).with_plain_numbers(file.target_name)
-    misses = np.abs(predictions[~is_missing] - known.numbers([file.target_name], "target")[:, 0])
+    known = table.rows(~is_missing).with_plain_numbers(file.target_column)
+    misses = np.abs(predictions[~is_missing] - known.numbers([file.target_column], "target")[:, 0])
     largest = float(misses.max()) or 1.0  # squares of its shares do not overflow
     return Errors(len(misses), float(misses.mean()), largest * math.sqrt(float(((misses / largest) ** 2).mean())))
 

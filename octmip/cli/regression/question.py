@@ -17,9 +17,9 @@ from octmip.cli.samples.question import (
 )
 from octmip.errors import CertificateError, DataError
 from octmip.formats.columns import ColumnsError
-from octmip.formats.regression_file import RegressionFile
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import Preparation, kept_rows
+from octmip.formats.tree_file import TreeFile
 from octmip.losses import NUMBER_LOSSES
 from octmip.problem import Problem
 from octmip.tree import Node, predict_values
@@ -149,7 +149,7 @@ def features_of(preparation: Preparation | None, names: tuple[str, ...], table: 
         raise DataError(f"{table.name}: {error}") from error
 
 
-def read_numbers(file: RegressionFile, data: str, form: str | None, source: str) -> Problem:
+def read_numbers(file: TreeFile, data: str, form: str | None, source: str) -> Problem:
     """Return the problem that a tree was trained on, read from its table.
 
     Raises
@@ -159,12 +159,16 @@ def read_numbers(file: RegressionFile, data: str, form: str | None, source: str)
     CertificateError
         it is not the one that the tree was trained on.
     """
+    if file.target_column is None:
+        raise DataError(
+            f"{source} does not say which column held the target; write it again with octmip solve --target"
+        )
     table = read_table(data, form)
     if file.preparation is not None:
         weights: tuple[Any, ...] = () if file.weights_column is None else (file.weights_column,)
         needed = (*file.preparation.columns.names, *weights)
-        table = kept_rows(table, file.preparation.rows, file.target_name, needed)
-    targets = table.numbers([file.target_name], "target")[:, 0]
+        table = kept_rows(table, file.preparation.rows, file.target_column, needed)
+    targets = table.numbers([file.target_column], "target")[:, 0]
     weighed = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(targets))
     problem = file.problem(features_of(file.preparation, file.feature_names, table), targets, weighed)
     if problem.digest() != file.sha256:

@@ -16,13 +16,7 @@ from octmip.cli.regression.words import (
     numbers_verdict,
 )
 from octmip.errors import DataError, SolverError
-from octmip.formats.regression_file import (
-    decode_values,
-    encode_values,
-    read_regression_file,
-    record_regression,
-    write_regression_file,
-)
+from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.methods.interruption import held_back
 from octmip.problem import Problem
 from octmip.regression.proof_log import check_provable, write_regression_problem
@@ -77,18 +71,17 @@ def _incumbent(path: str | None, question: NumberQuestion) -> Node | None:
     """Return the tree of a file over the problem's features, which may stand in another order."""
     if path is None:
         return None
-    file = read_regression_file(path)
-    return decode_values(encode_values(file.tree, file.feature_names), question.problem.feature_names)
+    return tree_for(question.problem, read_tree_file(path, "number"))
 
 
 def _show(
     arguments: argparse.Namespace, question: NumberQuestion, solution: Solution, certificate: Certificate
 ) -> None:
     problem, columns = question.problem, question.preparation.columns
-    file = record_regression(problem, solution, question.weights_column, question.preparation)
+    file = record_tree(problem, solution, problem.target_name, question.weights_column, question.preparation)
     test = tested(arguments.test, problem, question.preparation, file.tree) if arguments.test else None
     last = numbers_verdict(problem, solution, certificate)
-    with then_written(arguments.out, partial(write_regression_file, file=file), last, is_quiet=arguments.json):
+    with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
         if arguments.json:
             more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
             held = {} if test is None else {"held_out": errors_json(test)}
@@ -98,7 +91,7 @@ def _show(
         print(printable(numbers_text(solution, certificate, problem.loss.name, problem.n_samples)))
         print()
         of_table = None if columns.is_plain else columns
-        print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_sizes, of_table)))
+        print(printable(numbers_tree_text(file.tree, problem.feature_names, file.leaf_counts, of_table)))
         print()
         if test is not None:
             print(f"held out, {errors_text(test)}\n")

@@ -3,12 +3,15 @@
 import math
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from octmip.certificate import Certificate
 from octmip.cli.regression.question import Errors
 from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
-from octmip.formats.regression_file import encode_values
 from octmip.formats.tree_file import finite_or_none
+from octmip.formats.tree_nodes import encode_tree
 from octmip.problem import Problem
 from octmip.report.text import condition, number, percent
 from octmip.solution import Solution
@@ -32,9 +35,11 @@ def numbers_text(solution: Solution, certificate: Certificate, loss: str, n_samp
     )
 
 
-def numbers_tree_text(tree: Node, names: tuple[str, ...], leaf_sizes: tuple[int, ...], columns: Columns | None) -> str:
+def numbers_tree_text(
+    tree: Node, names: tuple[str, ...], leaf_counts: NDArray[np.int64], columns: Columns | None
+) -> str:
     """Return a regression tree as indented lines, with the training samples of each leaf."""
-    sizes = iter(leaf_sizes)
+    sizes = iter(leaf_counts[:, 0].tolist())
 
     def decision(leaf: Leaf) -> str:
         size = next(sizes)
@@ -84,7 +89,7 @@ def describe_numbers(problem: Problem, solution: Solution, certificate: Certific
         "baseline": problem.baseline,
         "normalised_objective": finite_or_none(certificate.normalised_objective),
         "tolerance": solution.tolerance,
-        "tree": encode_values(solution.tree, problem.feature_names),
+        "tree": encode_tree(solution.tree, problem.feature_names, ()),
     }
 
 

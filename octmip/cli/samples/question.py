@@ -37,7 +37,7 @@ class Question:
     ----------
     problem
         over the training samples.
-    label_column, weights_column
+    target_column, weights_column
         of the table.
     preparation
         how the table became samples.
@@ -50,7 +50,7 @@ class Question:
     """
 
     problem: Problem
-    label_column: str
+    target_column: str
     weights_column: str | None
     preparation: Preparation
     notes: tuple[str, ...]

@@ -81,7 +81,7 @@ def read_training(
     CertificateError
         it is not the one that the tree was trained on.
     """
-    label, weights = label or file.label_column, weights or file.weights_column
+    label, weights = label or file.target_column, weights or file.weights_column
     if label is None:
         raise DataError(f"{source} does not say which column held the label; name it with --label")
     table = prepared(file, read_table(data, form), label, weights)
@@ -110,10 +110,10 @@ def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = No
     DataError
         the table cannot be read, lacks a column, or holds a class that training had not.
     """
-    if file.label_column is None:
+    if file.target_column is None:
         raise DataError("the tree file does not say which column held the label; write it again with octmip solve")
-    table = prepared(file, read_table(data, form), file.label_column, file.weights_column)
-    labels = table.labels(file.label_column, file.class_names)
+    table = prepared(file, read_table(data, form), file.target_column, file.weights_column)
+    labels = table.labels(file.target_column, file.class_names)
     weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
     return samples_of(problem, features_of(file, table), labels, weights)
 

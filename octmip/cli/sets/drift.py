@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
             progress=progress,
         )
     with held_back():
-        columns = question.label_column, question.weights_column, question.preparation
+        columns = question.target_column, question.weights_column, question.preparation
         file = record_tree(question.problem, _plain(found), *columns, None)
         with then_written(arguments.out, partial(write_tree_file, file=file), _verdict(found), is_quiet=arguments.json):
             if arguments.json:

@@ -150,7 +150,7 @@ def _data(file: TreeFile, evidence: Evidence | None, wording: Wording) -> dict[s
     return {
         "nodes": node_data(file.tree, wording, file.leaf_counts),
         "classes": [short_name(name, 40) for name in file.class_names],
-        "label": short_name(file.label_column or "class", 40),
+        "label": short_name(file.target_column or "class", 40),
         "total": file.n_samples,
         "samples": samples,
     }

@@ -37,7 +37,7 @@ class Measure:
 
 def measure_of(file: TreeFile) -> Measure:
     """Return what the tree of a file is judged by."""
-    costs = np.array(file.settings["costs"])
+    costs = np.array(file.settings["loss"]["costs"])
     is_plain = bool((costs == 1 - np.eye(len(costs))).all()) and not file.settings["leaf_penalty"]
     return Measure(is_plain and file.weights_column is None and file.solution.objective == errors_of(file))
 

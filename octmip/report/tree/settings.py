@@ -66,7 +66,7 @@ def risk(file: TreeFile, evidence: Evidence | None) -> dict[str, Any]:
         )
     if file.settings["leaf_penalty"]:
         sentences.append(f"Each feature in a split is charged {figure(file.settings['leaf_penalty'])}.")
-    costs = np.array(file.settings["costs"])
+    costs = np.array(file.settings["loss"]["costs"])
     if (costs == 1 - np.eye(len(costs))).all():
         return {"sentences": sentences, "rows": []}
     sentences.append("Errors do not cost the same:")
@@ -100,7 +100,7 @@ def settings_rows(file: TreeFile) -> list[list[str]]:
         ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
         ("features that may meet", _groups(asked["allowed_splits"])),
         ("coefficients", _integers(asked["integer_normals"])),
-        ("column of the class", short_name(file.label_column) if file.label_column else None),
+        ("column of the class", short_name(file.target_column) if file.target_column else None),
         ("column of the weights", short_name(file.weights_column) if file.weights_column else None),
         ("objective", figure(solution.objective)),
         ("bound", figure(solution.bound)),

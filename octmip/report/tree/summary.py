@@ -15,7 +15,7 @@ Card = tuple[Any, ...]
 
 def title(file: TreeFile) -> str:
     """Return the heading."""
-    return f"A decision tree for {short_name(file.label_column, 60)}" if file.label_column else "A decision tree"
+    return f"A decision tree for {short_name(file.target_column, 60)}" if file.target_column else "A decision tree"
 
 
 def subtitle(file: TreeFile, wording: Wording) -> str:

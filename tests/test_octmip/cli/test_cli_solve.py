@@ -14,7 +14,7 @@ def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
     assert "1 of 30 samples wrong" in out
     assert "if a <= 11.5" in out
     assert str(out_file) in out
-    assert read_tree_file(out_file).label_column == "y"
+    assert read_tree_file(out_file).target_column == "y"
 
 
 def test_solve_json_is_one_object_and_nothing_else(data, run):
@@ -49,7 +49,7 @@ def test_every_setting_reaches_the_problem(data, run, tmp_path):
     assert file.class_names == ("high", "low")
     assert file.solution.seed == 7
     assert (settings["split"], settings["split_size"], settings["leaf_size"]) == ("hyperplane", 2, 3)
-    assert settings["costs"] == [[0, 2], [5, 0]]
+    assert settings["loss"]["costs"] == [[0, 2], [5, 0]]
     assert settings["leaf_penalty"] == 0.5
     assert settings["depth"] == 2
     assert settings["allowed_splits"] == [[0], [0, 1]]

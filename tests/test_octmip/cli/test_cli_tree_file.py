@@ -115,7 +115,7 @@ def test_report_prints_words(run, tree):
 
 
 @pytest.mark.parametrize("command", ["certify", "predict", "report"])
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "pmml"}', '{"format": "octmip-tree", "version": 3}'])
+@pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "pmml"}', '{"format": "octmip-tree", "version": 4}'])
 def test_a_bad_tree_file_ends_in_one_line(data, run, tmp_path, command, content):
     (tmp_path / "bad.json").write_text(content)
     words = [] if command == "report" else [data]
