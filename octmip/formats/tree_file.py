@@ -128,9 +128,9 @@ class TreeFile:
         self, features: NDArray[np.float64], targets: NDArray[Any], weights: NDArray[np.float64] | None
     ) -> Problem:
         """Return the problem of this file over other (or the same) samples."""
-        names: dict[str, Any] = {"feature_names": self.feature_names, "class_names": self.class_names}
-        named = names | {"target_name": self.target_column or "target"}
-        return Problem(features, targets, weights=weights, **named, **{**self.settings, "loss": self.loss})
+        own: dict[str, Any] = {"feature_names": self.feature_names, "class_names": self.class_names}
+        own |= {"weights": weights, "target_name": self.target_column or "target"}
+        return Problem(features, targets, **{**self.settings, **own, "loss": self.loss})
 
 
 def record_tree(
@@ -176,7 +176,7 @@ def leaf_counts(problem: Problem, tree: Node) -> NDArray[np.int64]:
     Of numbers the shape is (n_leaves, 1): all samples of each leaf.
     """
     counts = np.zeros((len(leaves(tree)), problem.n_classes or 1), dtype=np.int64)
-    codes = problem.codes if problem.n_classes else 0
+    codes = problem.codes if problem.n_classes else np.zeros(problem.n_samples, dtype=np.int64)
     np.add.at(counts, (leaf_index(tree, problem.features), codes), 1)
     return counts
 
