@@ -90,14 +90,13 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
         the log is of another problem, or does not prove what it claims; with the line and the reason.
     """
     start = time.perf_counter()
+    check_provable(problem)
+    content = read_bytes(path)
+    text = content.decode("ascii", errors="replace")
     if problem.loss.predicts == "number":
-        proof_log.check_provable(problem)
-        content = read_bytes(path)
-        report, refusal = proof_log.checker_question(problem).check(content.decode("ascii", errors="replace"))
+        report, refusal = proof_log.checker_question(problem).check(text)
     else:
-        check_provable(problem)
-        content = read_bytes(path)
-        report, refusal = checker_question(problem).check(content.decode("ascii", errors="replace"), n_jobs)
+        report, refusal = checker_question(problem).check(text, n_jobs)
     if refusal is not None:
         raise _refused(path, *refusal)
     assert report is not None, "a log is accepted or refused"
@@ -109,6 +108,11 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
 
 def check_provable(problem: Problem) -> None:
     """Raise a `ProblemError` if the trees of a problem have no proof logs."""
+    if not problem.is_provable:
+        raise ProblemError(
+            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, which have no proof log; expected "
+            "axis-aligned regression trees with one number in each leaf; leave the log out"
+        )
     if problem.split == "hyperplane":
         refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):

@@ -16,8 +16,9 @@ from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
-from benchmarks.readers.regression import make_regression, read_regression, regression_command
+from benchmarks.readers.regression import make_regression, regression_command
 from octmip.certificate import certify
+from octmip.cli.samples.training import targets_of
 from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
@@ -29,7 +30,7 @@ from octmip.methods.search import local_search
 from octmip.methods.two_feature import two_feature_branch_and_bound
 from octmip.problem import Problem
 from octmip.proof import check_proof
-from octmip.tree import predict, splits
+from octmip.tree import predict, predict_values, splits
 
 # Trees.
 
@@ -91,10 +92,14 @@ def read_tree(rng: Generator, folder: Path) -> None:
     samples = np.resize(HOSTILE_SAMPLES, (4, len(file.feature_names)))
     if all(split.missing is not None for split in splits(file.tree)):
         samples[0] = np.nan
-    assert predict(file.tree, samples).max() < len(file.class_names)
+    if file.class_names:
+        assert predict(file.tree, samples).max() < len(file.class_names)
+    else:
+        with np.errstate(over="ignore", invalid="ignore"), contextlib.suppress(OctmipError):
+            predict_values(file.tree, samples)
     with contextlib.suppress(OctmipError):
         table = read_table(folder / "table.csv")
-        labels = table.labels(file.target_column or "y", file.class_names)
+        labels = targets_of(file, table, file.target_column or "y")
         weights = table.numbers([file.weights_column])[:, 0] if file.weights_column else None
         certify(file.problem(table.numbers(file.feature_names), labels, weights), file.solution)
 
@@ -308,6 +313,6 @@ OCTMIP = {
     "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
     "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
     "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),
-    "regression tree": Reader(make_regression, "tree.json", mangled_json, read_regression),
+    "regression tree": Reader(make_regression, "tree.json", mangled_json, read_tree),
     "regression tree, commands": Reader(make_regression, "tree.json", mangled_json, regression_command),
 }

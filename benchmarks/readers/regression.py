@@ -1,6 +1,5 @@
-"""The reader of regression trees' files, and the commands that read them, as the fuzz of files tries them."""
+"""Files of regression trees, and the commands that read them, as the fuzz of files tries them."""
 
-import contextlib
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +7,10 @@ import pandas as pd
 
 from benchmarks.readers.file_reader import run
 from benchmarks.readers.mangling import Generator, pick
-from octmip.certificate import certify
-from octmip.cli.regression.question import read_numbers
-from octmip.errors import OctmipError
-from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.losses import AbsoluteError, SquaredError
 from octmip.problem import Problem
 from octmip.solver import solve
-from octmip.tree import predict_values
 
 NAMES = ("a", "b", "c")
 BROAD = ("--split", "hyperplane", "--leaf-model", "linear", "--seconds", 1)
@@ -44,15 +39,6 @@ def make_regression(number: int, folder: Path) -> None:
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
     frame = pd.DataFrame(features, columns=list(NAMES)).assign(y=targets)
     frame.to_csv(folder / "table.csv", index=False)
-
-
-def read_regression(rng: Generator, folder: Path) -> None:
-    """Read a regression tree, predict by it, and certify it or say why not."""
-    file = read_tree_file(folder / "tree.json", "number")
-    with np.errstate(over="ignore", invalid="ignore"):
-        predict_values(file.tree, rng.normal(size=(3, len(file.feature_names))))
-    with contextlib.suppress(OctmipError):
-        certify(read_numbers(file, str(folder / "table.csv"), None, "the file"), file.solution)
 
 
 def regression_command(rng: Generator, folder: Path) -> None:

@@ -10,12 +10,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
-import numpy as np
-
 from octmip.certificate import Certificate
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
+from octmip.losses import ClassCosts
 from octmip.methods.interruption import held_back
 from octmip.problem import Problem
 from octmip.report.text import narrow_scope, number, percent
@@ -82,7 +81,8 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
     assert solution.tree is not None
     return {
         "objective": solution.objective,
-        "errors": certificate.errors,
+        "loss": problem.loss.name,
+        **certificate.measures,
         "n_samples": problem.n_samples,
         "n_missing": problem.n_missing,
         "bound": finite_or_none(solution.bound),
@@ -109,11 +109,10 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
 
 def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what is known of a tree in one sentence, for the last line on the screen."""
-    share = percent(certificate.errors / problem.n_samples)
-    wrong = f"{certificate.errors} of {problem.n_samples} samples wrong ({share})"
+    wrong = problem.loss.short_words_of(certificate.measures, problem.n_samples)
     trees, counts = _trees(problem, solution), _counts_errors(problem)
     if solution.is_optimal:
-        no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.objective)}"
+        no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.bound)}"
         return f"Proven optimal: {wrong}; no {trees} {no_better}."
     if math.isinf(solution.bound):
         return f"Not proven optimal: {wrong}; the method {visible(solution.solver)} proves nothing about other trees."
@@ -127,27 +126,28 @@ def _trees(problem: Problem, solution: Solution) -> str:
     if scope := narrow_scope(solution):
         return f"tree among {scope}"
     kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
+    kind += "" if problem.loss.predicts == "class" else " with one number in each leaf"
     is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None or problem.allowed_splits is not None
     return f"tree of depth {problem.depth} or less{kind}{' within the same limits' if is_limited else ''}"
 
 
 def _counts_errors(problem: Problem) -> bool:
     """Whether the objective is the number of wrong samples."""
-    off_diagonal = problem.costs + np.eye(problem.n_classes)
-    return bool(problem.leaf_penalty == 0 and (problem.weights == 1).all() and (off_diagonal == 1).all())
+    is_count = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
+    return bool(is_count and problem.leaf_penalty == 0 and (problem.weights == 1).all())
 
 
 def comparison_text(problem: Problem, found: Comparison) -> str:
-    """Return errors on training and held-out samples, of a tree and of CART beside it, as a small table."""
+    """Return errors on training and held-out samples, of a tree and of CART beside it if there is, as a small table."""
     assert found.held_out is not None
-    assert found.cart_held_out is not None
     head = ("", f"{found.training.n_samples} training samples", f"{found.held_out.n_samples} held out")
     rows = [head]
     for name, train, held in (
         ("this tree", found.training, found.held_out),
         ("CART", found.cart_training, found.cart_held_out),
     ):
-        rows.append((name, _score_text(problem, train), _score_text(problem, held)))
+        if train is not None and held is not None:
+            rows.append((name, _score_text(problem, train), _score_text(problem, held)))
     widths = [max(len(row[k]) for row in rows) for k in range(3)]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
@@ -155,19 +155,22 @@ def comparison_text(problem: Problem, found: Comparison) -> str:
 
 
 def _score_text(problem: Problem, score: Score) -> str:
+    if problem.loss.predicts == "number":
+        return problem.loss.short_words_of(score.measures, score.n_samples)
     cost = "" if _counts_errors(problem) else f", cost {number(score.cost)}"
     return f"{score.errors} wrong ({percent(score.error_rate)}){cost}"
 
 
 def score_json(score: Score | None) -> dict[str, Any] | None:
     """Return a score as a JSON object, None without one."""
-    return None if score is None else {"n_samples": score.n_samples, "errors": score.errors, "cost": score.cost}
+    return None if score is None else {"n_samples": score.n_samples, **score.measures, "cost": score.cost}
 
 
 def comparison_json(found: Comparison) -> dict[str, Any]:
     """Return the entries `training`, `held_out` and `cart` of a JSON object."""
     cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
-    return {"training": score_json(found.training), "held_out": score_json(found.held_out), "cart": cart}
+    own = {"training": score_json(found.training), "held_out": score_json(found.held_out)}
+    return own if found.cart_tree is None else own | {"cart": cart}
 
 
 class ElapsedLine:

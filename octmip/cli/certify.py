@@ -11,7 +11,6 @@ import dataclasses
 from octmip.certificate import certify
 from octmip.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.cli.arguments import MOST_THREADS, add_json_argument
-from octmip.cli.regression.files import certify_numbers
 from octmip.cli.samples.file_arguments import reads
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
 from octmip.cli.samples.training import Training, read_test, read_training
@@ -20,7 +19,7 @@ from octmip.formats.messages import shown
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.problem import Problem
 from octmip.proof import ProofReport, check_proof
-from octmip.report.text import number, percent, solution_text
+from octmip.report.text import number, solution_text
 from octmip.tradeoff import Samples, Score, score
 
 EXAMPLES = """\
@@ -38,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
     reads(group.add_argument("--test", metavar="FILE", help="the other table that it was tested on (solve --test)"))
     group = parser.add_argument_group("table")
-    group.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
+    group.add_argument("--label", metavar="COL", help="column with the class or number (default: that of the training)")
     group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
     add_format_argument(group)
     group = parser.add_argument_group("run")
@@ -49,8 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Certify and show."""
     file = read_tree_file(arguments.tree)
-    if file.loss.predicts == "number":
-        return certify_numbers(arguments, file)
     with ElapsedLine("certifying"):
         training = read_training(
             file,
@@ -69,10 +66,11 @@ def run(arguments: argparse.Namespace) -> int:
         n_samples = training.problem.n_samples
         print_json({"is_certified": True, "n_samples": n_samples, **certificate.to_json(), **held, **log})
         return 0
-    print("certified: every claim was recomputed from tree and data alone")
-    print(printable(solution_text(file.solution, certificate, training.problem.n_samples)))
+    known = "the bound is its solver's claim" if proof is None else "its bound was checked in the proof log"
+    print(f"certified: the tree was recomputed from tree and data alone; {known}")
+    print(printable(solution_text(training.problem, file.solution, certificate)))
     if held_out is not None:
-        print(f"held out: {held_out.errors} of {held_out.n_samples} samples wrong ({percent(held_out.error_rate)})")
+        print(f"held out: {file.loss.words_of(held_out.measures, held_out.n_samples)}")
     elif file.held_out is not None:
         print("held out: not recomputed, the samples are of another table; give it with --test")
     if proof is not None:
@@ -90,12 +88,12 @@ def _checked_held_out(arguments: argparse.Namespace, file: TreeFile, training: T
         return None
     found, claim = score(training.problem, file.tree, samples), file.held_out
     if claim is not None and (claim.share is None) == bool(arguments.test):
-        wanted = (claim.n_samples, claim.errors)
-        if wanted != (found.n_samples, found.errors) or abs(claim.cost - found.cost) > 1e-9 * max(1.0, found.cost):
+        pairs = [(claim.cost, found.cost), *((claim.measures[name], found.measures[name]) for name in found.measures)]
+        if claim.n_samples != found.n_samples or any(abs(a - b) > 1e-9 * max(1.0, b) for a, b in pairs):
+            of_claim, of_found = (file.loss.words_of(of.measures, of.n_samples) for of in (claim, found))
             raise CertificateError(
-                f"{arguments.tree} claims {claim.errors} of {claim.n_samples} samples held out to be wrong at cost "
-                f"{claim.cost:g}, but there are {found.errors} of {found.n_samples} at cost {found.cost:g}; tree and "
-                "data do not belong together or one was changed"
+                f"{arguments.tree} claims of the samples held out: {of_claim}, cost {claim.cost:g}; but recounted it "
+                f"is: {of_found}, cost {found.cost:g}; tree and data do not belong together or one was changed"
             )
     return found
 

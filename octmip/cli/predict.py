@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from octmip.cli.answer import print_json, then_written
 from octmip.cli.arguments import add_json_argument
-from octmip.cli.regression.files import predict_numbers
 from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.names import one_name
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.cli.samples.training import targets_of
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
@@ -34,7 +34,7 @@ from octmip.formats.files import write_bytes
 from octmip.formats.names import visible, visible_lines
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
-from octmip.tree import leaf_index, leaves
+from octmip.tree import leaf_index, leaves, predict_values
 
 EXAMPLES = """\
   octmip predict tree.json new.csv
@@ -56,7 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="add each class's share of the training samples in the leaf",
     )
-    group.add_argument("--label", metavar="COL", help="column with the true class, to count the errors")
+    group.add_argument(
+        "--label",
+        metavar="COL",
+        help="column with the true class or number (default of numbers: as trained)",
+    )
     group.add_argument("--index", metavar="COL", help="column that names the rows (default: that of the training)")
     group = parser.add_argument_group("more")
     add_format_argument(group)
@@ -66,17 +70,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Predict and show."""
     file = read_tree_file(arguments.tree)
-    if file.loss.predicts == "number":
-        return predict_numbers(arguments, file)
+    if arguments.probabilities and file.loss.predicts == "number":
+        raise DataError(
+            f"--proba adds shares of classes, but {arguments.tree} predicts numbers; expected a tree of classes; leave "
+            "it out"
+        )
     trained = None if file.preparation is None else file.preparation.index
     table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
     features = _features(file, table)
     reached = leaf_index(file.tree, features)
-    labels = [file.class_names[leaf.label] for leaf in leaves(file.tree)]
-    predictions = [labels[leaf] for leaf in reached.tolist()]
+    predicted = _predicted(file, features, reached)
+    predictions = predicted.tolist() if not file.class_names else [file.class_names[code] for code in predicted]
     shares = _shares(file)[reached].tolist() if arguments.probabilities else None
     index = _index(arguments.index, file, table)
-    counted = _counted(file, table, arguments.label, predictions) if arguments.label else None
+    label = arguments.label or _known_target(file, table)
+    counted = _counted(file, table, label, predicted) if label else None
     content = _csv(file, predictions, shares, index)
     how = ("probabilities are shares of the training rows, which are too high for fresh ones",) * (shares is not None)
     # A name that no file can hold is said beforehand; JSON has escapes for it.
@@ -95,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
         for note in (*table.notes, *how, *_unseen(file, table), *_gaps(features)):
             print(f"note: {visible(note)}", file=sys.stderr)
         if counted is not None:
-            print(_errors_text(counted, len(predictions)), file=sys.stderr)
+            print(_errors_text(file, counted, len(predictions)), file=sys.stderr)
     return 0
 
 
@@ -156,23 +164,39 @@ def _index(option: str | None, file: TreeFile, table: Table) -> tuple[str, list[
     return name, ["" if gone else str(cell) for cell, gone in zip(cells.tolist(), is_missing, strict=True)]
 
 
-def _counted(file: TreeFile, table: Table, label: str, predictions: list[Any]) -> dict[str, int]:
-    """Return how many predictions are wrong, and how many rows have no label."""
+def _predicted(file: TreeFile, features: NDArray[np.float64], reached: NDArray[np.int64]) -> NDArray[Any]:
+    """Return what the tree predicts for each row (n_rows,): the index of its class, or a number."""
+    if not file.class_names:
+        return predict_values(file.tree, features, reached)
+    return np.array([leaf.label for leaf in leaves(file.tree)], dtype=np.int64)[reached]
+
+
+def _known_target(file: TreeFile, table: Table) -> str | None:
+    """Return the column of the training's numbers where the table has some of them."""
+    name = file.target_column
+    is_there = file.loss.predicts == "number" and name is not None and name in table.columns
+    return name if is_there and name is not None and not table.missing(name, "target").all() else None
+
+
+def _counted(file: TreeFile, table: Table, label: str, predicted: NDArray[Any]) -> dict[str, float]:
+    """Return what the predictions are judged by, all rows alike, and how many rows have no label."""
     label = one_name(table, label)
     is_missing = table.missing(label, "label")
     if is_missing.all():
         raise DataError(f"{table.name}, column {label!r}: no row has a label; expected some; leave --label out")
     known = table.rows(~is_missing).with_plain_numbers(label) if is_missing.any() else table
-    true = known.labels(label, file.class_names).tolist()
-    rows = np.flatnonzero(~is_missing).tolist()
-    errors = sum(predictions[row] != right for row, right in zip(rows, true, strict=True))
-    return {"errors": errors} | ({"n_unlabelled": int(is_missing.sum())} if is_missing.any() else {})
+    targets = targets_of(file, known, label)
+    if file.class_names:
+        position = {name: k for k, name in enumerate(file.class_names)}
+        targets = np.array([position[name] for name in targets.tolist()], dtype=np.int64)
+    measures = dict(file.loss.measures(np.ones(len(targets)), targets, predicted[~is_missing]))
+    return measures | ({"n_unlabelled": int(is_missing.sum())} if is_missing.any() else {})
 
 
-def _errors_text(counted: dict[str, int], n_samples: int) -> str:
-    without = counted.get("n_unlabelled", 0)
-    gaps = f" ({without} more row{'s have' if without > 1 else ' has'} no label)" if without else ""
-    return f"{counted['errors']} of {n_samples - without} samples wrong{gaps}"
+def _errors_text(file: TreeFile, counted: dict[str, float], n_samples: int) -> str:
+    without = int(counted.get("n_unlabelled", 0))
+    gaps = f"; {without} more row{'s have' if without > 1 else ' has'} no label" if without else ""
+    return f"{file.loss.words_of(counted, n_samples - without)}{gaps}"
 
 
 def _shares(file: TreeFile) -> NDArray[np.float64]:

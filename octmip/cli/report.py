@@ -11,9 +11,9 @@ import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from octmip.cli.answer import ElapsedLine, printable
+from octmip.certificate import certify
+from octmip.cli.answer import ElapsedLine, printable, verdict
 from octmip.cli.arguments import MOST_THREADS
-from octmip.cli.regression.files import report_numbers
 from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
 from octmip.errors import DataError
@@ -24,7 +24,8 @@ from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.report.dot import tree_dot
 from octmip.report.markdown import code_block, markdown_table
-from octmip.report.text import number, percent, tree_text
+from octmip.report.text import number, percent, solution_text, tree_text
+from octmip.tradeoff import score
 
 if TYPE_CHECKING:
     from octmip.report.tree.evidence import Evidence
@@ -73,10 +74,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the report."""
     file = read_tree_file(arguments.tree)
-    if file.loss.predicts == "number":
-        return report_numbers(arguments, file)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
+    if file.loss.predicts == "number":
+        _check_of_numbers(arguments, kind)
+        words = _words_of_numbers(arguments, file)
+        if arguments.out:
+            write_bytes(arguments.out, ((code_block(words) if kind == ".md" else words) + "\n").encode())
+        else:
+            print(printable(words))
+        return 0
     units = _units(arguments.unit, file)
     evidence = None
     if arguments.data:
@@ -101,6 +108,38 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
         raise DataError(f"--seconds is {arguments.seconds}; expected a number of 0 or more")
     if not 1 <= arguments.threads <= MOST_THREADS:
         raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
+
+
+def _check_of_numbers(arguments: argparse.Namespace, kind: str) -> None:
+    """Refuse what a page says of classes alone: trees of numbers are reported in words."""
+    if kind not in (".txt", ".md"):
+        raise DataError(
+            f"--out {arguments.out} asks for {kind}, but a tree of numbers is reported in words; expected .txt or .md; "
+            "name such a file, or leave --out out"
+        )
+    for option in ("proof", "holdout"):
+        if getattr(arguments, option) is not None:
+            raise DataError(
+                f"--{option} is for reports on classes, but {arguments.tree} predicts numbers; expected a tree of "
+                "classes; leave it out"
+            )
+
+
+def _words_of_numbers(arguments: argparse.Namespace, file: TreeFile) -> str:
+    from octmip.cli.samples.training import read_test, read_training
+
+    parts = [f"{visible(file.target_column or 'the target')} is predicted as\n", _tree(file)]
+    if arguments.data:
+        with ElapsedLine("recounting"):
+            training = read_training(file, arguments.data, form=arguments.format, source=arguments.tree)
+            certificate = certify(training.problem, file.solution)
+        samples = read_test(file, training.problem, arguments.test) if arguments.test else training.held_out
+        parts.append(f"\n{solution_text(training.problem, file.solution, certificate)}")
+        if samples is not None:
+            found = score(training.problem, file.tree, samples)
+            parts.append(f"held out: {file.loss.words_of(found.measures, found.n_samples)}")
+        parts.append(verdict(training.problem, file.solution, certificate))
+    return "\n".join(parts)
 
 
 def _units(given: list[str], file: TreeFile) -> dict[str, str]:

@@ -28,7 +28,6 @@ from octmip.cli.arguments import (
     cluster_of,
     limits_of,
 )
-from octmip.cli.regression.solving import solve_numbers
 from octmip.cli.samples.file_arguments import reads, writes
 from octmip.cli.samples.options import add_held_out_arguments
 from octmip.cli.samples.question import Question, ask
@@ -37,10 +36,13 @@ from octmip.formats.columns import Columns
 from octmip.formats.problem_file import write_problem_file
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.methods.interruption import held_back, is_heard
+from octmip.problem import Problem
+from octmip.proof import check_provable
 from octmip.report.text import solution_text, tree_text
 from octmip.solution import ProofError, Solution
 from octmip.solver import ASSISTANTS, chosen_method, solve
 from octmip.tradeoff import Comparison, beside_cart
+from octmip.tree import Node
 
 EXAMPLES = """\
   octmip solve iris.csv --label species --depth 2
@@ -94,12 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
-    if _is_regression(arguments):
-        if arguments.cluster is not None:
-            raise DataError(
-                "--cluster is for classes (--label); regression trees are solved by --threads; leave it out"
-            )
-        return solve_numbers(arguments, limits)
+    _check_predicted(arguments)
     options = _options(arguments)
     question = ask(arguments)
     if arguments.checkpoint and chosen_method(question.problem, arguments.method) not in ("exact", "search"):
@@ -107,9 +104,13 @@ def run(arguments: argparse.Namespace) -> int:
             f"--checkpoint keeps what methods 'exact' and 'search' have found; got method {arguments.method!r}; "
             "leave it out"
         )
+    if arguments.proof:
+        check_provable(question.problem)
+        if (method := chosen_method(question.problem, arguments.method)) != "exact":
+            raise DataError(f"--proof logs what method exact proves; got method {method!r}; leave one of the two out")
     if arguments.write_problem:
         write_problem_file(arguments.write_problem, question.problem)
-    incumbent = tree_for(question.problem, read_tree_file(arguments.incumbent)) if arguments.incumbent else None
+    incumbent = _incumbent(arguments.incumbent, question.problem) if arguments.incumbent else None
     unproven: ProofError | None = None
     with cluster_of(arguments, question.problem) as shared, ProgressLine() as progress:
         try:
@@ -131,8 +132,12 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _is_regression(arguments: argparse.Namespace) -> bool:
-    """Whether numbers are asked for, after a look at what does not go together."""
+def _incumbent(path: str, problem: Problem) -> Node:
+    return tree_for(problem, read_tree_file(path, problem.loss.predicts))
+
+
+def _check_predicted(arguments: argparse.Namespace) -> None:
+    """Raise a DataError unless one column is to be predicted, with no option about another kind of it."""
     given = [f"--{name}" for name in ("label", "target") if getattr(arguments, name) is not None]
     if len(given) != 1:
         raise DataError(
@@ -145,7 +150,6 @@ def _is_regression(arguments: argparse.Namespace) -> bool:
             f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
             f"--target; leave it out, or name a column of numbers with --target"
         )
-    return arguments.target is not None
 
 
 def _options(arguments: argparse.Namespace) -> dict[str, object]:
@@ -204,7 +208,7 @@ def _show_words(question: Question, solution: Solution, certificate: Certificate
     problem, tree = question.problem, solution.tree
     assert tree is not None
     print_notes(question.notes)
-    print(printable(solution_text(solution, certificate, problem.n_samples)))
+    print(printable(solution_text(problem, solution, certificate)))
     print()
     print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))
     print()

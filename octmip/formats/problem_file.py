@@ -5,6 +5,9 @@
      "depth": 3, "split": "axis", "split_size": 1, "leaf_size": 1, "leaf_penalty": 0.0,
      "sensor_of_feature": [0, ...], "sensor_cost": [1.0, ...], "sensor_limit": null, "allowed_splits": null}
 
+One of numbers has format "octmip-regression-problem", version 1, and "target_name", "targets" and "loss" instead of
+classes, costs, split and groups: its trees are axis-aligned, with one number in each leaf.
+
 Labels, sensors and features of groups are indices from 0. Floats are written with as many digits as float64 needs to
 come back the same; a missing reading is null, and a file without one is of version 1. `sensor_limit` is the budget with
 its room for rounding, null without a budget.
@@ -19,11 +22,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import ProblemError
 from octmip.formats.files import PathLike, write_bytes
 from octmip.problem import Problem
 from octmip.problem_values import in_blocks
 
 FORMAT, VERSION = "octmip-problem", 2
+FORMAT_OF_NUMBERS, VERSION_OF_NUMBERS = "octmip-regression-problem", 1
 
 
 def write_problem_file(path: PathLike, problem: Problem) -> None:
@@ -33,31 +38,57 @@ def write_problem_file(path: PathLike, problem: Problem) -> None:
     ------
     DataError
         it cannot be written.
+    ProblemError
+        trees of numbers with hyperplanes or linear leaves, which no program checks.
     """
     write_bytes(path, (json.dumps(encode(problem), allow_nan=False) + "\n").encode())
 
 
 def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
+    return (_of_classes(problem) if problem.loss.predicts == "class" else _of_numbers(problem)) | _of_both(problem)
+
+
+def _of_both(problem: Problem) -> dict[str, Any]:
     limit = problem.sensor_limit
     return {
-        "format": FORMAT,
-        "version": VERSION if problem.n_missing else 1,  # which programs that know of no gaps read
         "feature_names": list(problem.feature_names),
-        "class_names": [str(name) for name in problem.class_names],
         "features": [[None if math.isnan(value) else value for value in row] for row in problem.features.tolist()],
-        "labels": problem.codes.tolist(),
         "weights": problem.weights.tolist(),
-        "costs": problem.costs.tolist(),
         "depth": problem.depth,
-        "split": problem.split,
-        "split_size": problem.max_split_size,
         "leaf_size": problem.leaf_size,
         "leaf_penalty": problem.leaf_penalty,
         "sensor_of_feature": problem.sensor_index.tolist(),
         "sensor_cost": problem.sensor_costs.tolist(),
         "sensor_limit": limit if math.isfinite(limit) else None,
+    }
+
+
+def _of_classes(problem: Problem) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "version": VERSION if problem.n_missing else 1,  # which programs that know of no gaps read
+        "class_names": [str(name) for name in problem.class_names],
+        "labels": problem.codes.tolist(),
+        "costs": problem.costs.tolist(),
+        "split": problem.split,
+        "split_size": problem.max_split_size,
         "allowed_splits": None if problem.allowed_splits is None else [list(group) for group in problem.allowed_splits],
+    }
+
+
+def _of_numbers(problem: Problem) -> dict[str, Any]:
+    if not problem.is_provable:
+        raise ProblemError(
+            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, of which a problem file says nothing; "
+            "expected axis-aligned regression trees with one number in each leaf; leave the file out"
+        )
+    return {
+        "format": FORMAT_OF_NUMBERS,
+        "version": VERSION_OF_NUMBERS,
+        "target_name": problem.target_name,
+        "targets": problem.targets.tolist(),
+        "loss": problem.loss.name,
     }
 
 

@@ -8,7 +8,7 @@
      "training": {"sha256": ..., "n_samples": ..., "target": "mu1", "weights": null, "leaf_counts": [[...], ...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
      "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
-     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "errors": 2, "cost": 2.0}}           null: none held out
+     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0}}    or null
 
 A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
 
@@ -31,14 +31,14 @@ from numpy.typing import NDArray
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.formats.messages import shown
+from octmip.formats.messages import several, shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.losses import Loss, loss_of
 from octmip.problem import Problem
 from octmip.solution import Solution, Stop
-from octmip.tree import Node, leaf_index, leaves, n_splits, splits
+from octmip.tree import Node, features_used, leaf_index, leaves, n_splits
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,14 +50,14 @@ class HeldOut:
     share, seed
         the rows of the training's table that were held out (`octmip.tradeoff.held_out`); the share is None where the
         samples are another table's.
-    n_samples, errors, cost
-        their number, how many are wrong, and their weighted cost.
+    n_samples, measures, cost
+        their number, what predictions are judged by (`Loss.measures`), and their weighted cost.
     """
 
     share: float | None
     seed: int
     n_samples: int
-    errors: int
+    measures: Mapping[str, float]
     cost: float
 
 
@@ -277,14 +277,19 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         weights_column=training["weights"],
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
         preparation=_preparation(content["table"], features),
-        held_out=_held_out(content["held_out"], loss),
+        held_out=_held_out(content["held_out"], loss_of(content["problem"]["loss"])),
     )
 
 
-def _held_out(content: dict[str, Any] | None, loss: str) -> HeldOut | None:
-    if content is not None and loss != "classes":
-        raise TreeError(f"held_out is an object but problem.loss is {loss!r}; expected null, or counts of classes")
-    return None if content is None else HeldOut(**content)
+def _held_out(content: dict[str, Any] | None, loss: Loss) -> HeldOut | None:
+    if content is None:
+        return None
+    if set(content["measures"]) != set(loss.measured):
+        raise TreeError(
+            f"held_out.measures has the entries {several(content['measures'])}; expected {several(loss.measured)}, by "
+            f"which the loss {loss.name!r} is judged"
+        )
+    return HeldOut(**content)
 
 
 def _preparation(content: dict[str, Any] | None, features: tuple[Any, ...]) -> Preparation | None:
@@ -338,5 +343,4 @@ def tree_for(problem: Problem, file: TreeFile) -> Node:
 
 def columns_read(file: TreeFile) -> tuple[str, ...]:
     """Return the names of the features that the tree reads, in the order of `feature_names`."""
-    used = {feature for split in splits(file.tree) for feature in split.features}
-    return tuple(file.feature_names[feature] for feature in sorted(used))
+    return tuple(file.feature_names[feature] for feature in features_used(file.tree))

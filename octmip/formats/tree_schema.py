@@ -137,7 +137,7 @@ HELD_OUT: dict[str, Kind] = {
     "share": maybe(Number(low=0.0, high=1.0)),
     "seed": Whole(),
     "n_samples": COUNT,
-    "errors": Whole(0, 2**53),
+    "measures": MapOf(COST),
     "cost": COST,
 }
 CONTENT = Record(

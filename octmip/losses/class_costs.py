@@ -35,6 +35,7 @@ class ClassCosts(Loss):
 
     name = "classes"
     predicts = "class"
+    measured = ("errors",)
 
     def __repr__(self) -> str:
         return "ClassCosts()" if self.costs is None else f"ClassCosts({np.asarray(self.costs).tolist()})"
@@ -118,6 +119,11 @@ class ClassCosts(Loss):
     def measures(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Mapping[str, float]:
         """Return how many samples are wrong, unweighted."""
         return {"errors": int((predicted != codes).sum())}
+
+    def words_of(self, measures: Mapping[str, float], n_samples: int) -> str:
+        """Return how many samples are wrong, and their share."""
+        errors = int(measures["errors"])
+        return f"{errors} of {n_samples} samples wrong ({100 * errors / n_samples:.3g} %)"
 
     def to_json(self) -> dict[str, Any]:
         """Return the name and the matrix."""

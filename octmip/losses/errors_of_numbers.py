@@ -25,6 +25,7 @@ class NumberLoss(Loss):
     """An error of predicted numbers: what all such losses share."""
 
     predicts = "number"
+    measured = ("mae", "rmse")
 
     @abstractmethod
     def of_misses(self, misses: Floats) -> Floats:
@@ -59,6 +60,15 @@ class NumberLoss(Loss):
         largest = float(misses.max(initial=0.0)) or 1.0  # squares of its shares do not overflow
         rms = largest * math.sqrt(float(np.average((misses / largest) ** 2, weights=weights)))
         return {"mae": float(np.average(misses, weights=weights)), "rmse": rms}
+
+    def words_of(self, measures: Mapping[str, float], n_samples: int) -> str:
+        """Return the mean absolute error and the root of the mean squared error."""
+        off = self.short_words_of(measures, n_samples)
+        return f"{n_samples} samples, {off}, root of the mean squared error {measures['rmse']:.6g}"
+
+    def short_words_of(self, measures: Mapping[str, float], n_samples: int) -> str:
+        """Return the mean absolute error."""
+        return f"mean absolute error {measures['mae']:.6g}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,8 @@ class Loss(ABC):
     """As the command, the estimators and files name it."""
     predicts: ClassVar[Literal["class", "number"]]
     """What a leaf holds."""
+    measured: ClassVar[tuple[str, ...]]
+    """Names of `measures`."""
 
     @property
     @abstractmethod
@@ -69,6 +71,14 @@ class Loss(ABC):
     @abstractmethod
     def measures(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Mapping[str, float]:
         """Return what people judge predictions by, by its name."""
+
+    @abstractmethod
+    def words_of(self, measures: Mapping[str, float], n_samples: int) -> str:
+        """Return the measures of so many samples in words, as a part of a sentence."""
+
+    def short_words_of(self, measures: Mapping[str, float], n_samples: int) -> str:
+        """Return the first of the measures in words."""
+        return self.words_of(measures, n_samples)
 
     def to_json(self) -> dict[str, Any]:
         """Return what a file holds of the loss: its name, and what belongs to it; `octmip.losses.loss_of` reads it."""

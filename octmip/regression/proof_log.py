@@ -4,7 +4,6 @@ Header and body are checked by `octmip_check::regression`, which knows no solver
 grid of the header by itself. Format, inequalities and what rounding costs: docs/theory/regression.md.
 """
 
-import json
 import math
 from fractions import Fraction
 from pathlib import Path
@@ -13,25 +12,15 @@ import numpy as np
 
 from octmip import _native
 from octmip.encoding.numbers import power_of_two, whole_exponent
-from octmip.errors import ProblemError, SolverError
-from octmip.formats.files import PathLike, write_bytes
+from octmip.errors import SolverError
+from octmip.formats.files import write_bytes
 from octmip.problem import Problem
 from octmip.regression.far_targets import FARTHEST, reach
 
 FORMAT = "octmip-proof 3 regression"
 """First words of a log; the loss stands behind them."""
-PROBLEM_FORMAT, PROBLEM_VERSION = "octmip-regression-problem", 1
 SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
 """Sums of weighted targets, costs and sums of weights that are not whole stay below 2 to the power of so many."""
-
-
-def check_provable(problem: Problem) -> None:
-    """Raise a `ProblemError` if the trees of a problem have no proof logs."""
-    if not problem.is_provable:
-        raise ProblemError(
-            f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, which have no proof log; expected "
-            "axis-aligned regression trees with one number in each leaf; leave the log out"
-        )
 
 
 def checker_question(problem: Problem) -> _native.RegressionQuestion:
@@ -90,31 +79,3 @@ def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
 def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: int) -> int:
     """Return b with the sum of the weights, times 2**exponent, below 2**b."""
     return math.frexp(math.fsum(weights))[1] + exponent + 1
-
-
-def write_regression_problem(path: PathLike, problem: Problem) -> None:
-    """Write the problem with its samples as JSON, for `octmip-check`.
-
-    Raises
-    ------
-    DataError
-        it cannot be written.
-    """
-    limit = problem.sensor_limit
-    entries = {
-        "format": PROBLEM_FORMAT,
-        "version": PROBLEM_VERSION,
-        "feature_names": list(problem.feature_names),
-        "target_name": problem.target_name,
-        "features": problem.features.tolist(),
-        "targets": problem.targets.tolist(),
-        "weights": problem.weights.tolist(),
-        "loss": problem.loss.name,
-        "depth": problem.depth,
-        "leaf_size": problem.leaf_size,
-        "leaf_penalty": problem.leaf_penalty,
-        "sensor_of_feature": problem.sensor_index.tolist(),
-        "sensor_cost": problem.sensor_costs.tolist(),
-        "sensor_limit": limit if math.isfinite(limit) else None,
-    }
-    write_bytes(path, (json.dumps(entries, allow_nan=False) + "\n").encode())

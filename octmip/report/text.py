@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from octmip.certificate import Certificate
 from octmip.formats.columns import Columns
 from octmip.formats.names import shown, visible
+from octmip.problem import Problem
 from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, tree_lines
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
 from octmip.tree import condition as named_condition
 
 
@@ -36,13 +37,15 @@ def tree_text(
 ) -> str:
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
-    `columns` puts the conditions in words of the table that the features were made from. `counts` has shape
-    (n_leaves, n_classes), leaves from the left.
+    `columns` puts the conditions in words of the table that the features were made from. `counts` are those of
+    `octmip.formats.tree_file.leaf_counts`, leaves from the left.
     """
     rows = iter([] if counts is None else counts.tolist())
 
     def decision(leaf: Leaf) -> str:
-        return f"{shown(class_names[leaf.label])}{leaf_note(next(rows, None), leaf.label)}"
+        is_number = isinstance(leaf, ValueLeaf)
+        said = prediction(leaf, lambda j: shown(feature_names[j])) if is_number else shown(class_names[leaf.label])
+        return f"{said}{leaf_note(next(rows, None), leaf.label)}"
 
     return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
 
@@ -72,18 +75,22 @@ def narrow_scope(solution: Solution) -> str:
     return "" if scope.startswith("all") else visible(scope)
 
 
-def solution_text(solution: Solution, certificate: Certificate, n_samples: int) -> str:
+def solution_text(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
+    loss, is_number = problem.loss, problem.loss.predicts == "number"
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
     elif scope := narrow_scope(solution):
         proof += f" among {scope}"
-    share = percent(certificate.errors / n_samples)
+    elif is_number and solution.tolerance > 0:
+        proof += f" within {solution.tolerance:.1g}"
+    proof += f" ({loss.words})" if is_number else ""
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
     sensors = f"sensors {', '.join(map(shown, certificate.sensors))}" if certificate.sensors else "no sensor"
+    measured = loss.words_of(certificate.measures, problem.n_samples)
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"
-        f"{certificate.errors} of {n_samples} samples wrong ({share}); depth {certificate.depth}, {splits}, {sensors}\n"
+        f"{measured}; depth {certificate.depth}, {splits}, {sensors}\n"
         f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )

@@ -4,7 +4,9 @@ Which rows are held out follows from the labels, a share and a seed alone, by th
 promises to keep: a tree file names share and seed, and its training rows are found again years later.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from octmip.errors import ProblemError
 from octmip.methods.cart import greedy_tree
 from octmip.problem import Problem
 from octmip.problem_values import distinct_labels
-from octmip.tree import Node, predict
+from octmip.tree import Node, predict, predict_values
 
 
 def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.bool_]:
@@ -48,23 +50,28 @@ class Samples:
     features
         (n_samples, n_features) numbers.
     codes
-        (n_samples,) class of each, an index of the problem's `class_names`.
+        (n_samples,) target of each as in `Problem.codes`: an index of the problem's `class_names`, or a number.
     weights
         (n_samples,) risk weights.
     """
 
     features: NDArray[np.float64]
-    codes: NDArray[np.int64]
+    codes: NDArray[Any]
     weights: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """What a tree loses on some samples: how many are wrong, and their weighted cost (no leaf penalty)."""
+    """What a tree loses on some samples: what it is judged by (`Loss.measures`), and the cost (no leaf penalty)."""
 
     n_samples: int
-    errors: int
+    measures: Mapping[str, float]
     cost: float
+
+    @property
+    def errors(self) -> int:
+        """How many of the samples are wrong, of a tree of classes."""
+        return int(self.measures["errors"])
 
     @property
     def error_rate(self) -> float:
@@ -74,21 +81,24 @@ class Score:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A tree beside CART of the same problem, on the training samples and on those held out (None: there are none)."""
+    """A tree beside CART of the same problem, on the training samples and on those held out (None: there are none).
+
+    CART is one of classes; of numbers its scores and tree are None.
+    """
 
     training: Score
     held_out: Score | None
-    cart_training: Score
+    cart_training: Score | None
     cart_held_out: Score | None
-    cart_tree: Node
+    cart_tree: Node | None
 
 
 def score(problem: Problem, tree: Node, samples: Samples | None = None) -> Score:
     """Return what a tree loses on samples; on those of the problem if none are given."""
     samples = samples or Samples(problem.features, problem.codes, problem.weights)
-    predicted = predict(tree, samples.features)
-    cost = float((samples.weights * problem.costs[samples.codes, predicted]).sum())
-    return Score(len(predicted), int((predicted != samples.codes).sum()), cost)
+    how = predict if problem.loss.predicts == "class" else predict_values
+    judged = samples.weights, samples.codes, how(tree, samples.features)
+    return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
 
 
 def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, seed: int = 0) -> Comparison:
@@ -105,12 +115,11 @@ def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, s
     seed
         of CART.
     """
-    cart = greedy_tree(problem, seed=seed).tree
-    assert cart is not None  # every problem has a greedy tree
+    cart = greedy_tree(problem, seed=seed).tree if problem.loss.predicts == "class" else None
     return Comparison(
         training=score(problem, tree),
         held_out=None if held_out is None else score(problem, tree, held_out),
-        cart_training=score(problem, cart),
-        cart_held_out=None if held_out is None else score(problem, cart, held_out),
+        cart_training=None if cart is None else score(problem, cart),
+        cart_held_out=None if cart is None or held_out is None else score(problem, cart, held_out),
         cart_tree=cart,
     )

@@ -36,14 +36,14 @@ def test_a_tree_in_words():
 
 def test_a_solution_in_three_lines():
     solution = greedy_tree(problem())
-    lines = solution_text(solution, certify(problem(), solution), 4).splitlines()
+    lines = solution_text(problem(), solution, certify(problem(), solution)).splitlines()
     assert lines[0] == "objective 0, bound -: no proof"
     assert lines[1].startswith("0 of 4 samples wrong (0 %); depth 2, 2")
 
 
 def test_a_bound_over_some_trees_says_over_which():
     claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
-    text = solution_text(claim, certify(problem(), claim), 4)
+    text = solution_text(problem(), claim, certify(problem(), claim))
     assert text.startswith("objective 0, bound 0: proven optimal among small trees\n")
 
 

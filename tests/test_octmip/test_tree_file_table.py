@@ -21,7 +21,7 @@ def written(tmp_path):
     columns = Columns.learn(FRAME)
     problem = Problem(columns.encode(FRAME), [1, 0, 1, 0] * 3, depth=1, feature_names=columns.feature_names)
     preparation = Preparation(columns, index="id", rows="labelled")
-    held_out = HeldOut(share=0.25, seed=7, n_samples=4, errors=1, cost=2.5)
+    held_out = HeldOut(share=0.25, seed=7, n_samples=4, measures={"errors": 1}, cost=2.5)
     path = tmp_path / "t.json"
     write_tree_file(path, record_tree(problem, greedy_tree(problem), "y", None, preparation, held_out))
     return path
@@ -31,7 +31,7 @@ def test_columns_and_what_is_held_out_come_back(tmp_path):
     file = read_tree_file(written(tmp_path))
     assert file.preparation == Preparation(Columns.learn(FRAME), "id", "labelled")
     assert file.columns == Columns.learn(FRAME)
-    assert file.held_out == HeldOut(0.25, 7, 4, 1, 2.5)
+    assert file.held_out == HeldOut(0.25, 7, 4, {"errors": 1}, 2.5)
     assert tree_text(file.tree, file.feature_names, file.class_names, columns=file.columns).splitlines() == [
         "if colour is not red",
         "    0",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from octmip.cli.samples.mixtures import mixed_columns
 from octmip.cli.samples.names import listed_names, one_name
 from octmip.cli.samples.targets import refuse_quantity
-from octmip.cli.samples.training import samples_of
+from octmip.cli.samples.training import samples_of, strata_of
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.files import read_text
@@ -21,10 +21,19 @@ from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
-from octmip.losses import ClassCosts
+from octmip.losses import NUMBER_LOSSES, ClassCosts, Loss
 from octmip.problem import Problem
 from octmip.tradeoff import Samples, Score, held_out_rows
 
+OF_CLASSES = {
+    "costs": "prices of taking one class for another",
+    "numbers_are_classes": "a label of classes",
+    "write": "mixed-integer models of classes",
+    "assist": "mixed-integer models of classes",
+    "checkpoint": "proofs of classes",
+    "cluster": "trees of classes; trees of numbers take --threads",
+}
+"""Options that have no meaning for numbers, and what they are about."""
 FEWEST_COUNTED = 20
 """Rows of a table from which on a column that goes up by one is taken for their number."""
 
@@ -62,7 +71,7 @@ class Question:
         """Return what a tree file says of a tree with this score on the samples held out."""
         if score is None:
             return None
-        return HeldOut(self.share, self.seed, score.n_samples, score.errors, score.cost)
+        return HeldOut(self.share, self.seed, score.n_samples, score.measures, score.cost)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,23 +99,26 @@ def ask(arguments: argparse.Namespace) -> Question:
     ProblemError
         no tree can answer.
     """
+    target = getattr(arguments, "target", None)
+    loss = None if target is None else NUMBER_LOSSES[arguments.loss or "squared"]
+    if loss is not None:
+        _refuse_options_of_classes(arguments)
     whole = read_table(arguments.data, arguments.format)
-    chosen = chosen_columns(whole, arguments, arguments.label, "label")
-    rows = rows_kept(arguments)
+    chosen = _chosen_columns(whole, arguments, target or arguments.label, "label" if loss is None else "target")
+    rows = _rows_kept(arguments)
     table = kept_rows(whole, rows, chosen.label, chosen.needed)
-    labels = table.labels(chosen.label)
-    if not arguments.numbers_are_classes:
+    labels = table.labels(chosen.label) if loss is None else table.numbers([chosen.label], "target")[:, 0]
+    if loss is None and not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
-    columns = learned_columns(table, chosen, arguments)
-    if kind_of_split(arguments) == "hyperplane":
-        columns.refuse_gaps_in_sums(
-            "leave these rows out by --missing drop-rows, or split on one feature: --split axis"
-        )
+    columns = _learned_columns(table, chosen, arguments, doubled=loss is not None)
+    if _kind_of_split(arguments) == "hyperplane" or getattr(arguments, "leaf_model", None) == "linear":
+        columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
     weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
     features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
-    is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(labels, share, arguments.seed)
+    strata = labels if loss is None else strata_of(loss, labels)
+    is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(strata, share, arguments.seed)
     training = features if share is None else features[~is_held]  # a large table is not copied without need
-    problem = _problem(arguments, columns, training, labels[~is_held], weights[~is_held])
+    problem = _problem(arguments, loss, columns, training, labels[~is_held], weights[~is_held])
     preparation = Preparation(columns, chosen.index, rows)
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
@@ -116,14 +128,24 @@ def ask(arguments: argparse.Namespace) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        (*notes_of(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
+        (*_notes_of(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
         held_out,
         share,
         arguments.seed,
     )
 
 
-def chosen_columns(table: Table, arguments: argparse.Namespace, label: str, purpose: str) -> Chosen:
+def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
+    for name, about in OF_CLASSES.items():
+        if getattr(arguments, name) not in (None, False):
+            option = f"--{name.replace('_', '-')}"
+            raise DataError(
+                f"{option} is given with --target {arguments.target}, but is about {about}; expected options of "
+                f"regression trees; leave {option} out, or name a column of classes with --label"
+            )
+
+
+def _chosen_columns(table: Table, arguments: argparse.Namespace, label: str, purpose: str) -> Chosen:
     """Return the columns that the arguments choose; `label` is to be predicted, a sentence calls it by its purpose.
 
     Raises
@@ -158,14 +180,14 @@ def chosen_columns(table: Table, arguments: argparse.Namespace, label: str, purp
     return Chosen(label, weights, index, tuple(features))
 
 
-def rows_kept(arguments: argparse.Namespace) -> RowsKept:
+def _rows_kept(arguments: argparse.Namespace) -> RowsKept:
     """Return which rows the arguments keep."""
     if arguments.missing == "drop-rows":
         return "complete"
     return "labelled" if arguments.drop_unlabelled else "all"
 
 
-def learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, *, doubled: bool = False) -> Columns:
+def _learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, *, doubled: bool = False) -> Columns:
     """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help.
 
     `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
@@ -192,12 +214,15 @@ def _cure(names: Iterable[str]) -> str:
 
 def _problem(
     arguments: argparse.Namespace,
+    loss: Loss | None,
     columns: Columns,
     features: NDArray[np.float64],
     labels: NDArray[Any],
     weights: NDArray[np.float64],
 ) -> Problem:
-    settings = sensor_settings(arguments, columns)
+    settings = _sensor_settings(arguments, columns)
+    if loss is not None:
+        settings |= {"loss": loss, "leaf_model": arguments.leaf_model or "constant", "target_name": arguments.target}
     if arguments.allowed_splits:
         settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
     if arguments.costs:
@@ -209,7 +234,7 @@ def _problem(
         labels,
         weights=weights,
         depth=arguments.depth,
-        split=kind_of_split(arguments),
+        split=_kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
         leaf_penalty=arguments.leaf_penalty,
@@ -221,7 +246,7 @@ def _problem(
     )
 
 
-def sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:
+def _sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:
     """Return sensors and their costs as a problem takes them: those of a file, or one for each column."""
     if not arguments.sensor_cost:
         return {"sensor_of_feature": columns.column_of_feature}
@@ -247,7 +272,7 @@ def _groups(path: str, columns: Columns) -> list[list[str]]:
     return groups
 
 
-def kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
+def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
     """Return the kind of split that the arguments ask for."""
     if arguments.split:
         return "axis" if arguments.split == "axis" else "hyperplane"
@@ -257,7 +282,10 @@ def kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"
 
 def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation) -> Samples:
     table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
-    labels = table.labels(chosen.label, problem.class_names)
+    is_number = problem.loss.predicts == "number"
+    labels = (
+        table.numbers([chosen.label], "target")[:, 0] if is_number else table.labels(chosen.label, problem.class_names)
+    )
     weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
     try:
         return samples_of(problem, preparation.columns.encode(table.frame), labels, weights)
@@ -265,7 +293,7 @@ def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparatio
         raise DataError(f"{table.name}: {error}") from error
 
 
-def notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
+def _notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
     """Return sentences for the user about what was encoded or left out."""
     left_out = (f"{n_dropped} row{'s' * (n_dropped != 1)} with missing cells left out",) if n_dropped else ()
     counts = tuple(

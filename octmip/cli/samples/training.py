@@ -12,6 +12,7 @@ from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
+from octmip.losses import Loss
 from octmip.problem import Problem
 from octmip.tradeoff import Samples, held_out_rows
 
@@ -28,10 +29,30 @@ class Training:
 def samples_of(
     problem: Problem, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]
 ) -> Samples:
-    """Return samples with classes by their place in a problem."""
+    """Return samples with targets as the problem's loss reads them: numbers, or classes by their place."""
+    if problem.loss.predicts == "number":
+        return Samples(features, labels, weights)
     position = {name: k for k, name in enumerate(problem.class_names)}
     codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
     return Samples(features, codes, weights)
+
+
+def strata_of(loss: Loss, targets: NDArray[Any]) -> NDArray[Any]:
+    """Return what rows are held out of, a share of each: classes, or one stratum where numbers are predicted."""
+    return targets if loss.predicts == "class" else np.zeros(len(targets))
+
+
+def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
+    """Return the targets of a table's rows as a file's tree predicts them, classes by their names, shape (n_rows,).
+
+    Raises
+    ------
+    DataError
+        the column is missing, a cell is no number where numbers are predicted, or no class of the training.
+    """
+    if file.loss.predicts == "number":
+        return table.numbers([column], "target")[:, 0]
+    return table.labels(column, file.class_names)
 
 
 def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
@@ -83,15 +104,15 @@ def read_training(
     """
     label, weights = label or file.target_column, weights or file.weights_column
     if label is None:
-        raise DataError(f"{source} does not say which column held the label; name it with --label")
+        raise DataError(f"{source} does not say which column held the target; name it with --label")
     table = prepared(file, read_table(data, form), label, weights)
-    labels, features = table.labels(label, file.class_names), features_of(file, table)
+    labels, features = targets_of(file, table, label), features_of(file, table)
     weighed = table.numbers([weights], "weight")[:, 0] if weights else np.ones(len(labels))
     claim = file.held_out
     is_split = claim is not None and claim.share is not None
     is_held = np.zeros(len(labels), dtype=np.bool_)
     if claim is not None and claim.share is not None:
-        is_held = held_out_rows(labels, claim.share, claim.seed)
+        is_held = held_out_rows(strata_of(file.loss, labels), claim.share, claim.seed)
     problem = file.problem(features[~is_held], labels[~is_held], weighed[~is_held])
     if problem.digest() != file.sha256:
         raise CertificateError(
@@ -111,9 +132,9 @@ def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = No
         the table cannot be read, lacks a column, or holds a class that training had not.
     """
     if file.target_column is None:
-        raise DataError("the tree file does not say which column held the label; write it again with octmip solve")
+        raise DataError("the tree file does not say which column held the target; write it again with octmip solve")
     table = prepared(file, read_table(data, form), file.target_column, file.weights_column)
-    labels = table.labels(file.target_column, file.class_names)
+    labels = targets_of(file, table, file.target_column)
     weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
     return samples_of(problem, features_of(file, table), labels, weights)
 

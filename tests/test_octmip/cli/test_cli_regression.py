@@ -86,8 +86,8 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
         (["--checkpoint", "c.json"], "proofs of classes"),
         (["--proof", "p.log", "--method", "search"], "logs what method exact proves"),
         (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
-        (["--holdout", "0.5"], "--test FILE"),
-        (["--method", "oct"], "expected auto, exact or search"),
+        (["--cluster", "local"], "take --threads"),
+        (["--method", "oct"], "expected one of auto, search, exact"),
         (["--leaf-model", "linear", "--method", "exact"], "does not know the problem's leaf_model"),
     ],
 )
@@ -113,7 +113,7 @@ def changed(tree, **training):
 def test_a_changed_file_is_refuted_or_refused(houses, run, tmp_path):
     tree = tmp_path / "t.json"
     solved(run, houses, "--out", tree)
-    assert "--proof is about a log of classes" in run("report", tree, "--proof", "p.log")[2]
+    assert "--proof needs the table" in run("report", tree, "--proof", "p.log")[2]
     assert "expected .txt or .md" in run("report", tree, "--out", tmp_path / "t.html")[2]
     changed(tree)
     code, _, err = run("certify", tree, houses)
@@ -145,6 +145,47 @@ def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
     again = file.problem(features, targets, np.ones(50))
     assert again.digest() == file.sha256
     assert again.sensor_costs.tolist() == [1, 2, 3]
+
+
+def test_a_share_of_the_rows_is_held_out_and_recounted_by_certify(houses, run, tmp_path):
+    tree = tmp_path / "t.json"
+    answer = json.loads(solved(run, houses, "--holdout", 0.25, "--weights", "w", "--out", tree, "--json")[1])
+    assert (answer["n_samples"], answer["held_out"]["n_samples"]) == (45, 15)
+    assert answer["held_out"]["mae"] > 0
+    assert "cart" not in answer
+    code, out, err = run("certify", tree, houses)
+    assert (code, err) == (0, "")
+    assert f"held out: 15 samples, mean absolute error {answer['held_out']['mae']:.6g}" in out
+    assert "held out: 15 samples" in run("report", tree, houses)[1]
+    content = json.loads(tree.read_text())
+    content["held_out"]["measures"]["mae"] *= 0.9
+    tree.write_text(json.dumps(content))
+    code, _, err = run("certify", tree, houses)
+    assert code == 1
+    assert "but recounted it is" in err
+
+
+def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_path):
+    rng = np.random.default_rng(3)
+    frame = pd.DataFrame(rng.normal(size=(60, 2)).round(3), columns=["a", "b"])
+    frame["y"] = np.where(frame["a"] > 0, 3 * frame["b"], 10 - 2 * frame["b"])
+    frame.to_csv(tmp_path / "t.csv", index=False)
+    more = ("--leaf-model", "linear", "--method", "search", "--out", tmp_path / "t.json")
+    assert run("solve", tmp_path / "t.csv", "--target", "y", "--depth", 1, *more)[0] == 0
+    answer = json.loads(run("predict", tmp_path / "t.json", tmp_path / "t.csv", "--json")[1])
+    certified = json.loads(run("certify", tmp_path / "t.json", tmp_path / "t.csv", "--json")[1])
+    assert answer["mae"] == pytest.approx(certified["mae"])
+    assert answer["mae"] < 0.5
+
+
+def test_predict_reads_no_column_that_the_tree_does_not_ask_for(houses, run, tmp_path):
+    tree = tmp_path / "t.json"
+    solved(run, houses, "--out", tree, "--depth", 1)
+    pd.DataFrame({"area": [50, 150]}).to_csv(tmp_path / "new.csv", index=False)
+    code, out, err = run("predict", tree, tmp_path / "new.csv")
+    assert (code, err) == (0, "")
+    assert len(out.splitlines()) == 3
+    assert "adds shares of classes" in run("predict", tree, houses, "--proba")[2]
 
 
 def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp_path):

@@ -1,1 +1,0 @@
-"""The commands where the column to predict holds numbers: solve --target, and certify, predict, report of its trees."""
