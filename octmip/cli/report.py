@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 KINDS = (".html", ".md", ".dot", ".txt", ".svg", ".png", ".pdf")
 WITH_DATA = (".html", ".md", ".txt")
+DRAWN = (".dot", ".svg", ".png", ".pdf")
 EXAMPLES = """\
   octmip report tree.json
   octmip report tree.json iris.csv --out iris.html
@@ -79,10 +80,11 @@ def run(arguments: argparse.Namespace) -> int:
     if file.loss.predicts == "number":
         _check_of_numbers(arguments, kind)
         words = _words_of_numbers(arguments, file)
-        if arguments.out:
-            write_bytes(arguments.out, ((code_block(words) if kind == ".md" else words) + "\n").encode())
-        else:
+        if not arguments.out:
             print(printable(words))
+            return 0
+        content = (code_block(words) if kind == ".md" else words) + "\n"
+        write_bytes(arguments.out, _drawing(file, kind) if kind in DRAWN else content.encode())
         return 0
     units = _units(arguments.unit, file)
     evidence = None
@@ -111,11 +113,11 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
 
 
 def _check_of_numbers(arguments: argparse.Namespace, kind: str) -> None:
-    """Refuse what a page says of classes alone: trees of numbers are reported in words."""
-    if kind not in (".txt", ".md"):
+    """Refuse what is said of classes alone: trees of numbers are reported in words and drawings."""
+    if kind == ".html":
         raise DataError(
-            f"--out {arguments.out} asks for {kind}, but a tree of numbers is reported in words; expected .txt or .md; "
-            "name such a file, or leave --out out"
+            f"--out {arguments.out} asks for a page, which only trees of classes have; expected one of "
+            f"{', '.join(other for other in KINDS if other != kind)}; name such a file, or leave --out out"
         )
     for option in ("proof", "holdout"):
         if getattr(arguments, option) is not None:
@@ -202,19 +204,19 @@ def _name_of(data: str) -> str:
 def _content(
     arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
 ) -> bytes:
-    if kind in (".svg", ".png", ".pdf"):
-        return _picture(file, kind)
+    if kind in DRAWN:
+        return _drawing(file, kind)
     if kind == ".html":
         from octmip.report.html import tree_page  # slow to import, and words do without
 
         data = _name_of(arguments.data) if arguments.data else None
         return tree_page(file, Path(arguments.tree).name, evidence, data=data, units=units).encode()
-    if kind == ".dot":
-        return (tree_dot(file.tree, file.feature_names, file.class_names, file.columns) + "\n").encode()
     return ((_markdown(file, evidence) if kind == ".md" else _words(file, evidence)) + "\n").encode()
 
 
-def _picture(file: TreeFile, kind: str) -> bytes:
+def _drawing(file: TreeFile, kind: str) -> bytes:
+    if kind == ".dot":
+        return (tree_dot(file.tree, file.feature_names, file.class_names, file.columns) + "\n").encode()
     from octmip.plot import counted_tree_figure  # needs the extra "plot", which words do not
 
     buffer = io.BytesIO()

@@ -11,10 +11,11 @@ from matplotlib.patches import FancyBboxPatch, Rectangle
 from numpy.typing import NDArray
 
 from octmip.formats.columns import Columns
+from octmip.formats.tree_file import leaf_counts
 from octmip.plot.names import drawn, plain
 from octmip.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance
 from octmip.problem import Problem
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, leaf_index, leaves, nodes
+from octmip.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, depth, leaves, nodes, prediction
 
 MINUS = "\N{MINUS SIGN}"
 NODE_WIDTH, NODE_HEIGHT, BAR_HEIGHT = 0.86, 0.5, 0.09
@@ -68,7 +69,7 @@ def _places(node: Node, level: int, first_leaf: int) -> _Place:
 
 
 def tree_figure(problem: Problem, tree: Node, title: str | None = None, columns: Columns | None = None) -> Figure:
-    """Return a drawing of a tree: its splits, and its leaves with class, samples and a bar of their classes.
+    """Return a drawing of a tree: its splits, and its leaves with class or number, samples and a bar of their classes.
 
     Yes (left) and no (right) are written on the edges of the root. `columns` are those that the features were made
     from, in whose words the splits are then written.
@@ -79,9 +80,9 @@ def tree_figure(problem: Problem, tree: Node, title: str | None = None, columns:
         the tree reads a feature or predicts a class that the problem lacks.
     """
     check_names(problem, tree)
-    counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
-    return counted_tree_figure(tree, counts, problem.feature_names, problem.class_names, title, columns)
+    return counted_tree_figure(
+        tree, leaf_counts(problem, tree), problem.feature_names, problem.class_names, title, columns
+    )
 
 
 def counted_tree_figure(
@@ -92,7 +93,7 @@ def counted_tree_figure(
     title: str | None = None,
     columns: Columns | None = None,
 ) -> Figure:
-    """Return the drawing of a tree whose samples are known as `counts`, (n_leaves, n_classes), leaves from the left."""
+    """Return the drawing of a tree whose samples are known as `counts`, those of `leaf_counts`."""
     place = _places(tree, 0, 0)
     size = 1.25 + 0.35 * max(_lines(node) - 1 for node in nodes(tree))
     width = min(WIDEST, max(3.0, 1.2 * len(leaves(tree))))
@@ -102,7 +103,7 @@ def counted_tree_figure(
     for here in place.walk():
         _draw_edges(axes, here, is_root=here is place)
         if isinstance(here.node, Leaf):
-            _draw_leaf(axes, here, next(rows), class_names)
+            _draw_leaf(axes, here, next(rows), feature_names, class_names)
         else:
             _draw_box(axes, here, split_text(here.node, feature_names, columns), PAPER)
     axes.set_xlim(-0.55, len(leaves(tree)) - 0.45)
@@ -138,8 +139,14 @@ def _draw_box(axes: Axes, place: _Place, text: str, fill: Any, edge: Any = INK) 
     plain(label).set(ha="center", va="center")
 
 
-def _draw_leaf(axes: Axes, place: _Place, counts: NDArray[np.int64], class_names: Sequence[Any]) -> None:
+def _draw_leaf(
+    axes: Axes, place: _Place, counts: NDArray[np.int64], feature_names: Sequence[str], class_names: Sequence[Any]
+) -> None:
     assert isinstance(place.node, Leaf)
+    if isinstance(place.node, ValueLeaf):
+        said = prediction(place.node, lambda feature: drawn(feature_names[feature]))
+        _draw_box(axes, place, f"{said}\n{int(counts.sum())}", PAPER, edge=QUIET)
+        return
     colours, label, total = class_colours(class_names), place.node.label, int(counts.sum())
     wrong = total - int(counts[label])
     text = f"{drawn(class_names[label])}\n{total}" + (f", {wrong} wrong" if wrong else "")

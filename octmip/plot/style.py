@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 
 from octmip.errors import ProblemError
 from octmip.problem import Problem
-from octmip.tree import Node, features_used, leaves
+from octmip.tree import Node, ValueLeaf, features_used, leaves
 
 INK, QUIET, PAPER = "#1f2933", "#7b8794", "#ffffff"
 # Okabe & Ito (2008), yellow last: distinct for all common kinds of colour blindness.
@@ -52,7 +52,8 @@ def check_names(problem: Problem, tree: Node) -> None:
     """
     highest = max((*features_used(tree), -1))
     label = max(leaf.label for leaf in leaves(tree))
-    if highest >= problem.n_features or label >= problem.n_classes:
+    is_number = problem.loss.predicts == "number" and all(isinstance(leaf, ValueLeaf) for leaf in leaves(tree))
+    if highest >= problem.n_features or (label >= problem.n_classes and not is_number):
         raise ProblemError(
             f"the tree reads feature {highest} and predicts class {label} but the problem has {problem.n_features} "
             f"features and {problem.n_classes} classes; draw it with the problem that it was found for"

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.formats.columns import Columns
-from octmip.formats.names import shown
-from octmip.report.text import condition
+from octmip.report.text import condition, leaf_text
 from octmip.tree import Leaf, Node
 
 LONGEST_LINE = 100
@@ -25,7 +24,7 @@ def tree_dot(
         index = len(lines)
         lines.append("")
         if isinstance(node, Leaf):
-            lines[index] = f"  n{index} [label={_quoted(shown(class_names[node.label]))}, shape=ellipse];"
+            lines[index] = f"  n{index} [label={_quoted(leaf_text(node, feature_names, class_names))}, shape=ellipse];"
             return index
         left, right = add(node.left), add(node.right)
         lines[index] = (

@@ -43,11 +43,16 @@ def tree_text(
     rows = iter([] if counts is None else counts.tolist())
 
     def decision(leaf: Leaf) -> str:
-        is_number = isinstance(leaf, ValueLeaf)
-        said = prediction(leaf, lambda j: shown(feature_names[j])) if is_number else shown(class_names[leaf.label])
-        return f"{said}{leaf_note(next(rows, None), leaf.label)}"
+        return f"{leaf_text(leaf, feature_names, class_names)}{leaf_note(next(rows, None), leaf.label)}"
 
     return "\n".join(tree_lines(tree, lambda split: condition(split, feature_names, columns), decision))
+
+
+def leaf_text(leaf: Leaf, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
+    """Return what a leaf predicts on one line: the name of its class, or a number to six digits."""
+    if isinstance(leaf, ValueLeaf):
+        return prediction(leaf, lambda j: shown(feature_names[j]))
+    return shown(class_names[leaf.label])
 
 
 def leaf_note(counts: list[int] | None, label: int) -> str:
