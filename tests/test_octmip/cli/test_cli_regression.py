@@ -86,6 +86,7 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
         (["--checkpoint", "c.json"], "proofs of classes"),
         (["--proof", "p.log", "--method", "search"], "logs what method exact proves"),
         (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
+        (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),
         (["--cluster", "local"], "take --threads"),
         (["--method", "oct"], "expected one of auto, search, exact"),
         (["--leaf-model", "linear", "--method", "exact"], "does not know the problem's leaf_model"),
