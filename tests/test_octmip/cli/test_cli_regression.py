@@ -89,7 +89,7 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
         (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),
         (["--cluster", "local"], "take --threads"),
         (["--method", "oct"], "expected one of auto, search, exact"),
-        (["--leaf-model", "linear", "--method", "exact"], "does not know the problem's leaf_model"),
+        (["--leaf-model", "linear", "--method", "exact"], "use method 'search'"),
     ],
 )
 def test_what_regression_does_not_know_is_refused(houses, run, options, sentence):
