@@ -6,7 +6,9 @@ independent in every number. Coloured noise is a stationary first-order process 
     e_1 = s z_1,   e_k = r e_k-1 + s sqrt(1 - r^2) z_k,   z_k = sqrt(g) (common to all gauges) + sqrt(1 - g) (own),
 
 with variance s^2, correlation r^|j-k| between readings and g between gauges. A bias is an offset of each gauge, the
-same in every reading. Source: G. E. P. Box, G. M. Jenkins, G. C. Reinsel, Time Series Analysis (2008), section 3.2.
+same in every reading. What is a gauge's own is drawn by its name.
+
+Source: G. E. P. Box, G. M. Jenkins, G. C. Reinsel, Time Series Analysis (2008), section 3.2.
 """
 
 from dataclasses import dataclass
@@ -15,6 +17,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.errors import InputError, is_number
 
 
@@ -22,10 +25,10 @@ from femlib.errors import InputError, is_number
 class Noise(Protocol):
     """Errors that are added to clean readings."""
 
-    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, draws: GaugeDraws) -> FloatArray:
         """Return errors (n_runs, n_readings, n_gauges) [microstrain]; `offsets` (n_gauges,) came from `fix`."""
 
-    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+    def fix(self, draws: GaugeDraws) -> FloatArray:
         """Return the offsets of the gauges (n_gauges,) [microstrain], drawn once for all readings."""
 
 
@@ -49,13 +52,13 @@ class WhiteNoise:
     def __post_init__(self) -> None:
         _check_deviation("white noise standard_deviation", self.standard_deviation)
 
-    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, draws: GaugeDraws) -> FloatArray:
         """Return errors (n_runs, n_readings, n_gauges) [microstrain]."""
-        return rng.normal(0.0, self.standard_deviation, (n_runs, n_readings, len(offsets)))
+        return draws.own(self.standard_deviation, (n_runs, n_readings))
 
-    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+    def fix(self, draws: GaugeDraws) -> FloatArray:
         """Return zeros (n_gauges,): nothing stays."""
-        return np.zeros(n_gauges)
+        return np.zeros(len(draws))
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,19 +93,19 @@ class ColouredNoise:
                     f"coloured noise {name} is {value!r}; expected a correlation from 0 to below 1; 1 would be a Bias"
                 )
 
-    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, draws: GaugeDraws) -> FloatArray:
         """Return errors (n_runs, n_readings, n_gauges) [microstrain]."""
-        own = rng.normal(0.0, np.sqrt(1.0 - self.between_gauges), (n_runs, n_readings, len(offsets)))
-        errors = own + rng.normal(0.0, np.sqrt(self.between_gauges), (n_runs, n_readings, 1))
+        own = draws.own(np.sqrt(1.0 - self.between_gauges), (n_runs, n_readings))
+        errors = own + draws.shared.normal(0.0, np.sqrt(self.between_gauges), (n_runs, n_readings, 1))
         keep = self.between_readings
         errors[:, 1:] *= np.sqrt(1.0 - keep**2)
         for k in range(1, n_readings if keep else 0):
             errors[:, k] += keep * errors[:, k - 1]
         return np.asarray(self.standard_deviation * errors)
 
-    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+    def fix(self, draws: GaugeDraws) -> FloatArray:
         """Return zeros (n_gauges,): nothing stays."""
-        return np.zeros(n_gauges)
+        return np.zeros(len(draws))
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,13 +133,13 @@ class Bias:
         if not is_number(self.offset):
             raise InputError(f"bias offset is {self.offset!r}; expected a finite number of microstrain; correct it")
 
-    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def draw(self, n_runs: int, n_readings: int, offsets: FloatArray, draws: GaugeDraws) -> FloatArray:
         """Return the offsets as errors (1, 1, n_gauges) [microstrain]."""
         return offsets[None, None, :]
 
-    def fix(self, n_gauges: int, rng: np.random.Generator) -> FloatArray:
+    def fix(self, draws: GaugeDraws) -> FloatArray:
         """Return the offsets (n_gauges,) [microstrain]."""
-        return self.offset + rng.normal(0.0, self.spread, n_gauges)
+        return self.offset + draws.own(self.spread)
 
 
 def _check_deviation(name: str, value: float) -> None:

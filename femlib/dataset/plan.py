@@ -7,6 +7,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.dataset.samples import GaugePlaces
 from femlib.dataset.sampling import Sampling
 from femlib.dataset.states import StateLibrary
@@ -115,10 +116,8 @@ def fitted(model: SampledModel, library: StateLibrary, sampling: Sampling) -> Pl
         raise InputError(f"a load has forces, which a {type(model).__name__} does not take; expected a full model")
     columns = np.array([list(model.parameters).index(name) for name in library.parameters])
     kept = _kept_gauges(model, sampling)
-    offsets = [
-        noise.fix(len(kept), np.random.default_rng([OFFSETS, sampling.seed, k]))
-        for k, noise in enumerate(sampling.noise)
-    ]
+    gauges = [_gauge_names(model)[k] for k in kept]
+    offsets = [noise.fix(GaugeDraws([OFFSETS, sampling.seed, k], gauges)) for k, noise in enumerate(sampling.noise)]
     return Plan(model, library, sampling, columns, kept, tuple(offsets))
 
 

@@ -5,13 +5,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from femlib.dataset.gauge_draws import N_PUBLISHED_GAUGES, STUDY_GAUGES
 from femlib.dataset.samples import LEVELS_PERCENT, LOAD_FACTOR, MeanStrains, study_states_percent
 from femlib.dataset.storage import ROWS_AT_A_TIME, csv_pieces, floats
 from femlib.errors import InputError
-
-PUBLISHED_INSIDE_REGIONS = ("g17", "g18", "g23", "g24")
-"""Gauges of the published table that lie in a damage region and are left out. Deduced from the table's increments."""
-N_PUBLISHED_GAUGES = 24
 
 
 def published_strains(path: str | Path) -> MeanStrains:
@@ -39,7 +36,7 @@ def published_strains(path: str | Path) -> MeanStrains:
             f"states of mu1_percent and mu2_percent in {list(LEVELS_PERCENT)}; complete the table"
         )
     names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
-    usable = np.array([name not in PUBLISHED_INSIDE_REGIONS for name in names])
+    usable = np.array([name in STUDY_GAUGES for name in names])
     strains = np.stack([floats(table[name][is_mean])[order] for name in columns], axis=1)
     source = f"published table {Path(path).name}"
     return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, source, "")

@@ -15,6 +15,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
+from femlib.dataset.gauge_draws import table_noise
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 
 LEVELS_PERCENT = (0, 20, 40, 60, 80)
@@ -217,6 +218,8 @@ class Dataset:
 def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 0) -> Dataset:
     """Draw the readings of the recipe (the paper's if not given) from a seed: noise first, then the split.
 
+    A gauge has the same readings, and a row is in the same part, in whatever set and order the gauges come.
+
     Raises
     ------
     InputError
@@ -231,11 +234,12 @@ def build_dataset(means: MeanStrains, recipe: Recipe | None = None, seed: int = 
         )
     rng = np.random.default_rng(seed)
     clean = means.strain_microstrain[:, means.is_usable]
+    gauges = tuple(name for name, usable in zip(means.gauges, means.is_usable, strict=True) if usable)
     states = np.repeat(np.arange(len(clean)), drawn.samples_per_state)
-    readings = clean[states] + rng.normal(0.0, np.sqrt(drawn.noise_variance), (len(states), clean.shape[1]))
+    deviation = float(np.sqrt(drawn.noise_variance))
+    readings = clean[states] + table_noise(gauges, len(states), deviation, seed, rng)
     is_train = np.zeros(len(states), dtype=bool)
     is_train[rng.permutation(len(states))[: round(drawn.train_fraction * len(states))]] = True
-    gauges = tuple(name for name, usable in zip(means.gauges, means.is_usable, strict=True) if usable)
     return Dataset(
         readings / means.load_factor,
         states,

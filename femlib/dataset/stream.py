@@ -2,8 +2,9 @@
 
 Rows come in the order of the library, for each state in that of the loads, then the readings; historical rows follow.
 The states are solved through joblib, so in whatever `joblib.parallel_config` says (threads, processes, a Dask
-cluster). Work is cut by the library's length alone, every piece of noise has a generator of its own, and the linear
-algebra of a piece runs on one thread: the rows are the same for any n_jobs and backend.
+cluster). Work is cut by the library's length alone, every piece of noise has generators of its own, one a gauge
+(`femlib.dataset.gauge_draws`), and the linear algebra of a piece runs on one thread: the rows are the same for any
+n_jobs and backend, and a gauge reads the same beside any others.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.checked import names, taken, whole
+from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.dataset.history import history_pieces
 from femlib.dataset.kept_strains import KeptStrains
 from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, write_groups
@@ -227,13 +229,13 @@ def _drawn(plan: Plan, number: int, first: int, clean: FloatArray, done: int, n_
     """Return the rows of `n_readings` readings of each clean strain (n_states, n_gauges) under load `number`."""
     sampling = plan.sampling
     load = sampling.loads[number]
-    rng = np.random.default_rng([READINGS, sampling.seed, first, number, done])
+    draws = GaugeDraws([READINGS, sampling.seed, first, number, done], plan.gauges)
+    is_train = draws.shared.random(len(clean) * n_readings) < sampling.train_fraction
     readings = np.repeat(clean[:, None, :], n_readings, axis=1)
     for noise, offsets in zip(sampling.noise, plan.offsets, strict=True):
-        readings += noise.draw(len(clean), n_readings, offsets, rng)
+        readings += noise.draw(len(clean), n_readings, offsets, draws)
     readings /= sampling.divisor(load)
     states = np.repeat(np.arange(first, first + len(clean)), n_readings)
-    is_train = rng.random(len(states)) < sampling.train_fraction
     damage = np.repeat(plan.library.between(first, first + len(clean)), n_readings, axis=0)
     return _table(
         plan, states, damage, load.name, load.factor, is_train, "simulated", readings.reshape(len(states), -1)

@@ -16,6 +16,7 @@ from femlib.dataset import (
     study_states_percent,
     write_dataset,
 )
+from femlib.dataset.gauge_draws import STUDY_GAUGES
 from femlib.errors import InputError
 
 
@@ -65,6 +66,31 @@ def test_noise_has_the_variance_of_the_recipe_after_the_division(means: MeanStra
     assert data.noise_sd == pytest.approx(np.sqrt(1000.0) / 3.0)
     assert noise.std() == pytest.approx(data.noise_sd, rel=0.01)
     assert np.abs(np.corrcoef(noise.T) - np.eye(3)).max() < 0.02
+
+
+def test_a_gauge_reads_the_same_in_any_set_and_order_of_gauges() -> None:
+    states, names = study_states_percent(), ("g01", "c02", "g17", "g22", "c01")
+    strains = 1000.0 + states @ np.arange(10.0).reshape(2, 5)
+
+    def readings(columns: list[int]) -> Dataset:
+        usable, some = np.ones(len(columns), dtype=bool), tuple(names[k] for k in columns)
+        return build_dataset(MeanStrains(states, strains[:, columns], 3.0, some, usable, "made up", ""), seed=5)
+
+    whole = readings([0, 1, 2, 3, 4])
+    assert np.abs(np.corrcoef((whole.features - whole.mean_features[whole.states]).T) - np.eye(5)).max() < 0.08
+    for columns in ([0], [4], [3, 1], [4, 3, 2, 1, 0]):
+        part = readings(columns)
+        assert np.array_equal(part.features, whole.features[:, columns])
+        assert np.array_equal(part.is_train, whole.is_train)
+
+
+def test_the_20_gauges_of_the_study_are_drawn_together_as_in_the_published_figures() -> None:
+    states = study_states_percent()
+    usable = np.ones(20, dtype=bool)
+    data = build_dataset(MeanStrains(states, np.zeros((25, 20)), 3.0, STUDY_GAUGES, usable, "none", ""), seed=3)
+    rng = np.random.default_rng(3)
+    assert np.array_equal(data.features, rng.normal(0.0, np.sqrt(1000.0), (2500, 20)) / 3.0)
+    assert sorted(rng.permutation(2500)[:1750]) == np.flatnonzero(data.is_train).tolist()
 
 
 def test_a_seed_gives_the_same_data_and_another_seed_other_data(means: MeanStrains) -> None:
