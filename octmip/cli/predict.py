@@ -36,6 +36,7 @@ from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
 from octmip.tree import leaf_index, leaves, predict_values
 
+MADE = "shares of the training rows, which are too high for fresh ones"
 EXAMPLES = """\
   octmip predict tree.json new.csv
   octmip predict tree.json new.csv --proba --index person --out predictions.csv
@@ -86,12 +87,13 @@ def run(arguments: argparse.Namespace) -> int:
     label = arguments.label or _known_target(file, table)
     counted = _counted(file, table, label, predicted) if label else None
     content = _csv(file, predictions, shares, index)
-    how = ("probabilities are shares of the training rows, which are too high for fresh ones",) * (shares is not None)
+    how = (f"probabilities are {MADE}",) * (shares is not None)
     # A name that no file can hold is said beforehand; JSON has escapes for it.
     encoded = _utf8(content) if arguments.out or not arguments.json else b""
     with then_written(arguments.out, partial(write_bytes, content=encoded), is_quiet=True):
         if arguments.json:
-            probabilities = {} if shares is None else {"class_names": list(file.class_names), "probabilities": shares}
+            told = {"class_names": list(file.class_names), "probabilities": shares, "probabilities_made": MADE}
+            probabilities = {} if shares is None else told
             names = {} if index is None else {"index": index[1]}
             print_json(
                 {"n_samples": len(predictions), "n_missing": int(np.isnan(features).sum())}

@@ -93,6 +93,16 @@ def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):
     answer = json.loads(run("predict", tree, data, "--label", "y", "--json")[1])
     assert answer["errors"] == 1
     assert len(answer["predictions"]) == 30
+    assert "probabilities_made" not in answer
+
+
+def test_predict_says_how_probabilities_were_made(data, run, tree):
+    made = "shares of the training rows, which are too high for fresh ones"
+    _, _, err = run("predict", tree, data, "--probabilities")
+    assert err == f"note: probabilities are {made}\n"
+    _, out, err = run("predict", tree, data, "--probabilities", "--json")
+    assert json.loads(out)["probabilities_made"] == made
+    assert err == ""
 
 
 def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path):
