@@ -15,6 +15,7 @@ from octmip.certificate import certify
 from octmip.errors import SolverError, TreeError
 from octmip.estimator.decision_tree import sklearn_tree
 from octmip.estimator.fitted import FittedTree
+from octmip.estimator.leaf_shares import LeafShares, Smoothing
 from octmip.estimator.proof import method_proves, warn_unproven
 from octmip.estimator.samples import label_name, learn_samples, read_samples
 from octmip.estimator.settings import (
@@ -34,7 +35,6 @@ from octmip.run import Method
 from octmip.shape import MAX_DEPTH
 from octmip.solution import Limits, Solution, Stop
 from octmip.solver import solve
-from octmip.tradeoff import leaves_on_fresh_rows
 from octmip.uncertainty import LeafDistribution
 
 
@@ -72,9 +72,10 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
         Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.
     smoothing
-        of the probabilities in each leaf: so much training weight is added, in equal parts to every class. By default
-        (0) they are shares of the training rows, which are too high for fresh ones. "out-of-fold" corrects them by rows
-        held out of 20 refits, each with the method and the seconds of the fit (`octmip.tradeoff.leaf_shares`).
+        of the probabilities in each leaf. "out-of-fold" corrects the shares of the training rows, which are too high
+        for fresh ones, by rows held out of ten quick refits; they run when a probability is first asked for, and take
+        `seconds` at most (`octmip.tradeoff.leaf_shares`). A number instead: so much training weight is added, in equal
+        parts to every class; 0 leaves the shares of the training rows.
     method
         of `octmip.solve`: "auto" proves for splits on one feature, and searches without a proof for hyperplanes.
     seconds
@@ -121,7 +122,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         sensor_budget: float | None = None,
         categories: Literal["yes-no", "order", "refuse"] = "yes-no",
         missing: Literal["either-side", "refuse"] = "either-side",
-        smoothing: float | Literal["out-of-fold"] = 0.0,
+        smoothing: Smoothing = "out-of-fold",
         method: Method = "auto",
         seconds: float = 60.0,
         n_jobs: int | None = None,
@@ -177,11 +178,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
         limits = Limits(seconds=self.seconds)
         self._keep(problem, solve(problem, self.method, limits, seed=seed, n_jobs=threads))
+        self._shares = LeafShares(problem, self.tree_, self.smoothing, self.seconds, seed, threads)
         if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")
-        if self.smoothing == "out-of-fold":
-            settings: dict[str, Any] = {"method": self.method, "limits": limits, "seed": seed, "n_jobs": threads}
-            self.leaf_distribution_ = leaves_on_fresh_rows(problem, self.tree_, **settings)
         warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
         return self
 
@@ -190,8 +189,6 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
         self.problem_, self.solution_ = problem, solution
         self.certificate_ = certify(problem, solution)
-        strength = 0.0 if self.smoothing == "out-of-fold" else self.smoothing
-        self.leaf_distribution_ = LeafDistribution.of(solution.tree, problem, strength=strength)
 
     def _problem(self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]) -> Problem:
         return Problem(
@@ -211,6 +208,12 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             gaps=self.columns_.lack_numbers,
             feature_names=self.columns_.feature_names,
         )
+
+    @property
+    def leaf_distribution_(self) -> LeafDistribution:
+        """The classes in each leaf; `smoothing` says how they are counted, at the first use."""
+        check_is_fitted(self, "solution_")
+        return self._shares.distribution
 
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the class of each row of X (n_samples, n_features), shape (n_samples,)."""

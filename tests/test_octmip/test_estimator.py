@@ -70,7 +70,8 @@ def test_predictions_are_those_of_the_tree():
 
 
 def test_shares_are_those_of_the_training_weight_in_the_leaf():
-    fitted = OptimalTreeClassifier(max_depth=1, method="cart").fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
+    plain = OptimalTreeClassifier(max_depth=1, method="cart", smoothing=0)
+    fitted = plain.fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
     assert fitted.predict_proba([[0], [1]]).tolist() == [[1, 0], [0.25, 0.75]]
     assert fitted.predict_log_proba([[0], [1]]).tolist() == [[0, -math.inf], [math.log(0.25), math.log(0.75)]]
 

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from sklearn.metrics import brier_score_loss
 
-from octmip import Leaf, OptimalTreeClassifier, Problem, Split
+from octmip import Leaf, OptimalTreeClassifier, Problem, Split, solve
 from octmip.errors import ProblemError
+from octmip.solution import Stop
+from octmip.tradeoff import leaf_shares
 from octmip.uncertainty import (
     LeafDistribution,
     brier_score,
@@ -218,6 +220,52 @@ def test_leaves_say_how_their_probabilities_were_made():
         "training shares, smoothed by 2",
         "training shares, the greatest corrected by rows held out of refits",
     ]
+
+
+def test_probabilities_are_corrected_by_default_when_they_are_first_asked_for(monkeypatch):
+    asked = []
+    monkeypatch.setattr(leaf_shares, "solve", lambda *a, **k: asked.append(a[1]) or solve(*a, **k))
+    model = OptimalTreeClassifier(max_depth=2).fit(*noisy(1500, 0))
+    assert model.predict(noisy(9, 1)[0]).shape == (9,)
+    assert asked == []
+    before = dict(vars(model))
+    first = model.predict_proba(noisy(200, 1)[0])
+    assert asked == ["search"] * 10
+    assert vars(model) == before
+    assert np.array_equal(model.predict_proba(noisy(200, 1)[0]), first)
+    assert len(asked) == 10
+    assert "corrected" in model.leaf_distribution_.made
+    assert np.array_equal(
+        OptimalTreeClassifier(max_depth=2).fit(*noisy(1500, 0)).predict_proba(noisy(200, 1)[0]), first
+    )
+
+
+def test_few_rows_are_smoothed_and_the_leaves_say_so():
+    features, labels = noisy(99, 0)
+    model = OptimalTreeClassifier(1).fit(features, labels)
+    assert model.leaf_distribution_.made == "training shares, smoothed by 3"
+    twice = OptimalTreeClassifier(1).fit(features[:40], labels[:40], np.full(40, 2.0))
+    rows = np.repeat(np.arange(40), 2)
+    assert np.allclose(
+        OptimalTreeClassifier(1).fit(features[rows], labels[rows]).predict_proba(features),
+        twice.predict_proba(features),
+    )
+
+
+def test_a_class_that_one_fold_holds_out_leaves_the_line_to_the_others():
+    rng = np.random.default_rng(0)
+    features, labels = rng.normal(size=(300, 2)), np.arange(300) == 7
+    leaves = OptimalTreeClassifier(2).fit(features, labels).leaf_distribution_
+    assert leaves.line is not None
+    assert leaves.probabilities.max(axis=1).min() > 0.5
+
+
+def test_ctrl_c_ends_the_refits(monkeypatch):
+    interrupted = lambda *a, **k: replace(solve(*a, **k), stop=Stop.INTERRUPTED)  # noqa: E731
+    model = OptimalTreeClassifier(1).fit(*noisy(200, 0))
+    monkeypatch.setattr(leaf_shares, "solve", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        model.predict_proba(noisy(5, 1)[0])
 
 
 def test_the_line_is_that_of_least_squares_and_never_falls():
