@@ -1,6 +1,6 @@
 """ClassCosts: a cost matrix of classes, 0/1 unless another is given.
 
-cost(k, l) = costs[k, l]; the best leaf predicts the class of least cost, the first of equals
+``cost(k, l) = costs[k, l]``; the best leaf predicts the class of least cost, the first of equals
 """
 
 import math

@@ -1,6 +1,6 @@
 """Squared and absolute error of a predicted number.
 
-cost(y, f) = |y - f|^q, q = 2 or 1; the best leaf predicts the weighted mean, or the lowest weighted median
+``cost(y, f) = |y - f|^q``, q = 2 or 1; the best leaf predicts the weighted mean, or the lowest weighted median
 """
 
 import math
