@@ -6,7 +6,12 @@ NEARLY = "test_octmip/test_claims_nearly_right.py"
 CERTIFICATE = (NEARLY, "test_octmip/test_certificate.py")
 SETS = (NEARLY, "test_octmip/test_near_sets.py")
 DRIFT = (NEARLY, "test_octmip/test_drift.py")
-NUMBERS = (NEARLY, "test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
+NUMBERS = (
+    NEARLY,
+    "test_octmip/test_regression_grid.py",
+    "test_octmip/test_regression.py",
+    "test_octmip/test_regression_proof.py",
+)
 TREE_FILE = (
     "test_octmip/test_tree_file.py",
     "test_octmip/test_tree_file_table.py",

@@ -3,7 +3,11 @@
 from benchmarks.mutants.mutant import Mutant
 
 COSTS = ("test_octmip/test_encoding_costs.py", "test_octmip/test_exact_numerics.py", "test_octmip/test_fuzz_corpus.py")
-NUMBERS = ("test_octmip/test_regression.py", "test_octmip/test_regression_proof.py")
+NUMBERS = (
+    "test_octmip/test_regression_grid.py",
+    "test_octmip/test_regression.py",
+    "test_octmip/test_regression_proof.py",
+)
 SETS = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_near_sets.py")
 ROLES = ("test_octmip/test_near_sensors.py",)
 FRONTIER = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_frontier.py")
@@ -159,7 +163,7 @@ PROOFS = (
         "octmip/solver.py",
         "if solution.stop is not Stop.INTERRUPTED:\n        kept.keep",
         "if solution.stop is not None:\n        kept.keep",
-        ("test_octmip/test_solves_file.py", "test_octmip/test_solver.py"),
+        ("test_octmip/cli/test_cli_signals.py",),
     ),
     Mutant(
         "octmip/solver.py",
