@@ -131,7 +131,7 @@ def test_the_tolerance_covers_what_rounding_takes_from_a_tree_no_worse_than_the_
 
 
 def test_a_penalty_that_no_tree_pays_takes_no_digits():
-    """No answer costs more than another, so any split is too dear; the penalty has 59 digits of its own."""
+    """No answer costs more than another, so every split is a loss; the penalty has 59 digits of its own."""
     costs, weights = [[1, 1], [1e-6, 0]], [1, 1, 1, 0]
     problem = Problem(
         [[0], [1], [2], [3]], [0, 0, 0, 1], depth=1, weights=weights, loss=ClassCosts(costs), leaf_penalty=0.008
