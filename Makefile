@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/dev/null 2>&1 && echo --zig --compatibility manylinux2014)
-NATIVE := $(shell find octmip/native/src octmip/native/check octmip/native/Cargo.toml -type f)
+NATIVE := $(shell find octmip/trees/native/src octmip/trees/native/check octmip/trees/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site verified tools benchmarks clean
@@ -28,7 +28,7 @@ pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 lint: lint-python
-	cd octmip/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
+	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
 lint-python-then-rust: lint-python
 	$(MAKE) lint-rust
@@ -39,8 +39,8 @@ lint-python: $(VENV)/.packages-test
 	$(BIN)/mypy
 
 lint-rust: | tools
-	cd octmip/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
-	cd octmip/native && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
+	cd octmip/trees/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
+	cd octmip/trees/native && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
 # An abi3 wheel and the source distribution in dist/. Linked by zig the wheel runs on every Linux since 2014
 # (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.
@@ -54,10 +54,10 @@ wheel: $(VENV)/.wheel-tools
 site: $(VENV)/.installed-test
 	@$(BIN)/python -m sphinx -W --keep-going -q -b html $(if $(DRAW),-D draw_examples=1) docs site
 
-# The proof checker with a theorem (docs/theory/proofs/verified.md): octmip/verified/build/octmip-verified
+# The proof checker with a theorem (docs/theory/proofs/verified.md): octmip/trees/verified/build/octmip-verified
 verified:
 	@command -v coqc >/dev/null && command -v ocamlfind >/dev/null && ocamlfind query zarith >/dev/null 2>&1 || { echo "Coq, OCaml or Zarith is missing: install them, for instance with apt-get install coq ocaml-nox ocaml-findlib libzarith-ocaml-dev"; exit 2; }
-	$(MAKE) -C octmip/verified
+	$(MAKE) -C octmip/trees/verified
 
 tools:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: install Python 3.11 or newer, or say make PYTHON=/path/to/python"; exit 2; }
@@ -106,4 +106,4 @@ $(VENV)/.wheel-tools: | $(BIN)/python
 	@touch $@
 
 clean:
-	rm -rf $(VENV) results dist octmip/native/target octmip/verified/build octmip/*.so
+	rm -rf $(VENV) results dist octmip/trees/native/target octmip/trees/verified/build octmip/trees/*.so

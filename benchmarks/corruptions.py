@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.tables import Line
-from octmip.certificate import certify
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import data_digest
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Solution
-from octmip.tree import Leaf, Node
+from octmip.trees.certificate import certify
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Leaf, Node
 
 Generator = np.random.Generator
 HEADER = 5  # lines

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypedDict
 
-from octmip.solution import Limits, Progress
+from octmip.trees.solution import Limits, Progress
 
 
 class Supervision(TypedDict):

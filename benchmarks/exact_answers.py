@@ -6,11 +6,11 @@ from concurrent.futures import ProcessPoolExecutor
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.tables import Line
-from octmip.certificate import certify
 from octmip.errors import OctmipError
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.tree import Leaf
+from octmip.trees.certificate import certify
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf
 
 CHUNK = 250
 FEWEST = 10_000

@@ -17,7 +17,7 @@ from sklearn.datasets import make_classification
 from benchmarks.cpu import cpu_limit, cpu_seconds
 from benchmarks.main_program import run_main
 from octmip import Problem, solve
-from octmip.plot.style import DISTINCT, INK, quiet_frame
+from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame
 
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "how_long.svg"
 SAMPLES = {2: (100, 300, 1000, 3000, 10_000, 30_000, 100_000), 3: (100, 300, 1000, 3000, 10_000), 4: (100, 300, 1000)}

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable
 from typing import NoReturn
 
-from octmip.cli.stages import term_as_interrupt
+from octmip.interfaces.cli.stages import term_as_interrupt
 
 
 def run_main(main: Callable[[], int | None]) -> NoReturn:

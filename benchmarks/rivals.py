@@ -11,8 +11,8 @@ from importlib.metadata import version
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.problem import Problem
-from octmip.solution import Limits
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 
 # STreeD and DL8.5 know binary features only. They take part where one for each threshold is not more than this, so that
 # they solve the same question; a few quantiles instead is another question (it loses to plain CART, see the docs).
@@ -47,7 +47,7 @@ class Rival:
 
 
 def _octmip(problem: Problem) -> Fit:
-    from octmip.solver import solve
+    from octmip.trees.solver import solve
 
     def fit(seconds: float, threads: int) -> Answer:
         solution = solve(problem, method="exact", limits=Limits(seconds=seconds), n_jobs=threads)
@@ -57,7 +57,7 @@ def _octmip(problem: Problem) -> Fit:
 
 
 def _octmip_core(problem: Problem) -> Fit:
-    from octmip.methods.exact import branch_and_bound
+    from octmip.trees.methods.exact import branch_and_bound
 
     def fit(seconds: float, threads: int) -> Answer:
         solution = branch_and_bound(problem, limits=Limits(seconds=seconds), n_jobs=threads)
@@ -142,7 +142,7 @@ def _odtlearn(name: str) -> Callable[[Problem], Fit]:
 
 
 def _benders(problem: Problem) -> Fit:
-    from octmip.mip.benders.solver import solve_benders
+    from octmip.trees.mip.benders.solver import solve_benders
 
     def fit(seconds: float, threads: int) -> Answer:
         solution = solve_benders(problem, limits=Limits(seconds=seconds), n_jobs=threads)
@@ -152,7 +152,7 @@ def _benders(problem: Problem) -> Fit:
 
 
 def _oct(problem: Problem) -> Fit:
-    from octmip.mip.oct import solve_oct
+    from octmip.trees.mip.oct import solve_oct
 
     def fit(seconds: float, threads: int) -> Answer:
         solution = solve_oct(problem, limits=Limits(seconds=seconds), n_jobs=threads)
@@ -163,7 +163,7 @@ def _oct(problem: Problem) -> Fit:
 
 def _flow(fix: int) -> Callable[[Problem], Fit]:
     def prepare(problem: Problem) -> Fit:
-        from octmip.mip.flow import solve_flow
+        from octmip.trees.mip.flow import solve_flow
 
         def fit(seconds: float, threads: int) -> Answer:
             solution = solve_flow(problem, limits=Limits(seconds=seconds), n_jobs=threads, fix=fix)

@@ -29,7 +29,7 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import Line
-from octmip.cli.stages import term_as_interrupt
+from octmip.interfaces.cli.stages import term_as_interrupt
 
 GRACE = 60.0  # seconds to start, build the data and stop politely before a solver is killed
 SHORT = 0.5  # a solving call is repeated until so many seconds have passed, at most 5 times

@@ -8,10 +8,10 @@ import numpy as np
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
-from octmip.solution import Limits
+from octmip.trees.certificate import certify
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 
 
 def strains(target: str, n_samples: int, n_gauges: int) -> Table:

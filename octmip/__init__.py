@@ -4,28 +4,28 @@ import importlib
 
 TYPE_CHECKING = False  # as `typing` has it: a command waits for all that is imported here before it hears a signal
 if TYPE_CHECKING:
-    from octmip.certificate import Certificate, certify
     from octmip.errors import OctmipError
-    from octmip.estimator import OptimalTreeClassifier, OptimalTreeRegressor
-    from octmip.losses import AbsoluteError, ClassCosts, SquaredError
-    from octmip.near_sets import near_optimal, sensor_roles
-    from octmip.prediction import predict, predict_values
-    from octmip.problem import Problem
-    from octmip.solution import Limits, Progress, Solution, Stop
-    from octmip.solver import solve
-    from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
+    from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
+    from octmip.trees.certificate import Certificate, certify
+    from octmip.trees.losses import AbsoluteError, ClassCosts, SquaredError
+    from octmip.trees.near_sets import near_optimal, sensor_roles
+    from octmip.trees.prediction import predict, predict_values
+    from octmip.trees.problem import Problem
+    from octmip.trees.solution import Limits, Progress, Solution, Stop
+    from octmip.trees.solver import solve
+    from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 else:  # a checker of types sees no name that is not there
     _MODULES = {
-        "certificate": ("Certificate", "certify"),
+        "trees.certificate": ("Certificate", "certify"),
         "errors": ("OctmipError",),
-        "estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
-        "losses": ("AbsoluteError", "ClassCosts", "SquaredError"),
-        "near_sets": ("near_optimal", "sensor_roles"),
-        "prediction": ("predict", "predict_values"),
-        "problem": ("Problem",),
-        "solution": ("Limits", "Progress", "Solution", "Stop"),
-        "solver": ("solve",),
-        "tree": ("HyperplaneSplit", "Leaf", "Split", "ValueLeaf"),
+        "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
+        "trees.losses": ("AbsoluteError", "ClassCosts", "SquaredError"),
+        "trees.near_sets": ("near_optimal", "sensor_roles"),
+        "trees.prediction": ("predict", "predict_values"),
+        "trees.problem": ("Problem",),
+        "trees.solution": ("Limits", "Progress", "Solution", "Stop"),
+        "trees.solver": ("solve",),
+        "trees.tree": ("HyperplaneSplit", "Leaf", "Split", "ValueLeaf"),
     }
 
     def __getattr__(name: str) -> object:

@@ -31,8 +31,8 @@ def test_the_source_distribution_holds_every_source_and_nothing_built(tmp_path_f
 def test_the_wheel_leaves_the_native_sources_out_and_the_source_distribution_does_not():
     rules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["maturin"]["exclude"]
     by_format = {form: {rule["path"] for rule in rules if rule["format"] == form} for form in ("wheel", "sdist")}
-    assert "octmip/native/**/*" in by_format["wheel"]
-    assert by_format["sdist"] == {"octmip/native/Cargo.lock"}
+    assert "octmip/trees/native/**/*" in by_format["wheel"]
+    assert by_format["sdist"] == {"octmip/trees/native/Cargo.lock"}
 
 
 def test_the_packages_say_that_they_are_typed():

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from octmip.cli import main
+from octmip.interfaces.cli import main
 
 DOCS = Path(__file__).parent.parent / "docs"
 PAGES = [DOCS / "index.md", *sorted((DOCS / "examples").rglob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]

@@ -34,7 +34,7 @@ import contextlib, io, json
 import numpy as np
 from femlib.elements import tria3
 from octmip import Problem, certify, predict, solve
-from octmip.cli import main
+from octmip.interfaces.cli import main
 
 features, labels = np.array([[0.0, 1], [1, 0], [2, 5], [3, 4], [4, 2], [5, 3]]), [0, 0, 1, 1, 0, 0]
 said = {"gap": {}}
@@ -92,7 +92,7 @@ def pictures():
 
 
 def plot():
-    import octmip.plot
+    import octmip.interfaces.plot
 
 
 def design():

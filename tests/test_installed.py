@@ -72,12 +72,12 @@ def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octm
     tracked = subprocess.run(["git", "ls-files", "octmip", "femlib"], capture_output=True, text=True, cwd=ROOT)
     if tracked.returncode or not tracked.stdout:
         pytest.skip("this is no git checkout")
-    sources = ("octmip/native/", "octmip/verified/")
+    sources = ("octmip/trees/native/", "octmip/trees/verified/")
     wanted = {name for name in tracked.stdout.split("\n") if name and not name.startswith(sources)}
     with zipfile.ZipFile(installed_octmip.wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
     assert {"octmip/py.typed", "femlib/py.typed"} <= names
-    assert names == wanted | {"octmip/_native.abi3.so"}
+    assert names == wanted | {"octmip/trees/_native.abi3.so"}
     assert "-abi3-" in installed_octmip.wheel.name
 
 
@@ -145,7 +145,7 @@ def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Install
 
 
 def test_every_extra_is_installed_where_make_asked_for_all(tmp_path: Path) -> None:
-    used = "import octmip.plot, octmip.report.page, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
+    used = "import octmip.interfaces.plot, octmip.interfaces.report.page, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
     wing = "femlib.wing.uav_wing(refinement=0.25)"
     done = subprocess.run(
         [sys.executable, "-c", f"{used}\n{wing}"], capture_output=True, text=True, cwd=tmp_path, env=stranger()
@@ -176,7 +176,7 @@ def test_the_source_distribution_is_built_and_imported(
 
 def copied_target(folder: Path) -> Path:
     """Return a copy of cargo's folder of the wheel's build: another build of the crate there would take its place."""
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "octmip" / "native" / "target"))
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "octmip" / "trees" / "native" / "target"))
     for name in ("deps", "build", ".fingerprint"):
         shutil.copytree(target / "release" / name, folder / "target" / "release" / name)
     return folder / "target"

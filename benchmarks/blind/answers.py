@@ -17,7 +17,7 @@ from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, Differences, Odds, diagnose, read_campaign
 from octmip.gap.diagnosis import library_of
 from octmip.gap.twins.cached import CachedTwin
-from octmip.report.diagnosis.as_json import as_object
+from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.twin import Effect, amounts_of
 
 HELD_LOAD = 2.5

@@ -15,8 +15,8 @@ from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Addition, AugmentedTwin
 from octmip.gap.retrain import Lesson, Recovery, recovery, retrained, trained
 from octmip.gap.twins.cached import CachedTwin
-from octmip.solution import Solution
-from octmip.tree import Node
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Node
 
 REPEATS = 100
 DEPTH = 3

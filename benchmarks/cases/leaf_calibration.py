@@ -14,8 +14,8 @@ from benchmarks.data import SHARED, uci
 from benchmarks.tables import Line
 from femlib.dataset import Recipe, build_dataset, published_strains
 from octmip import Limits, Problem, solve
-from octmip.tradeoff import leaves_on_fresh_rows
-from octmip.uncertainty import LeafDistribution, brier_score, calibration_error
+from octmip.trees.tradeoff import leaves_on_fresh_rows
+from octmip.trees.uncertainty import LeafDistribution, brier_score, calibration_error
 
 FIRST_SEED, N_SEEDS = 30, 12
 LARGE = "mu2, 20,000 rows"

@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.drift import Bands
-from octmip.problem import Problem
+from octmip.trees.drift import Bands
+from octmip.trees.problem import Problem
 
 Floats = NDArray[np.float64]
 Child = tuple[int | None, NDArray[np.bool_], list[Floats]]

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from benchmarks.data import published
 from benchmarks.main_program import run_main
 from octmip import Problem, solve
-from octmip.drift import solve as solve_drift
-from octmip.drift import worst_case
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.drift import solve as solve_drift
+from octmip.trees.drift import worst_case
 
 LABEL = "mu1"
 DEPTH = 2

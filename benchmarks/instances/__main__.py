@@ -13,8 +13,8 @@ from pathlib import Path
 from benchmarks.instances.catalogue import INSTANCES, Instance
 from benchmarks.instances.known import known, markdown
 from benchmarks.main_program import run_main
-from octmip.mip.highs import highs
-from octmip.mip.rows import Rows
+from octmip.trees.mip.highs import highs
+from octmip.trees.mip.rows import Rows
 
 
 def main(words: list[str] | None = None) -> int:

@@ -13,10 +13,10 @@ from functools import partial
 
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.problem_options import ProblemOptions
-from octmip.mip import flow, oct, oct_h
-from octmip.mip.incumbent import starting_tree
-from octmip.mip.rows import Rows
-from octmip.problem import Problem
+from octmip.trees.mip import flow, oct, oct_h
+from octmip.trees.mip.incumbent import starting_tree
+from octmip.trees.mip.rows import Rows
+from octmip.trees.problem import Problem
 
 MU = 1e-3
 

@@ -11,13 +11,13 @@ from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import with_gaps
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
-from octmip.certificate import certify
 from octmip.errors import CertificateError
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Solution, Stop
-from octmip.solver import solve
-from octmip.tree import n_splits
+from octmip.trees.certificate import certify
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.solver import solve
+from octmip.trees.tree import n_splits
 
 MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
 MOST_SPLITS = 3

@@ -16,16 +16,16 @@ from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.oracles.wide_problems import wide_numbers
 from benchmarks.regression.enumeration import least_objective
-from octmip.certificate import certify
-from octmip.drift import Bands, certify_drift
-from octmip.drift import solve as solve_drift
 from octmip.errors import CertificateError
-from octmip.losses import ClassCosts
-from octmip.near_sets import NearOptimalSet, near_optimal
-from octmip.problem import Problem
-from octmip.set_certificate import Recount, certify_set, recount
-from octmip.solution import Solution
-from octmip.solver import solve
+from octmip.trees.certificate import certify
+from octmip.trees.drift import Bands, certify_drift
+from octmip.trees.drift import solve as solve_drift
+from octmip.trees.losses import ClassCosts
+from octmip.trees.near_sets import NearOptimalSet, near_optimal
+from octmip.trees.problem import Problem
+from octmip.trees.set_certificate import Recount, certify_set, recount
+from octmip.trees.solution import Solution
+from octmip.trees.solver import solve
 
 
 class Numbers:

@@ -18,20 +18,25 @@ QUALITY = ("test_femlib/test_quality.py", "test_femlib/test_structure.py")
 REDUCED = ("test_femlib/test_rom_bound.py", "test_femlib/test_rom.py", "test_femlib/test_reduced_modes.py")
 
 MODELS = (
-    Mutant("octmip/uncertainty/credible.py", "scores <= self.thresholds)", "scores < self.thresholds)", CREDIBLE),
+    Mutant("octmip/trees/uncertainty/credible.py", "scores <= self.thresholds)", "scores < self.thresholds)", CREDIBLE),
     Mutant(
-        "octmip/uncertainty/credible.py",
+        "octmip/trees/uncertainty/credible.py",
         "coverage * (running[-1] + weight.max())",
         "coverage * running[-1]",
         CREDIBLE,
     ),
-    Mutant("octmip/uncertainty/credible.py", "1.0 - confidence)", "confidence)", CREDIBLE),
-    Mutant("octmip/uncertainty/credible.py", "rng.random((len(scores), 1)) <= self.ties", "self.ties > 0", CREDIBLE),
+    Mutant("octmip/trees/uncertainty/credible.py", "1.0 - confidence)", "confidence)", CREDIBLE),
     Mutant(
-        "octmip/uncertainty/leaf_distribution.py", "(weights + strength * towards)", "(weights + strength)", CREDIBLE
+        "octmip/trees/uncertainty/credible.py", "rng.random((len(scores), 1)) <= self.ties", "self.ties > 0", CREDIBLE
     ),
     Mutant(
-        "octmip/uncertainty/calibration.py",
+        "octmip/trees/uncertainty/leaf_distribution.py",
+        "(weights + strength * towards)",
+        "(weights + strength)",
+        CREDIBLE,
+    ),
+    Mutant(
+        "octmip/trees/uncertainty/calibration.py",
         "np.ceil(given * n_bins).astype(int) - 1",
         "np.floor(given * n_bins).astype(int)",
         CREDIBLE,

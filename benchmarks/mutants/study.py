@@ -32,7 +32,7 @@ from benchmarks.mutants.rows import MUTANTS
 from benchmarks.tables import Line
 
 ROOT = Path(__file__).parents[2]
-NATIVE = "octmip/_native*.so"
+NATIVE = "octmip/trees/_native*.so"
 PACKAGES = ("octmip", "femlib", "benchmarks")
 MOST_PROCESSES = 2
 SLOWER = 3.0
@@ -195,5 +195,5 @@ def summary(lines: Sequence[Line]) -> str:
 
 
 def _part(file: str) -> str:
-    """Return the package and its part: octmip.gap, octmip.certificate."""
+    """Return the package and its part: octmip.gap, octmip.trees.certificate."""
     return ".".join(Path(file).with_suffix("").parts[:2])

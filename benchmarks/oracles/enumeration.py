@@ -14,8 +14,8 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from octmip.problem import Problem
-from octmip.tree import Leaf, Node, Side, Split, midpoint
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, Side, Split, midpoint
 
 Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of gaps, mask of samples that go left
 Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree

@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from octmip.problem import Problem
-from octmip.proof import proof_header
+from octmip.trees.problem import Problem
+from octmip.trees.proof import proof_header
 
 Rows = tuple[int, ...]
 

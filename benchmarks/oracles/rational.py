@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.oracles.two_feature import partings
-from octmip.problem import Problem
-from octmip.tree import Node, complexity, predict
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Node, complexity, predict
 
 Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features of the split, which)
 

@@ -22,13 +22,13 @@ from octmip.formats.names import END_ISOLATE, ISOLATE, shown
 from octmip.formats.tree_file import TreeFile
 from octmip.formats.tree_nodes import decode_tree, encode_tree
 from octmip.formats.tree_schema import SETTINGS
-from octmip.plot import counted_tree_figure
-from octmip.report.dot import tree_dot
-from octmip.report.html import tree_page
-from octmip.report.markdown import code_block, markdown_table
-from octmip.report.text import tree_text
-from octmip.solution import Solution, Stop
-from octmip.tree import Leaf, Node, Split
+from octmip.interfaces.plot import counted_tree_figure
+from octmip.interfaces.report.dot import tree_dot
+from octmip.interfaces.report.html import tree_page
+from octmip.interfaces.report.markdown import code_block, markdown_table
+from octmip.interfaces.report.text import tree_text
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Leaf, Node, Split
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Dialog

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.losses import ClassCosts
-from octmip.problem import Problem
-from octmip.tree import Leaf, Node, Split
+from octmip.trees.losses import ClassCosts
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, Split
 
 Generator = np.random.Generator
 

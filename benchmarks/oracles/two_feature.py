@@ -11,7 +11,7 @@ from itertools import combinations
 
 import numpy as np
 
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 
 def partings(problem: Problem) -> dict[int, set[tuple[int, frozenset[int]]]]:

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.losses import ClassCosts
-from octmip.problem import Problem
+from octmip.trees.losses import ClassCosts
+from octmip.trees.problem import Problem
 
 
 def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samples: int) -> Problem:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.losses import NUMBER_LOSSES, ClassCosts
-from octmip.problem import Problem
+from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.problem import Problem
 
 Generator = np.random.Generator
 Floats = NDArray[np.float64]

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from benchmarks.readers.mangling import Generator, Mangler
-from octmip.cli import main
 from octmip.errors import OctmipError
+from octmip.interfaces.cli import main
 
 Files = dict[str, bytes]
 

@@ -12,16 +12,16 @@ import pandas as pd
 
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
-from octmip.certificate import certify
-from octmip.losses import AbsoluteError, SquaredError
-from octmip.methods.checkpoint.envelope import FIRST
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.regression.exact import exact_regression
-from octmip.solution import Limits
+from octmip.trees.certificate import certify
+from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.methods.checkpoint.envelope import FIRST
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.regression.exact import exact_regression
+from octmip.trees.solution import Limits
 
 
 def _searched(number: int) -> Problem:

@@ -17,20 +17,20 @@ from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from benchmarks.readers.regression import make_regression, regression_command
-from octmip.certificate import certify
-from octmip.cli.samples.training import targets_of
 from octmip.errors import OctmipError
 from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.formats.tree_schema import CONTENT, FORMAT, VERSION
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.tree import predict, predict_values, splits
+from octmip.interfaces.cli.samples.training import targets_of
+from octmip.trees.certificate import certify
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.tree import predict, predict_values, splits
 
 # Trees.
 
@@ -119,7 +119,7 @@ def _validator() -> Validator:
     return validator
 
 
-SCHEMA = "schemas/tree.schema.json"
+SCHEMA = "interfaces/schemas/tree.schema.json"
 
 
 class DisagreementError(Exception):

@@ -8,9 +8,9 @@ import pandas as pd
 from benchmarks.readers.file_reader import run
 from benchmarks.readers.mangling import Generator, pick
 from octmip.formats.tree_file import record_tree, write_tree_file
-from octmip.losses import AbsoluteError, SquaredError
-from octmip.problem import Problem
-from octmip.solver import solve
+from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.problem import Problem
+from octmip.trees.solver import solve
 
 NAMES = ("a", "b", "c")
 BROAD = ("--split", "hyperplane", "--leaf-model", "linear", "--seconds", 1)

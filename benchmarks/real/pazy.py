@@ -19,7 +19,7 @@ from benchmarks.main_program import run_main
 from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Campaign, Diagnosis, diagnose
-from octmip.report.diagnosis.phrases import size_words
+from octmip.interfaces.report.diagnosis.phrases import size_words
 from octmip.twin import Effect, State, Twin
 
 DATA = SHARED / "pazy"

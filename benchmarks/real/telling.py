@@ -4,8 +4,8 @@ import argparse
 import math
 
 from octmip.gap import Diagnosis
-from octmip.report.diagnosis.phrases import cause_words, likely
-from octmip.report.diagnosis.recommendation import recommend
+from octmip.interfaces.report.diagnosis.phrases import cause_words, likely
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 
 
 def picture_path(description: str | None) -> str | None:

@@ -12,8 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
-from octmip.losses import NUMBER_LOSSES
-from octmip.problem import Problem
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.problem import Problem
 
 Cut = int  # mask of the samples that go left
 

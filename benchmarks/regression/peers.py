@@ -20,7 +20,7 @@ from benchmarks.data import SHARED, published
 from benchmarks.main_program import run_main
 from benchmarks.regression.samples import made_up
 from octmip import Limits, Problem, solve
-from octmip.losses import SquaredError
+from octmip.trees.losses import SquaredError
 
 Floats = NDArray[np.float64]
 SECONDS = 100.0

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 Rows = NDArray[np.int64]
 Numbers = NDArray[np.object_]

@@ -1,6 +1,6 @@
 """Arrows: which file uses which, read from the sources of Python packages and Rust crates.
 
-A file is named by the dotted path of its module ("octmip.mip.flow", "native.exact.branch"). The file of a package
+A file is named by the dotted path of its module ("octmip.trees.mip.flow", "native.exact.branch"). The file of a package
 (`__init__.py`) or of a Rust module with children (`exact.rs`, `lib.rs`) bears the name of the package or module.
 """
 
@@ -11,8 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
 PACKAGES = ("octmip", "femlib", "benchmarks")
-CRATES = {"check": ROOT / "octmip/native/check/src", "native": ROOT / "octmip/native/src"}
-NATIVE = "octmip._native"  # what Python sees of the crate `native`
+CRATES = {"check": ROOT / "octmip/trees/native/check/src", "native": ROOT / "octmip/trees/native/src"}
+NATIVE = "octmip.trees._native"  # what Python sees of the crate `native`
 IMPORTED_AS = {"octmip_check": "check"}  # the name by which one crate uses another
 ROOT_FILES = {"lib", "main"}
 

@@ -15,8 +15,8 @@ from benchmarks.uav.bayes import class_posterior
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
 from octmip import Limits, Problem, Solution, predict, predict_values, solve
-from octmip.losses import NUMBER_LOSSES
-from octmip.tree import Node
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.tree import Node
 
 Floats = NDArray[np.float64]
 Rule = Callable[[Floats], Floats]

@@ -18,7 +18,7 @@ from benchmarks.uav.tables import answers, markdown
 from femlib.dataset import Dataset, MeanStrains
 from femlib.wing import Wing
 from octmip.formats.files import write_bytes
-from octmip.plot import partition_figure, tree_figure
+from octmip.interfaces.plot import partition_figure, tree_figure
 
 PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "highspy", "pyfe3d", "matplotlib")
 

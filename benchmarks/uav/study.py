@@ -10,7 +10,7 @@ from joblib import Parallel, delayed
 from benchmarks.uav.bayes import bayes_limit
 from femlib.dataset import Dataset
 from octmip import Limits, Problem, Solution, certify, predict
-from octmip.solver import Method, solve
+from octmip.trees.solver import Method, solve
 
 LABELS = ("mu1", "mu2")
 DEPTHS = (1, 2, 3)

@@ -35,7 +35,7 @@ def shown_pictures(text: str) -> list[str]:
 
 def run_page(text: str) -> None:
     """Run the Python and console blocks of a page, in order, in the current folder; what they print is dropped."""
-    from octmip.cli import main
+    from octmip.interfaces.cli import main
 
     namespace: dict[str, object] = {}
     for kind, code in BLOCK.findall(text):

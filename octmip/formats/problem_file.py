@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.formats.files import PathLike, write_bytes
-from octmip.problem import Problem
-from octmip.problem_values import in_blocks
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import in_blocks
 
 FORMAT, VERSION = "octmip-problem", 2
 FORMAT_OF_NUMBERS, VERSION_OF_NUMBERS = "octmip-regression-problem", 1

@@ -19,10 +19,10 @@ from octmip.errors import DataError, OctmipError, WriteError
 from octmip.formats.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
 from octmip.formats.problem_file import question_digest
 from octmip.formats.tree_nodes import decode_tree, encode_tree
-from octmip.problem import Problem
-from octmip.run import Run
-from octmip.solution import Solution, Stop
-from octmip.tree import Node
+from octmip.trees.problem import Problem
+from octmip.trees.run import Run
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Node
 
 FORMAT = "octmip-solves 1"
 N_DIGITS = 16

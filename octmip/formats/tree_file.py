@@ -12,9 +12,9 @@
 
 A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
 
-Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.tree). A split with the entry
-"missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing else. One
-without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
+Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.trees.tree). A split with the
+entry "missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing else.
+One without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
 """
 
 import dataclasses
@@ -35,10 +35,10 @@ from octmip.formats.messages import several, shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
-from octmip.losses import Loss, loss_of
-from octmip.problem import Problem
-from octmip.solution import Solution, Stop
-from octmip.tree import Node, features_used, leaf_index, leaves, n_splits
+from octmip.trees.losses import Loss, loss_of
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +48,8 @@ class HeldOut:
     Attributes
     ----------
     share, seed
-        the rows of the training's table that were held out (`octmip.tradeoff.held_out`); the share is None where the
-        samples are another table's.
+        the rows of the training's table that were held out (`octmip.trees.tradeoff.held_out`); the share is None where
+        the samples are another table's.
     n_samples, measures, cost
         their number, what predictions are judged by (`Loss.measures`), and their weighted cost.
     """

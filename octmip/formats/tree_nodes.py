@@ -6,7 +6,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.formats.messages import shown
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
 
 
 def encode_tree(tree: Node, feature_names: tuple[str, ...], class_names: tuple[Any, ...]) -> dict[str, Any]:

@@ -25,10 +25,10 @@ from octmip.formats.checked import (
 )
 from octmip.formats.columns.columns import COLUMNS
 from octmip.formats.messages import shown
-from octmip.losses import NUMBER_LOSSES, ClassCosts
-from octmip.shape import MAX_DEPTH
-from octmip.solution import Stop
-from octmip.tree import SIDES
+from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.solution import Stop
+from octmip.trees.tree import SIDES
 
 FORMAT, VERSION = "octmip-tree", 4
 COST, COUNT = Number(low=0.0), Whole(1, 2**53)

@@ -34,7 +34,7 @@ from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
-from octmip.tree import Node
+from octmip.trees.tree import Node
 from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 
 CORRELATED = 0.9

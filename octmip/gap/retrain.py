@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
-from octmip.losses import ClassCosts
-from octmip.problem import Problem
-from octmip.solution import Solution
-from octmip.solver import Method, solve
-from octmip.tree import Node, predict
+from octmip.trees.losses import ClassCosts
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.solver import Method, solve
+from octmip.trees.tree import Node, predict
 from octmip.twin import Twin, predict_states
 
 Floats = NDArray[np.float64]

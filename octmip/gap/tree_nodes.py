@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.location import Flip
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 from octmip.twin import is_zero
 
 Floats = NDArray[np.float64]

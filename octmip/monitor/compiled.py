@@ -1,7 +1,7 @@
 """A tree compiled to flat tables, for streams: microseconds per reading, a fraction of one in batches.
 
-Same left rule as octmip.tree to the last bit, and the same sides for missing readings (NaN). Where a split on its way
-has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export, returns
+Same left rule as octmip.trees.tree to the last bit, and the same sides for missing readings (NaN). Where a split on its
+way has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export, returns
 `REFUSED`.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
 
 REFUSED = -1
 """Result of a batch and of every export for a reading without a number where the tree asks for one."""

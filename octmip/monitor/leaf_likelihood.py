@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import Applied, Library
-from octmip.tree import HyperplaneSplit, Leaf, Node, nodes
-from octmip.uncertainty import smoothed_shares
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, nodes
+from octmip.trees.uncertainty import smoothed_shares
 
 Floats = NDArray[np.float64]
 

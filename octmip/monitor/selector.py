@@ -1,8 +1,8 @@
 """Model selector: trees that map a reading to the state of the library whose model the asset is taken to follow.
 
 Several trees, one per parameter, are one tree: the second appended to every leaf of the first. The distribution of a
-selection is Bayes' rule over the library's states (`octmip.uncertainty.posterior`), where what was seen is the leaf
-that was reached.
+selection is Bayes' rule over the library's states (`octmip.trees.uncertainty.posterior`), where what was seen is the
+leaf that was reached.
 
 Source: the data-driven model selection d = T(x), and the tree of the second parameter under every leaf of the first's:
 M. G. Kapteyn, K. E. Willcox, From Physics-Based Models to Predictive Digital Twins via Interpretable Machine Learning
@@ -27,9 +27,9 @@ from octmip.formats.tree_schema import NODE
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Applied, Library
-from octmip.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
+from octmip.trees.uncertainty import posterior
 from octmip.twin import Loads
-from octmip.uncertainty import posterior
 
 Floats = NDArray[np.float64]
 FORMAT, VERSION = "octmip-selector", 1

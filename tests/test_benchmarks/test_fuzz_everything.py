@@ -14,7 +14,7 @@ from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_numbers, wide_problem
 from octmip import Leaf, Limits, Problem, Stop, solve
-from octmip.tree import n_splits
+from octmip.trees.tree import n_splits
 
 FIRST, N_SEEDS, BLOCK = 1_000_000, 240, 40
 

@@ -139,7 +139,7 @@ def test_the_limit_of_the_watch_is_that_of_a_test_told_everything():
     assert power == pytest.approx(0.95, abs=0.006)
 
 
-# The page (what every mission page keeps is tested with octmip.report.mission)
+# The page (what every mission page keeps is tested with octmip.interfaces.report.mission)
 
 
 def held(page: str) -> dict:

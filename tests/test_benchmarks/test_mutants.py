@@ -38,7 +38,7 @@ def test_a_mutant_is_killed_in_a_copy_and_the_tree_is_left_alone():
 
 def test_the_summary_counts_by_part_and_names_who_lives():
     lines = [
-        {"size": "a", "file": "octmip/certificate.py", "outcome": "killed", "by": "test"},
+        {"size": "a", "file": "octmip/trees/certificate.py", "outcome": "killed", "by": "test"},
         {"size": "b", "file": "octmip/gap/causes.py", "outcome": "survived", "by": ""},
         {"size": "c", "file": "octmip/gap/odds.py", "outcome": "equivalent", "by": "no input differs"},
     ]

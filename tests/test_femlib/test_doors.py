@@ -18,7 +18,7 @@ from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, gathered
 from octmip.gap.doors import script_twin, table_twin
 from octmip.gap.doors.card import card_of
 from octmip.gap.sizes import Parameter
-from octmip.report.diagnosis.recommendation import recommend
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 
 RANGES = {
     "temperature_uniform": (0.0, -20.0, 20.0, "K"),

@@ -6,8 +6,8 @@ from sklearn.datasets import load_iris, load_wine
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip import ClassCosts, Leaf, Limits, Problem, Solution, Split, Stop, certify, predict, solve
-from octmip.methods.cart import greedy_tree
-from octmip.tree import features_used, leaf_index, n_splits
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.tree import features_used, leaf_index, n_splits
 
 
 def random_problem(seed: int, **settings: object) -> Problem:

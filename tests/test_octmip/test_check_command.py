@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.cases.fuzz.check_command import built, corrupted, run
 from octmip.formats.problem_file import write_problem_file
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
 
 pytestmark = pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
 

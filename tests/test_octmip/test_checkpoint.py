@@ -16,12 +16,12 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, wide_problem
 from octmip import Limits, Problem, certify, solve
-from octmip.cli import main
 from octmip.errors import DataError, ProblemError
-from octmip.methods.checkpoint import envelope
-from octmip.methods.checkpoint.envelope import FIRST
-from octmip.methods.exact import branch_and_bound
-from octmip.solution import Stop
+from octmip.interfaces.cli import main
+from octmip.trees.methods.checkpoint import envelope
+from octmip.trees.methods.checkpoint.envelope import FIRST
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.solution import Stop
 
 
 def hard(seed=0, **options):
@@ -92,8 +92,8 @@ def test_a_finished_search_is_not_made_again(tmp_path):
 CHILD = """
 import sys
 import numpy as np
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
 rng = np.random.default_rng(3)
 problem = Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3)
 print("ready", flush=True)

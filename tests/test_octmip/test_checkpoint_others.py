@@ -18,11 +18,11 @@ import pytest
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
-from octmip.losses import ClassCosts
-from octmip.methods.checkpoint.envelope import FIRST
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.solution import Stop
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.checkpoint.envelope import FIRST
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.solution import Stop
 
 OFTEN = {"every": 0.0}
 
@@ -93,8 +93,8 @@ def test_a_two_feature_proof_in_pieces_makes_the_nodes_of_one_proof(options, tmp
 CHILD = """
 import sys
 import numpy as np
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
 rng = np.random.default_rng([63, 70, 3])
 problem = Problem(rng.normal(size=(70, 3)), rng.integers(0, 3, 70), depth=2, split="hyperplane", split_size=2)
 print("ready", flush=True)

@@ -12,9 +12,9 @@ from sklearn.model_selection import GridSearchCV
 
 from octmip import ClassCosts, OptimalTreeClassifier, Problem, certify, predict
 from octmip.errors import ProblemError
-from octmip.tradeoff import choose_tree
-from octmip.tradeoff.folds import part_of, stratified_folds
-from octmip.tradeoff.path import trace_depths
+from octmip.trees.tradeoff import choose_tree
+from octmip.trees.tradeoff.folds import part_of, stratified_folds
+from octmip.trees.tradeoff.path import trace_depths
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=2)
 RNG = np.random.default_rng(5)

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
-from octmip.drift import certify_drift
 from octmip.errors import CertificateError, SolverError
-from octmip.losses import SquaredError
 from octmip.monitor import calibrated_content
-from octmip.near_sets import NearOptimalSet, NearTree, counting
-from octmip.set_certificate import certify_set
-from octmip.tradeoff import frontier
-from octmip.tree import ValueLeaf
-from octmip.uncertainty import CredibleSets
+from octmip.trees.drift import certify_drift
+from octmip.trees.losses import SquaredError
+from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
+from octmip.trees.set_certificate import certify_set
+from octmip.trees.tradeoff import frontier
+from octmip.trees.tree import ValueLeaf
+from octmip.trees.uncertainty import CredibleSets
 
 
 def five_values(labels: str = "aabab", **options: object) -> Problem:

@@ -15,16 +15,17 @@ import pandas as pd
 import pytest
 from distributed import Client, LocalCluster
 
-from octmip import Limits, Problem, Progress, Solution, Stop, _native, solve
-from octmip.cli import main
-from octmip.cluster import RESTART, Cluster, open_cluster
+from octmip import Limits, Problem, Progress, Solution, Stop, solve
 from octmip.errors import DataError, SolverError
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.methods.shared_work import shared_problem, solve_cut
-from octmip.proof import check_proof
-from octmip.tradeoff import choose_tree, trace_frontier
+from octmip.interfaces.cli import main
+from octmip.trees import _native
+from octmip.trees.cluster import RESTART, Cluster, open_cluster
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.shared_work import shared_problem, solve_cut
+from octmip.trees.proof import check_proof
+from octmip.trees.tradeoff import choose_tree, trace_frontier
 
 pytestmark = pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 """Where a killed worker comes back slowly; what says so has a test of its own."""
@@ -248,7 +249,7 @@ def test_two_clusters_start_on_one_machine() -> None:
 
 
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.cluster.PATIENCE", 0.2)
+    monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.2)
     with (
         pytest.raises(DataError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
         open_cluster("tcp://127.0.0.1:9"),
@@ -257,7 +258,7 @@ def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip._native.__version__", "0.0.0")
+    monkeypatch.setattr("octmip.trees._native.__version__", "0.0.0")
     with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
         branch_and_bound(hard(100), cluster=client)
 
@@ -301,14 +302,14 @@ def test_a_problem_that_never_arrives_is_one_sentence(client: Client, monkeypatc
     async def lose(**_: object) -> None:
         raise OSError("the worker has ended")
 
-    monkeypatch.setattr("octmip.cluster.PAUSE", 0)
+    monkeypatch.setattr("octmip.trees.cluster.PAUSE", 0)
     monkeypatch.setitem(client.cluster.scheduler.handlers, "scatter", lose)
     with pytest.raises(SolverError, match="lost on its way to the workers 20 times"):
         Cluster(client).share("shared")
 
 
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     with (
         LocalCluster(**options, silence_logs=50) as empty,
@@ -337,7 +338,7 @@ def test_a_result_that_is_lost_before_it_is_fetched_is_worked_out_again_when_a_w
 
 
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.cluster.MOST_LOST", 1)
+    monkeypatch.setattr("octmip.trees.cluster.MOST_LOST", 1)
     cluster = Cluster(client)
     task = cluster.submit(len, cluster.share("shared"))
     while not task.done():

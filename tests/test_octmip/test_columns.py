@@ -11,7 +11,7 @@ import pytest
 from octmip import Limits, Problem, solve
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
-from octmip.tree import Leaf, Split
+from octmip.trees.tree import Leaf, Split
 
 
 def frame() -> pd.DataFrame:

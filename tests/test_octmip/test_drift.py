@@ -9,12 +9,12 @@ import pytest
 from benchmarks.cases.fuzz.drift import complaint, random_bands
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import certify, predict
-from octmip.drift import Bands, certify_drift, solve, worst_case
-from octmip.drift.constant import first_beyond
 from octmip.errors import CertificateError, ProblemError
-from octmip.problem import Problem
-from octmip.solution import Limits, Stop
-from octmip.tree import Leaf, Split, n_splits
+from octmip.trees.drift import Bands, certify_drift, solve, worst_case
+from octmip.trees.drift.constant import first_beyond
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Stop
+from octmip.trees.tree import Leaf, Split, n_splits
 
 
 def five_values(**options: object) -> Problem:

@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.oracles.strategies import random_problem, wide_problem
 from octmip import ClassCosts, Leaf, Problem, Split, solve
-from octmip.encoding import grid, integer_costs
-from octmip.encoding.numbers import exact_objective
+from octmip.trees.encoding import grid, integer_costs
+from octmip.trees.encoding.numbers import exact_objective
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 

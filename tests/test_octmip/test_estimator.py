@@ -22,8 +22,8 @@ from sklearn.preprocessing import StandardScaler
 import octmip
 from octmip import OptimalTreeClassifier, Stop, certify, predict
 from octmip.errors import ProblemError, SolverError
-from octmip.estimator import classifier
-from octmip.estimator.settings import seed_of, threads_of
+from octmip.interfaces.estimator import classifier
+from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
 CHECKS = """

@@ -19,9 +19,9 @@ from sklearn.tree import DecisionTreeClassifier, export_text, plot_tree
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
 from octmip.errors import DataError, MissingExtraError, TreeError
-from octmip.estimator import drawing
-from octmip.estimator.importance import feature_savings
-from octmip.estimator.paths import NodeTable, leaf_nodes, node_indicator
+from octmip.interfaces.estimator import drawing
+from octmip.interfaces.estimator.importance import feature_savings
+from octmip.interfaces.estimator.paths import NodeTable, leaf_nodes, node_indicator
 
 IRIS = load_iris(return_X_y=True)
 FRAME = pd.DataFrame({"dose": [1.0, np.nan, 4.0, 3.0], "<b>kind</b>": ["a", "b", "a", "c"]})
@@ -178,7 +178,7 @@ def test_the_page_judges_the_tree_by_samples_held_out(encoded, tmp_path):
 
 
 def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.plot"))]:
+    for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.interfaces.plot"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(MissingExtraError, match=r"install octmip\[plot\]"):

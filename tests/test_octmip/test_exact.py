@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from octmip import ClassCosts, Solution, _native, certify
+from octmip import ClassCosts, Solution, certify
 from octmip.errors import ProblemError
-from octmip.methods import native_call
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Limits, Progress, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Split, n_splits
+from octmip.trees import _native
+from octmip.trees.methods import native_call
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Limits, Progress, Stop
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, n_splits
 
 
 def without(prune: str, problem: Problem, limits: Limits | None = None) -> Solution:

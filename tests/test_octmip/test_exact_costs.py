@@ -7,11 +7,11 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from octmip import ClassCosts, certify
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.native_call import without
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Limits
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.native_call import without
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Limits
 
 BLOCK = 50
 COST_BOUNDS = ("mixed_labels", "set_range", "buckets", "cost_range", "vectors")

@@ -6,13 +6,14 @@ import sys
 import numpy as np
 import pytest
 
-from octmip import _native, certify
-from octmip.encoding import integer_costs, native_problem, rank_features
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.native_call import without
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Limits, Stop
+from octmip import certify
+from octmip.trees import _native
+from octmip.trees.encoding import integer_costs, native_problem, rank_features
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.native_call import without
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Limits, Stop
 
 
 def with_ties(seed: int) -> Problem:
@@ -77,9 +78,9 @@ def test_memory_too_small_for_the_queue_ends_the_search_with_the_best_tree_and_b
 PEAK = """
 import ctypes, sys
 import numpy as np
-from octmip import _native
-from octmip.encoding import integer_costs, native_problem, rank_features
-from octmip.problem import Problem
+from octmip.trees import _native
+from octmip.trees.encoding import integer_costs, native_problem, rank_features
+from octmip.trees.problem import Problem
 n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
 generator = np.random.default_rng(0)
 problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)

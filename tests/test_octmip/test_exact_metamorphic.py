@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Problem, predict
-from octmip.methods.exact import branch_and_bound
+from octmip.trees.methods.exact import branch_and_bound
 
 SEEDS = range(12)
 

@@ -8,12 +8,12 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import wide_problem
 from octmip import ClassCosts, Limits, Problem, certify, predict
-from octmip.encoding import grid
 from octmip.errors import CertificateError, ProblemError
-from octmip.methods.exact import branch_and_bound
-from octmip.proof import check_proof
-from octmip.solution import Stop, closing_tolerance
-from octmip.tree import n_splits
+from octmip.trees.encoding import grid
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Stop, closing_tolerance
+from octmip.trees.tree import n_splits
 
 BLOCK = 30
 

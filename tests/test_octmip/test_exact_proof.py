@@ -6,8 +6,8 @@ import pytest
 from benchmarks.cases.fuzz.exact_proofs import corrupted
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip.methods.exact import branch_and_bound
-from octmip.proof import check_proof
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.proof import check_proof
 
 BLOCK = 20
 

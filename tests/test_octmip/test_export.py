@@ -21,7 +21,7 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.monitor import CompiledTree
 from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
-from octmip.tree import HyperplaneSplit, Leaf, Split, leaves, predict
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaves, predict
 
 NAMES = [name for _, name in hostile_names(60)]
 ATTACK = "**// FROM readings; DROP TABLE secret; --"

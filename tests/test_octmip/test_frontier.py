@@ -8,8 +8,8 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Stop, certify, solve
 from octmip.errors import ProblemError
-from octmip.tradeoff.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
-from octmip.tradeoff.path import trace_path
+from octmip.trees.tradeoff.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
+from octmip.trees.tradeoff.path import trace_path
 
 RNG = np.random.default_rng(3)
 FEATURES = RNG.normal(size=(40, 3)).round(1)

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.clipping import unclipped
-from octmip.report.diagnosis.recommendation import recommend
+from octmip.interfaces.cli.diagnose import load_twin
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
 

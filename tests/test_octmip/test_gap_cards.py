@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from octmip.cli import main
 from octmip.gap import Campaign, Recorded, diagnose, gathered
 from octmip.gap.doors import FunctionTwin, read_card
+from octmip.interfaces.cli import main
 from octmip.twin import load_of
 from tests.test_examples import BLOCK, DOCS
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose, rounds
-from octmip.report.diagnosis.as_json import as_object
-from octmip.report.diagnosis.page import report_page
-from octmip.report.diagnosis.words import page_of_words
-from octmip.tree import Leaf, Split
+from octmip.interfaces.report.diagnosis.as_json import as_object
+from octmip.interfaces.report.diagnosis.page import report_page
+from octmip.interfaces.report.diagnosis.words import page_of_words
+from octmip.trees.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
 TWIN = Beam()

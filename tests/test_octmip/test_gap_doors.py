@@ -15,12 +15,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
 from octmip.gap.doors import script_twin, table_twin
 from octmip.gap.doors.card import card_of
-from octmip.report.diagnosis.recommendation import recommend
+from octmip.interfaces.cli.diagnose import load_twin
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
 
 DOORS = Path(__file__).parents[2] / "docs" / "howto" / "doors.md"

@@ -2,9 +2,9 @@
 
 import pytest
 
-from octmip.cli.diagnose import load_twin
 from octmip.errors import DataError, TwinError
 from octmip.gap.doors import open_twin, read_card, table_twin
+from octmip.interfaces.cli.diagnose import load_twin
 from tests.test_octmip.test_gap_doors import beside
 
 

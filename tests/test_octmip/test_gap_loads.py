@@ -8,9 +8,9 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import CachedTwin, Campaign, diagnose, read_campaign
-from octmip.report.diagnosis.as_json import as_object
-from octmip.report.diagnosis.page import report_page
-from octmip.report.diagnosis.words import page_of_words
+from octmip.interfaces.report.diagnosis.as_json import as_object
+from octmip.interfaces.report.diagnosis.page import report_page
+from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.twin import Loads, load_words, loads_of, units_of
 from tests.test_octmip.beam_twin import Beam
 

@@ -10,12 +10,12 @@ from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.page_check import check_page
 from octmip.formats.names import shown
 from octmip.gap import diagnose
-from octmip.report.diagnosis.as_json import as_object
-from octmip.report.diagnosis.measured import measured_cells
-from octmip.report.diagnosis.page import report_page
-from octmip.report.diagnosis.recommendation import recommend
-from octmip.report.diagnosis.words import page_of_words
-from octmip.tree import Leaf, Split
+from octmip.interfaces.report.diagnosis.as_json import as_object
+from octmip.interfaces.report.diagnosis.measured import measured_cells
+from octmip.interfaces.report.diagnosis.page import report_page
+from octmip.interfaces.report.diagnosis.recommendation import recommend
+from octmip.interfaces.report.diagnosis.words import page_of_words
+from octmip.trees.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
 
 TWIN = Beam()

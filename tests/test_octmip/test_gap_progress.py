@@ -58,7 +58,7 @@ def command(tmp_path):
         rows = zip(campaign.test, campaign.load_factor, campaign.states, campaign.time, campaign.readings, strict=True)
         writer.writerows([test, load, *state, at, *reading] for test, load, state, at, reading in rows)
     (tmp_path / "slow.py").write_text(SLOW)
-    command = [sys.executable, "-m", "octmip.cli", "diagnose", "campaign.csv", "--twin", "slow:Slow"]
+    command = [sys.executable, "-m", "octmip.interfaces.cli", "diagnose", "campaign.csv", "--twin", "slow:Slow"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80"}
     return {"args": command, "cwd": tmp_path, "env": environment}
 

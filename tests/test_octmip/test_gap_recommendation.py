@@ -9,9 +9,9 @@ import pytest
 from octmip.gap import CHAIN, diagnose
 from octmip.gap.effects.words import effect_words, words_at
 from octmip.gap.shrinkage import Shrinkage
-from octmip.report.diagnosis.phrases import about, closed_words, interval_words, size_of
-from octmip.report.diagnosis.recommendation import Verdict, recommend, verdict_of
-from octmip.report.diagnosis.words import page_of_words
+from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of
+from octmip.interfaces.report.diagnosis.recommendation import Verdict, recommend, verdict_of
+from octmip.interfaces.report.diagnosis.words import page_of_words
 from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
 TWIN = Beam()

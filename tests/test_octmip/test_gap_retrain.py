@@ -8,7 +8,7 @@ import pytest
 from octmip.errors import DataError
 from octmip.gap import CHAIN, Addition, AugmentedTwin
 from octmip.gap.retrain import Lesson, Recovery, means, recovery, retrained, samples, trained
-from octmip.tree import Leaf, Split, predict
+from octmip.trees.tree import Leaf, Split, predict
 
 
 @dataclass(frozen=True)

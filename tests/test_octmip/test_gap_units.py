@@ -11,11 +11,11 @@ from octmip.gap import CachedTwin, Campaign, diagnose, function_twin, read_campa
 from octmip.gap.doors.card import Range
 from octmip.gap.doors.parameter import ParameterEffect
 from octmip.gap.effects import chain_of
-from octmip.report.diagnosis.as_json import as_object
-from octmip.report.diagnosis.page import report_page
-from octmip.report.diagnosis.phrases import amount
-from octmip.report.diagnosis.recommendation import recommend
-from octmip.report.diagnosis.words import page_of_words
+from octmip.interfaces.report.diagnosis.as_json import as_object
+from octmip.interfaces.report.diagnosis.page import report_page
+from octmip.interfaces.report.diagnosis.phrases import amount
+from octmip.interfaces.report.diagnosis.recommendation import recommend
+from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.twin import units_of
 
 STATES = tuple(f"f{k}" for k in range(1, 5))

@@ -15,7 +15,7 @@ from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.wandering import PRIOR, moves_together, transition, wanders_of
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.location import noise_variance
-from octmip.report.diagnosis.words import noise_lines
+from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured
 
 TWIN = Beam()

@@ -5,7 +5,7 @@ import pytest
 
 from octmip import ClassCosts, Leaf, Problem, Split
 from octmip.errors import ProblemError
-from octmip.tradeoff.held_out import Samples, beside_cart, held_out_rows, score
+from octmip.trees.tradeoff.held_out import Samples, beside_cart, held_out_rows, score
 
 
 def test_each_class_gives_its_share_but_never_its_last_row():

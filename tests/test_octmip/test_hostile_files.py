@@ -10,17 +10,17 @@ import pytest
 from pyarrow import parquet
 
 from octmip import Leaf, Problem, Split
-from octmip.cli import main
 from octmip.errors import CertificateError, DataError, OctmipError, ProblemError, TreeError
 from octmip.formats.table import parquet as parquet_table
 from octmip.formats.table import read_table
 from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.gap import read_campaign
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.interfaces.cli import main
 from octmip.monitor import Library, ModelSelector
-from octmip.proof import check_proof
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.proof import check_proof
 
 SAMPLES = np.random.default_rng(0).normal(size=(12, 2))
 LABELS = np.random.default_rng(1).integers(0, 2, 12)

@@ -7,7 +7,7 @@ import pytest
 
 from octmip import Problem, certify, solve
 from octmip.errors import ProblemError
-from octmip.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
 
 LOSSES = {
     "classes": ClassCosts(),

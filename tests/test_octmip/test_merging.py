@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from octmip import Problem, certify
-from octmip.encoding import rank_features
-from octmip.methods.merging import merged
-from octmip.methods.search import local_search
+from octmip.trees.encoding import rank_features
+from octmip.trees.methods.merging import merged
+from octmip.trees.methods.search import local_search
 
 FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
 

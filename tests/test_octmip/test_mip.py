@@ -12,12 +12,12 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
-from octmip.losses import ClassCosts
-from octmip.methods.search import local_search
-from octmip.mip import engine
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import highs
-from octmip.mip.oct import encode, solve_oct
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.search import local_search
+from octmip.trees.mip import engine
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import highs
+from octmip.trees.mip.oct import encode, solve_oct
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
@@ -91,7 +91,7 @@ def test_random_problems_have_the_optimum_of_enumeration(seed):
 
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
-    from octmip.mip.flow import encode as encode_flow
+    from octmip.trees.mip.flow import encode as encode_flow
 
     problem = CASES[case]
     for fix, class_count in ((0, True), (1, True), (2, False), (0, False)):

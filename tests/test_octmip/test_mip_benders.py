@@ -11,12 +11,12 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Stop, certify, solve
 from octmip.errors import ProblemError
-from octmip.losses import ClassCosts
-from octmip.mip.benders.bounds import Bounds
-from octmip.mip.benders.memory import Memory
-from octmip.mip.benders.question import Question
-from octmip.mip.benders.solver import solve_benders
-from octmip.mip.prices import own_prices
+from octmip.trees.losses import ClassCosts
+from octmip.trees.mip.benders.bounds import Bounds
+from octmip.trees.mip.benders.memory import Memory
+from octmip.trees.mip.benders.question import Question
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.prices import own_prices
 
 
 def mixed(n: int, p: int, n_classes: int, seed: int, **options) -> Problem:
@@ -157,16 +157,16 @@ def test_benders_runs_without_a_line_of_the_exact_core():
 import sys
 class Refused:
     def find_spec(self, name, path=None, target=None):
-        if name in ("octmip.methods.exact", "octmip.methods.two_feature", "octmip.methods.search"):
+        if name in ("octmip.trees.methods.exact", "octmip.trees.methods.two_feature", "octmip.trees.methods.search"):
             raise ImportError(f"{name} is refused")
 sys.meta_path.insert(0, Refused())
 import numpy as np
-from octmip import _native
+from octmip.trees import _native
 for name in ("search", "branch_and_bound", "prove", "two_feature_branch_and_bound"):
     assert hasattr(_native, name)
     setattr(_native, name, None)
-from octmip.mip.benders.solver import solve_benders
-from octmip.problem import Problem
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.problem import Problem
 rng = np.random.default_rng(0)
 features = rng.normal(size=(60, 3)).round(1)
 found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))

@@ -12,15 +12,15 @@ from pyomo.repn import generate_standard_repn
 from benchmarks.oracles.paper_models import oct_h as paper
 from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError
-from octmip.losses import ClassCosts
-from octmip.mip import flow, oct_h
-from octmip.mip.blocks.heap import Heap, place, to_tree
-from octmip.mip.blocks.hyperplanes import choose_mu, space_of
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import claims
-from octmip.mip.incumbent import canonicalise
-from octmip.mip.oct_h import solve_oct_h
-from octmip.tree import predict
+from octmip.trees.losses import ClassCosts
+from octmip.trees.mip import flow, oct_h
+from octmip.trees.mip.blocks.heap import Heap, place, to_tree
+from octmip.trees.mip.blocks.hyperplanes import choose_mu, space_of
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import claims
+from octmip.trees.mip.incumbent import canonicalise
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.tree import predict
 from tests.test_octmip.test_mip import uci
 from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
 

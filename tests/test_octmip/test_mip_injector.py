@@ -4,8 +4,8 @@ import pytest
 
 from octmip import Leaf, Limits, Split, certify, solve
 from octmip.errors import ProblemError
-from octmip.mip.highs.injector import IncumbentInjector
-from octmip.mip.oct import solve_oct
+from octmip.trees.mip.highs.injector import IncumbentInjector
+from octmip.trees.mip.oct import solve_oct
 from tests.test_octmip.test_mip import stop_at_six, uci
 
 
@@ -38,7 +38,7 @@ def test_the_exact_core_assists_with_its_bound():
 
 def test_the_search_assists_while_highs_runs(monkeypatch):
     turns = []
-    monkeypatch.setattr("octmip.methods.search.local_search", _counted(turns))
+    monkeypatch.setattr("octmip.trees.methods.search.local_search", _counted(turns))
     solution = solve(
         uci("iris", depth=2),
         "oct",
@@ -52,7 +52,7 @@ def test_the_search_assists_while_highs_runs(monkeypatch):
 
 
 def _counted(turns):
-    from octmip.methods.search import local_search
+    from octmip.trees.methods.search import local_search
 
     def search(problem, **options):
         turns.append(options["seed"])

@@ -11,15 +11,15 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.two_feature import best_objective
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
-from octmip.losses import ClassCosts
-from octmip.mip import engine, prices
-from octmip.mip.blocks.hyperplanes import space_of
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import claims, highs
-from octmip.mip.oct import solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.mip.rows import Rows
-from octmip.tree import HyperplaneSplit, Split
+from octmip.trees.losses import ClassCosts
+from octmip.trees.mip import engine, prices
+from octmip.trees.mip.blocks.hyperplanes import space_of
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import claims, highs
+from octmip.trees.mip.oct import solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.mip.rows import Rows
+from octmip.trees.tree import HyperplaneSplit, Split
 
 SIZES = {
     "large": lambda rng, n: rng.integers(10**11, 10**12, n).astype(float),
@@ -240,6 +240,6 @@ def test_sensors_are_kept_within_a_budget_of_any_unit():
 
 
 def _oct(problem, known):
-    from octmip.mip.oct import encode
+    from octmip.trees.mip.oct import encode
 
     return encode(problem, prices=known.prices, rows=known.rows)

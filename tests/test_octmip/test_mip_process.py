@@ -14,11 +14,11 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.errors import SolverError
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import highs, process, worker
-from octmip.mip.oct import encode, solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.mip.rows import Rows
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import highs, process, worker
+from octmip.trees.mip.oct import encode, solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.mip.rows import Rows
 from tests.test_octmip.test_mip import blobs
 
 needs_proc = pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="the system shows no processes")
@@ -105,7 +105,7 @@ def children() -> list[int]:
     """Return the workers of this process that run; other children, such as multiprocessing's own, are left alone."""
     with open(f"/proc/self/task/{os.getpid()}/children") as file:
         pids = [int(pid) for pid in file.read().split()]
-    return [pid for pid in pids if b"octmip/mip/highs/worker.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+    return [pid for pid in pids if b"octmip/trees/mip/highs/worker.py" in Path(f"/proc/{pid}/cmdline").read_bytes()]
 
 
 def test_an_idle_worker_is_used_again_and_closed_after_a_while(monkeypatch):
@@ -131,7 +131,7 @@ def test_a_worker_is_closed_when_the_caller_fails():
 @needs_proc
 def test_a_worker_does_not_outlive_its_parent():
     code = (
-        "from octmip.mip.highs.process import lent_worker\n"
+        "from octmip.trees.mip.highs.process import lent_worker\n"
         "import os, signal\n"
         "with lent_worker() as lent:\n"
         "    print(lent.process.pid, flush=True)\n"
@@ -205,8 +205,8 @@ print([name for name in sys.modules if name.startswith("pyomo")])
 def test_masters_are_solved_beside_others_who_use_highs_with_other_threads():
     program = """
 import highspy, numpy as np
-from octmip.mip.benders.solver import solve_benders
-from octmip.problem import Problem
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.problem import Problem
 other = highspy.Highs()
 other.setOptionValue("output_flag", False)
 other.addVar(0.0, 1.0)

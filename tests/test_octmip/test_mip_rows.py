@@ -9,12 +9,12 @@ from pyomo.repn import generate_standard_repn
 
 from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.oracles.strategies import random_problem, random_tree
-from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
-from octmip.mip import flow, oct
-from octmip.mip.blocks.heap import Heap, place, to_tree
-from octmip.mip.incumbent import canonicalise
-from octmip.mip.rows import Rows
-from octmip.tree import Leaf, Split
+from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.mip import flow, oct
+from octmip.trees.mip.blocks.heap import Heap, place, to_tree
+from octmip.trees.mip.incumbent import canonicalise
+from octmip.trees.mip.rows import Rows
+from octmip.trees.tree import Leaf, Split
 from tests.test_octmip.test_mip import CASES
 
 

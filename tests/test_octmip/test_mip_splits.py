@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve, solver
+from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
-from octmip.mip.flow import solve_flow
-from octmip.mip.incumbent import canonicalise, pruned
-from octmip.mip.oct import solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.tradeoff import trace_path
-from octmip.tree import HyperplaneSplit, Node, complexity
+from octmip.trees import solver
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.incumbent import canonicalise, pruned
+from octmip.trees.mip.oct import solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.tradeoff import trace_path
+from octmip.trees.tree import HyperplaneSplit, Node, complexity
 from tests.test_octmip.test_mip import uci
 
 METHODS = {"oct": {}, "strengthened oct": {"strengthen": True}, "flow": {}}
@@ -120,7 +121,7 @@ def test_ctrl_c_returns_a_tree_of_no_more_splits(assist, monkeypatch):
     def interrupted(problem, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("octmip.mip.flow.solve_flow", interrupted)
+    monkeypatch.setattr("octmip.trees.mip.flow.solve_flow", interrupted)
     solution = solve(stairs(), "flow", incumbent=STAIRS, options={"max_splits": 1, "assist": assist})
     assert solution.stop is Stop.INTERRUPTED
     assert (complexity(solution.tree), solution.objective) == (1, 1)

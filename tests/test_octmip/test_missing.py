@@ -18,16 +18,16 @@ from benchmarks.exact_answers import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.export_runs import C_FLAGS
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Split, predict, solve
-from octmip.certificate import certify
-from octmip.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.formats.problem_file import data_digest, encode, question_digest
-from octmip.methods.exact import branch_and_bound
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
-from octmip.proof import check_proof, checker_question
-from octmip.solution import Solution, Stop
-from octmip.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
+from octmip.trees.certificate import certify
+from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.proof import check_proof, checker_question
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
 
 N_PROBLEMS, BLOCK = 160, 16
 NAN = float("nan")

@@ -11,6 +11,7 @@ import pytest
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.page_check import check_page
 from octmip.errors import DataError
+from octmip.interfaces.report.mission import Course, MissionStep, Region, mission_page
 from octmip.monitor import (
     Filter,
     LeafLikelihood,
@@ -22,8 +23,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.report.mission import Course, MissionStep, Region, mission_page
-from octmip.tree import Leaf, Split
+from octmip.trees.tree import Leaf, Split
 
 LEVELS = (0.0, 0.4, 0.8)
 

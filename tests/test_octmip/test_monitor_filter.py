@@ -21,7 +21,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.tree import Leaf, Split
+from octmip.trees.tree import Leaf, Split
 from tests.test_octmip.test_monitor_selector import LinearBeam
 
 CENTRES = tuple(0.05 + 0.1 * k for k in range(8))

@@ -17,7 +17,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.tree import Leaf, Split
+from octmip.trees.tree import Leaf, Split
 
 LEVELS = (0.0, 0.2, 0.4)
 GAUGES = {f"g{k}": "mm" for k in range(6)}

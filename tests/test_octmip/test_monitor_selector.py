@@ -25,7 +25,7 @@ from octmip.monitor import (
     without_dead_ends,
 )
 from octmip.monitor.export import c_source, onnx_model, sql_expression
-from octmip.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.test_octmip.beam_twin import Beam
 
 N_READINGS = 100_000

@@ -10,12 +10,12 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, sensor_roles
-from octmip.certificate import checked_leaf_index
 from octmip.errors import ProblemError
-from octmip.near_sets import Role, SensorRole
-from octmip.problem import Problem
-from octmip.set_certificate import recount
-from octmip.solution import Limits, Stop
+from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.near_sets import Role, SensorRole
+from octmip.trees.problem import Problem
+from octmip.trees.set_certificate import recount
+from octmip.trees.solution import Limits, Stop
 
 CLOSE = Fraction(1, 10**9)
 

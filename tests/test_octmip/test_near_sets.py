@@ -11,12 +11,12 @@ import pytest
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.losses import ClassCosts
-from octmip.near_sets import NearOptimalSet, NearTree, counting
-from octmip.problem import Problem
-from octmip.set_certificate import certify_set, recount
-from octmip.solution import Limits, Stop
-from octmip.tree import Leaf, Split
+from octmip.trees.losses import ClassCosts
+from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
+from octmip.trees.problem import Problem
+from octmip.trees.set_certificate import certify_set, recount
+from octmip.trees.solution import Limits, Stop
+from octmip.trees.tree import Leaf, Split
 
 
 def five_values(**options: object) -> Problem:

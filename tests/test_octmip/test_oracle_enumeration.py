@@ -8,10 +8,10 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import Leaf, Problem, Split
-from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError
-from octmip.losses import ClassCosts
-from octmip.tree import n_splits
+from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.losses import ClassCosts
+from octmip.trees.tree import n_splits
 
 
 def every_tree(problem, depth):

@@ -8,8 +8,8 @@ import pytest
 from jinja2 import UndefinedError
 
 from benchmarks.oracles.page_check import check_page
-from octmip.report import page
-from octmip.report.page import page_facts, render
+from octmip.interfaces.report import page
+from octmip.interfaces.report.page import page_facts, render
 
 TEMPLATE = """{% extends "base.html" %}{% from "parts.html" import cards, table, technical %}
 {% block title %}{{ name }}{% endblock %}{% block verdict %}{{ value }}{% endblock %}

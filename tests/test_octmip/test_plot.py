@@ -10,8 +10,8 @@ from matplotlib.patches import Polygon
 
 from octmip import HyperplaneSplit, Leaf, Problem, Progress, Split, predict
 from octmip.errors import ProblemError
-from octmip.plot import choice_figure, class_colours, partition_figure, progress_figure, tree_figure
-from octmip.tradeoff import choose_tree
+from octmip.interfaces.plot import choice_figure, class_colours, partition_figure, progress_figure, tree_figure
+from octmip.trees.tradeoff import choose_tree
 
 RNG = np.random.default_rng(0)
 POINTS = RNG.random((60, 2)) * [10, 1000]

@@ -5,8 +5,8 @@ import pytest
 
 import octmip
 from octmip.errors import TreeError
-from octmip.prediction import LEAST_ROWS, reached_leaves
-from octmip.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, leaf_index, predict, predict_values
+from octmip.trees.prediction import LEAST_ROWS, reached_leaves
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, leaf_index, predict, predict_values
 
 
 def drawn(rng, levels, gaps):

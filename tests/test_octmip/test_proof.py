@@ -11,8 +11,8 @@ from benchmarks.oracles.proof_log import proof_log
 from benchmarks.oracles.strategies import random_problem
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.losses import ClassCosts
-from octmip.proof import check_proof
+from octmip.trees.losses import ClassCosts
+from octmip.trees.proof import check_proof
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]], [0, 1, 0, 1, 0, 1], depth=2)
 

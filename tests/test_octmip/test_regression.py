@@ -11,10 +11,10 @@ from benchmarks.cases.regression.agreement import complaint
 from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
-from octmip.losses import NUMBER_LOSSES, SquaredError
-from octmip.losses.exact_sums import best_constant, sum_of_errors
-from octmip.proof import check_proof
-from octmip.regression.exact import exact_regression
+from octmip.trees.losses import NUMBER_LOSSES, SquaredError
+from octmip.trees.losses.exact_sums import best_constant, sum_of_errors
+from octmip.trees.proof import check_proof
+from octmip.trees.regression.exact import exact_regression
 
 
 def smooth(n=120, p=4, seed=0):

@@ -10,15 +10,16 @@ import pytest
 
 from benchmarks.regression.enumeration import least_objective, random_problem
 from benchmarks.regression.runs import Runs
-from octmip import Problem, Stop, _native, certify, solve
+from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
-from octmip.losses import NUMBER_LOSSES, AbsoluteError, SquaredError
-from octmip.proof import check_proof
-from octmip.regression.exact import exact_regression
-from octmip.regression.far_targets import FARTHEST, closed_up, reach
-from octmip.regression.grid import Grid
-from octmip.regression.proof_log import log_scale
-from octmip.solution import closing_tolerance
+from octmip.trees import _native
+from octmip.trees.losses import NUMBER_LOSSES, AbsoluteError, SquaredError
+from octmip.trees.proof import check_proof
+from octmip.trees.regression.exact import exact_regression
+from octmip.trees.regression.far_targets import FARTHEST, closed_up, reach
+from octmip.trees.regression.grid import Grid
+from octmip.trees.regression.proof_log import log_scale
+from octmip.trees.solution import closing_tolerance
 
 
 def leaf_as_counted(problem):

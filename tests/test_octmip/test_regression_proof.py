@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from benchmarks.regression.enumeration import least_objective, random_problem
-from octmip.certificate import certify
 from octmip.errors import CertificateError, ProblemError
-from octmip.losses import NUMBER_LOSSES, AbsoluteError, NumberLossName, SquaredError
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.regression.exact import exact_regression
-from octmip.regression.proof_log import write_proof
-from octmip.solution import Stop
+from octmip.trees.certificate import certify
+from octmip.trees.losses import NUMBER_LOSSES, AbsoluteError, NumberLossName, SquaredError
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.regression.exact import exact_regression
+from octmip.trees.regression.proof_log import write_proof
+from octmip.trees.solution import Stop
 
 N_RANDOM = 25
 

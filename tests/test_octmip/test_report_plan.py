@@ -5,10 +5,10 @@ import pytest
 
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.report.plan import Wording, plan_markdown, plan_text
+from octmip.interfaces.report.plan import Wording, plan_markdown, plan_text
 from octmip.sensing import Group, SequentialProblem
-from octmip.solution import Solution, Stop
-from octmip.tree import HyperplaneSplit, Leaf, Split
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split
 
 
 def asked(**options) -> tuple[SequentialProblem, Solution]:

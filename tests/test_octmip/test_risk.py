@@ -9,8 +9,8 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from octmip import Limits, Problem, certify, predict, solve
 from octmip.errors import ProblemError
-from octmip.risk import RiskModel
-from octmip.tradeoff import trace_risk_frontier
+from octmip.trees.risk import RiskModel
+from octmip.trees.tradeoff import trace_risk_frontier
 
 LOSSES = np.array([[0.0, 0.0], [0.4, 0.2], [0.2, 0.6], [0.8, 0.8]])
 

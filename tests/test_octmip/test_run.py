@@ -7,8 +7,8 @@ import pytest
 
 from octmip import Limits, Problem, solve
 from octmip.errors import ProblemError
-from octmip.run import Run
-from octmip.solver import solve_run
+from octmip.trees.run import Run
+from octmip.trees.solver import solve_run
 
 RNG = np.random.default_rng(0)
 PROBLEM = Problem(RNG.normal(size=(60, 3)), RNG.integers(0, 3, 60), depth=2)

@@ -13,9 +13,9 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
-from octmip.methods.cart import greedy_tree
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
 
 NOISE = np.random.default_rng(1)
 LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
-from octmip.losses import ClassCosts
-from octmip.methods.cart import greedy_tree
-from octmip.methods.polish import polished
-from octmip.methods.search import local_search
-from octmip.tree import leaf_index, predict
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.polish import polished
+from octmip.trees.methods.search import local_search
+from octmip.trees.tree import leaf_index, predict
 
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
 BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import ClassCosts, Problem, certify
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 
 
 def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Problem, certify
-from octmip.methods.search import local_search
-from octmip.tree import splits
+from octmip.trees.methods.search import local_search
+from octmip.trees.tree import splits
 
 
 def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
-from octmip.methods.margin import widened, width
-from octmip.methods.polish import polished
-from octmip.methods.search import local_search
-from octmip.tree import Node, leaf_index, splits
+from octmip.trees.methods.margin import widened, width
+from octmip.trees.methods.polish import polished
+from octmip.trees.methods.search import local_search
+from octmip.trees.tree import Node, leaf_index, splits
 
 
 def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:

@@ -9,8 +9,8 @@ from benchmarks.oracles.sequential import front
 from octmip import ClassCosts, Limits, Problem, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.sensing import Group, SequentialProblem, certify_sequential, solve_sequential
-from octmip.solution import Stop
-from octmip.tree import Leaf, Split, leaf_index
+from octmip.trees.solution import Stop
+from octmip.trees.tree import Leaf, Split, leaf_index
 
 TOLERANCE = 1e-7
 

@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, registry, solve, solver
+from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
-from octmip.methods.cart import greedy_tree
+from octmip.trees import registry, solver
+from octmip.trees.methods.cart import greedy_tree
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
 ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from octmip import Limits, Problem, solve
-from octmip.cli import main
 from octmip.errors import DataError
 from octmip.formats import solves_file
-from octmip.solution import Stop
-from octmip.tradeoff.choice import choose_tree
-from octmip.tradeoff.frontier import trace_frontier
+from octmip.interfaces.cli import main
+from octmip.trees.solution import Stop
+from octmip.trees.tradeoff.choice import choose_tree
+from octmip.trees.tradeoff.frontier import trace_frontier
 
 
 def problem(**options):
@@ -41,7 +41,7 @@ def test_a_frontier_makes_no_solve_twice(over, split, tmp_path, monkeypatch):
     for points in (first, again):
         assert [without_seconds(point.solution) for point in points] == [without_seconds(p.solution) for p in plain]
     assert len(path.read_bytes().splitlines()) == len(lines)
-    monkeypatch.setattr("octmip.solver._result", None)  # no solve is made any more
+    monkeypatch.setattr("octmip.trees.solver._result", None)  # no solve is made any more
     last = trace_frontier(asked, over, options={"solves": path})
     assert [point.solution.tree for point in last] == [point.solution.tree for point in plain]
     assert all(point.solution.details["kept"] for point in last)
@@ -50,7 +50,7 @@ def test_a_frontier_makes_no_solve_twice(over, split, tmp_path, monkeypatch):
 def test_cross_validation_makes_no_solve_twice(tmp_path, monkeypatch):
     asked, options = problem(depth=2), {"solves": tmp_path / "solves"}
     plain, first = choose_tree(asked, folds=3), choose_tree(asked, folds=3, options=options)
-    monkeypatch.setattr("octmip.solver._result", None)
+    monkeypatch.setattr("octmip.trees.solver._result", None)
     again = choose_tree(asked, folds=3, options=options)
     assert plain.tree == first.tree == again.tree
     assert plain.chosen == first.chosen == again.chosen
@@ -110,7 +110,7 @@ def test_the_command_goes_on_after_a_kill(tmp_path, capsys):
     rows = np.column_stack([rng.normal(size=(90, 5)).round(2), rng.integers(0, 3, 90)])
     table.write_text("a,b,c,d,e,y\n" + "\n".join(",".join(map(str, row)) for row in rows))
     words = ["frontier", str(table), "--label", "y", "--depth", "3", "--over", "budget", "--json"]
-    command = [sys.executable, "-c", "import sys; from octmip.cli import main; main(sys.argv[1:])", *words]
+    command = [sys.executable, "-c", "import sys; from octmip.interfaces.cli import main; main(sys.argv[1:])", *words]
     with subprocess.Popen([*command, "--checkpoint", str(kept)], stdout=subprocess.DEVNULL) as running:
         while running.poll() is None and (not kept.exists() or kept.read_bytes().count(b"\n") < 3):
             time.sleep(0.01)

@@ -5,7 +5,7 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Split, predict
 from octmip.errors import TreeError
-from octmip.tree import (
+from octmip.trees.tree import (
     centred,
     complexity,
     depth,

@@ -33,9 +33,9 @@ from octmip.formats.tree_file import (
     write_tree_file,
 )
 from octmip.formats.tree_schema import schema
-from octmip.methods.cart import greedy_tree
+from octmip.trees.methods.cart import greedy_tree
 
-SCHEMA = Path(octmip.__file__).parent / "schemas" / "tree.schema.json"
+SCHEMA = Path(octmip.__file__).parent / "interfaces" / "schemas" / "tree.schema.json"
 
 
 def full_problem() -> Problem:
@@ -319,7 +319,7 @@ def test_a_number_in_a_tree_of_classes_and_a_tree_that_predicts_something_else_a
 def test_the_published_schema_is_the_readers(tmp_path):
     published = json.loads(SCHEMA.read_text())
     assert published == schema(), (
-        "write schema() of octmip.formats.tree_schema to octmip/schemas/tree.schema.json again"
+        "write schema() of octmip.formats.tree_schema to octmip/interfaces/schemas/tree.schema.json again"
     )
     validator = jsonschema.Draft202012Validator(published)
     jsonschema.Draft202012Validator.check_schema(published)

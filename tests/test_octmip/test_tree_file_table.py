@@ -10,9 +10,9 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import HeldOut, read_tree_file, record_tree, write_tree_file
-from octmip.methods.cart import greedy_tree
-from octmip.report.text import tree_text
-from octmip.tree import splits
+from octmip.interfaces.report.text import tree_text
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.tree import splits
 
 FRAME = pd.DataFrame({"colour": ["red", "blue", "red", "green"] * 3, "age": [1.0, None, 3.0, 2.0] * 3})
 

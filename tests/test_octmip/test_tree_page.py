@@ -18,16 +18,16 @@ from octmip import ClassCosts, HyperplaneSplit, Leaf, Limits, Problem, Solution,
 from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import TreeFile, record_tree
-from octmip.methods.cart import greedy_tree
-from octmip.report.html import tree_page
-from octmip.report.tree.curve import depth_curve
-from octmip.report.tree.drawing import draw_tree
-from octmip.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
-from octmip.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
-from octmip.report.tree.words import Wording, figure, listed, percent, question
-from octmip.run import Run
-from octmip.tradeoff.held_out import Samples
-from octmip.tree import leaf_index, leaves
+from octmip.interfaces.report.html import tree_page
+from octmip.interfaces.report.tree.curve import depth_curve
+from octmip.interfaces.report.tree.drawing import draw_tree
+from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
+from octmip.interfaces.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
+from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.run import Run
+from octmip.trees.tradeoff.held_out import Samples
+from octmip.trees.tree import leaf_index, leaves
 
 DAY = datetime.date(2026, 3, 1)
 

@@ -12,10 +12,10 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import ProblemError
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem as AnyProblem
-from octmip.solver import solve
-from octmip.tree import HyperplaneSplit, Split, splits
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem as AnyProblem
+from octmip.trees.solver import solve
+from octmip.trees.tree import HyperplaneSplit, Split, splits
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:

@@ -10,8 +10,8 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import ClassCosts, Limits, Problem, Progress, Stop, certify
 from octmip.errors import ProblemError
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
 
 
 def mixed(depth: int) -> Problem:

@@ -10,8 +10,8 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.proof import check_proof
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.proof import check_proof
 
 
 @pytest.mark.parametrize(("depth", "first"), [(1, 0), (2, 0), (2, 75)])

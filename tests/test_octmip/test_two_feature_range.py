@@ -8,11 +8,11 @@ import pytest
 
 from benchmarks.oracles.two_feature import best_objective
 from octmip import Limits, Problem, Stop, certify
-from octmip.cli import main
 from octmip.errors import CertificateError
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.proof import check_proof
-from octmip.solution import ProofError
+from octmip.interfaces.cli import main
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import ProofError
 
 # Features, labels, options of small problems; the name says what was wrong.
 CASES: dict[str, tuple[list[list[float]], list[int], dict[str, Any]]] = {
@@ -160,7 +160,7 @@ def test_a_log_that_the_checker_refuses_is_not_written_and_the_solution_stays(
     def refuse(*_: object, **__: object) -> None:
         raise CertificateError("line 7: a child is not proven to cost 5")
 
-    monkeypatch.setattr("octmip.methods.two_feature.check_proof", refuse)
+    monkeypatch.setattr("octmip.trees.methods.two_feature.check_proof", refuse)
     problem = problem_of("the least numbers there are")
     path = tmp_path / "proof.log"
     with pytest.raises(ProofError, match=r"not written: expected a log of the bound .*not proven to cost 5"):

@@ -8,9 +8,9 @@ from sklearn.metrics import brier_score_loss
 
 from octmip import Leaf, OptimalTreeClassifier, Problem, Split, solve
 from octmip.errors import ProblemError
-from octmip.solution import Stop
-from octmip.tradeoff import leaf_shares
-from octmip.uncertainty import (
+from octmip.trees.solution import Stop
+from octmip.trees.tradeoff import leaf_shares
+from octmip.trees.uncertainty import (
     LeafDistribution,
     brier_score,
     calibrate_sets,
@@ -19,7 +19,7 @@ from octmip.uncertainty import (
     reliability,
     smoothed_shares,
 )
-from octmip.uncertainty.leaf_distribution import corrected_shares, fitted_line
+from octmip.trees.uncertainty.leaf_distribution import corrected_shares, fitted_line
 
 TREE = Split(0, 0.5, Leaf(0), Leaf(1))
 

@@ -15,10 +15,10 @@ from benchmarks.cases.fuzz.verified import PROGRAM, agree, compared, summary, ve
 from octmip import Problem
 from octmip.errors import CertificateError
 from octmip.formats.problem_file import write_problem_file
-from octmip.proof import check_proof, proof_header
+from octmip.trees.proof import check_proof, proof_header
 
 ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "octmip" / "verified"
+FOLDER = ROOT / "octmip" / "trees" / "verified"
 
 
 def missing() -> str:

@@ -7,11 +7,11 @@ import pandas as pd
 import pytest
 
 from octmip import OptimalTreeClassifier
-from octmip.cli import main
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
+from octmip.interfaces.cli import main
 from octmip.monitor.export.fit import input_words
-from octmip.tree import Leaf, Split
+from octmip.trees.tree import Leaf, Split
 
 
 def learned(cells, **settings):

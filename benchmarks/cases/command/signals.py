@@ -24,8 +24,8 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.tables import Line
-from octmip.cli.program import COMMANDS
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.cli.program import COMMANDS
+from octmip.interfaces.report.markdown import markdown_table
 
 N_MOMENTS = 40
 """Of each command; every other one is SIGTERM."""
@@ -80,7 +80,7 @@ def prepare(folder: Path) -> None:
         frame.assign(y=rng.integers(0, 3, n_rows)).to_csv(folder / f"{name}.csv", index=False)
     words = ["solve", str(folder / "small.csv"), "--label", "y", "--depth", "2", "--json"]
     with (folder / "solved.json").open("w") as out:
-        command = [sys.executable, "-m", "octmip.cli", *words, "--proof", "proof.log", "--out", "tree.json"]
+        command = [sys.executable, "-m", "octmip.interfaces.cli", *words, "--proof", "proof.log", "--out", "tree.json"]
         subprocess.run(command, cwd=folder, stdout=out, check=True)
     (folder / "asset.py").write_text(TWIN)
     loads = np.repeat([0.0, 0.5, 1.0], 10)
@@ -105,7 +105,7 @@ def signalled(
 
 def outcome(command: str, folder: Path, number: signal.Signals, moment: float) -> Line:
     """Run a command, send it a signal once it has used so much processor time, and return how it ended."""
-    words = [sys.executable, "-m", "octmip.cli", command, *ANSWERS[command]]
+    words = [sys.executable, "-m", "octmip.interfaces.cli", command, *ANSWERS[command]]
     before = _children_seconds()
     # Into files: a pipe that nobody reads before the moment would hold the command up.
     with (folder / "out").open("w+") as shown, (folder / "err").open("w+") as said:

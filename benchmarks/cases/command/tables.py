@@ -16,9 +16,9 @@ from types import MappingProxyType
 
 from benchmarks.data import SHARED
 from benchmarks.tables import Line
-from octmip.cli import main
 from octmip.formats.columns.cells import read_cells
 from octmip.formats.table import read_table
+from octmip.interfaces.cli import main
 
 SWITCHES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 
 from benchmarks.data import published
 from benchmarks.tables import Line
-from octmip.problem import Problem
-from octmip.solution import Limits, Progress
-from octmip.solver import solve
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Progress
+from octmip.trees.solver import solve
 
 DEPTHS = (4, 5, 6)
 

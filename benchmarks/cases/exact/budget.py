@@ -6,7 +6,7 @@ from functools import partial
 from benchmarks.case import Case
 from benchmarks.data import published
 from benchmarks.tables import race_table
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 
 def cases() -> Iterator[Case]:

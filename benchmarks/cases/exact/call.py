@@ -9,8 +9,8 @@ import numpy as np
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, synthetic_uav
 from benchmarks.tables import Line
-from octmip.problem import Problem
-from octmip.solver import solve
+from octmip.trees.problem import Problem
+from octmip.trees.solver import solve
 
 CALLS = 21
 

@@ -1,7 +1,7 @@
 """One proof over several processes: measured on one and two, simulated from recorded tasks up to 1,000 workers.
 
-Measured: the same problem by one thread, and by `octmip.cluster` with one and two processes of this machine; trees,
-bounds and evaluated cuts must be the same. Simulated: the cuts of a search are solved one after the other by one
+Measured: the same problem by one thread, and by `octmip.trees.cluster` with one and two processes of this machine;
+trees, bounds and evaluated cuts must be the same. Simulated: the cuts of a search are solved one after the other by one
 thread, with the processor seconds of each; 5 (the search of one machine), 64 and 512 cuts in work at once. Cuts go to
 workers in their order, each to the first that is free, and a cut is there once all but so many before it are back.
 Assumed: workers as fast as this machine, `OVERHEAD` seconds a task to send and to fetch it, and what is not a task
@@ -28,11 +28,11 @@ import numpy as np
 
 from benchmarks.data import published, uci
 from benchmarks.tables import Line
-from octmip.cluster import Cluster, open_cluster
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.report.markdown import markdown_table
-from octmip.solution import Limits, Solution
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.cluster import Cluster, open_cluster
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution
 
 OVERHEAD = 0.005
 """Seconds to send a task and to fetch its result; Dask's scheduler is said to take below a millisecond of them."""
@@ -145,7 +145,7 @@ class Recorder(Cluster):
 
 
 class Recorded(NamedTuple):
-    """A task of a recorder, as `octmip.cluster.Future` has it."""
+    """A task of a recorder, as `octmip.trees.cluster.Future` has it."""
 
     promise: Promise[Any]
 

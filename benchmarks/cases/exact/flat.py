@@ -15,7 +15,7 @@ from sklearn.datasets import make_classification, make_friedman1
 from benchmarks.case import Case
 from benchmarks.data import Table
 from benchmarks.tables import race_table
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 SMALL = 1_000
 

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 
 from benchmarks.data import three_classes
 from benchmarks.tables import Line
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.solution import Limits
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 
 SAMPLES = (1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000)
 FEATURES = (5, 10, 20, 40, 80)

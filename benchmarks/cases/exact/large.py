@@ -21,8 +21,8 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.data import three_classes
 from benchmarks.tables import Line
 from octmip import Limits, Problem, predict
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
 
 FLOAT32 = "proof, depth 2, float32 table"
 SIZES = ((1_000_000, 10), (1_000_000, 50))

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, synthetic_uav, uci
 from benchmarks.tables import Line
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
 
 REPEATS = 3
 Seconds = tuple[float, float]

@@ -32,15 +32,15 @@ from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pic
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
 
 STREAM = 80  # of seeds: corruption i is drawn from default_rng([STREAM, i])
 N_CORRUPTIONS, CHUNK = 10_000, 100
 SLOWEST, LARGEST = 10.0, 2**30
-NATIVE = Path(__file__).parents[3] / "octmip" / "native"
+NATIVE = Path(__file__).parents[3] / "octmip" / "trees" / "native"
 VERIFIED = re.compile(r"verified: no tree costs less than (\S+) \(\d+ lines, [\d.]+ s\)\n")
 REFUSED = re.compile(r".*, line \d+: .*; the proof is refused\n")
 DIGEST = re.compile(r'expected "((?:data|question) [0-9a-f]{64})"')

@@ -12,9 +12,9 @@ import numpy as np
 from benchmarks.drift.enumeration import least_worst_case
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
-from octmip.drift import Bands, solve
 from octmip.errors import OctmipError
-from octmip.problem import Problem
+from octmip.trees.drift import Bands, solve
+from octmip.trees.problem import Problem
 
 CHUNK = 100
 STREAM = 33  # of seeds: problem i is drawn from default_rng([STREAM, i])

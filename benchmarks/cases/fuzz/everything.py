@@ -46,8 +46,8 @@ from benchmarks.kinds.kind import Kind, Question
 from benchmarks.kinds.others import NearSets, Numbers, WorstCases
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
-from octmip.registry import REGISTRY
-from octmip.solution import Limits
+from octmip.trees.registry import REGISTRY
+from octmip.trees.solution import Limits
 
 STREAM = 71
 CHUNK = 100

@@ -13,10 +13,10 @@ from benchmarks.corruptions import LINE_CHANGES, Generator, ProofFuzz, raise_cla
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.solution import Solution
-from octmip.tree import Leaf, Node, Split
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Leaf, Node, Split
 
 __all__ = ["corrupted", "results", "summary"]
 

@@ -14,7 +14,7 @@ from benchmarks.oracles.export_runs import EXACT, EXPORTS, REFUSED
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.report_runs import REPORTS, run_page
 from benchmarks.tables import Line
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 
 COUNT = 500
 BATCH = 25

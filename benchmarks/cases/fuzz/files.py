@@ -11,8 +11,8 @@ All readers of the two packages, each a line of the table:
     octmip.formats.tree_file.read_tree_file     tree file; with certify, predict, report, solve --incumbent
     octmip.formats.table.read_table             tables, .csv, .csv.gz, .tsv, .parquet; with solve, certify, predict
     octmip.formats.table.read_costs, .read_sensors  solve --costs, solve --sensor-cost
-    octmip.cli.samples.question._groups         solve --allowed-splits
-    octmip.proof.check_proof                    proof logs, both kinds; with certify --proof
+    octmip.interfaces.cli.samples.question._groups         solve --allowed-splits
+    octmip.trees.proof.check_proof                    proof logs, both kinds; with certify --proof
     octmip.monitor.ModelSelector.read           selector
     octmip.gap.read_campaign                    campaign, commissioning run; with diagnose
     femlib.dataset.read_dataset                 .csv and .parquet, and their side file
@@ -21,8 +21,8 @@ All readers of the two packages, each a line of the table:
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX
-    octmip.methods.checkpoint                   checkpoints of three kinds, the sum corrected after most changes
-    octmip.proof.check_proof                    proof log of regression trees; with certify --proof
+    octmip.trees.methods.checkpoint                   checkpoints of three kinds, the sum corrected after most changes
+    octmip.trees.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.table.table_twin           table of a twin, .csv and .parquet, and its card
     femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
     femlib.structure.calculix.read_gauges       results of CalculiX: strains,

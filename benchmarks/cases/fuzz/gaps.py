@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.exact_answers import CHUNK, chunks, complaint, summary
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 __all__ = ["problem_with_gaps", "results", "summary"]
 

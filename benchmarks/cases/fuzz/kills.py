@@ -26,14 +26,14 @@ from benchmarks.data import uci
 from benchmarks.readers.femlib import make_dataset
 from benchmarks.tables import Line
 from femlib.files import whole_file
-from octmip.cli import main
 from octmip.formats.files import write_bytes
 from octmip.formats.table import read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
-from octmip.methods.cart import greedy_tree
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.cli import main
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
 
 KILLS_A_CHAIN, N_KILLS = 5, 50
 

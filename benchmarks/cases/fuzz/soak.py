@@ -18,14 +18,14 @@ import numpy as np
 
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.losses import SquaredError
-from octmip.near_sets import near_optimal
-from octmip.problem import Problem
-from octmip.report.markdown import markdown_table
-from octmip.set_certificate import certify_set
-from octmip.solution import Limits
-from octmip.solver import solve
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.certificate import certify
+from octmip.trees.losses import SquaredError
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.problem import Problem
+from octmip.trees.set_certificate import certify_set
+from octmip.trees.solution import Limits
+from octmip.trees.solver import solve
 
 EVERY = 100
 """Problems between two readings of memory."""

@@ -7,10 +7,10 @@ import numpy as np
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
 from octmip.errors import OctmipError
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.certificate import certify
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
 
 CHUNK = 250
 STREAM = 60  # of seeds: problem i is random_two_feature_problem(default_rng([STREAM, i]))

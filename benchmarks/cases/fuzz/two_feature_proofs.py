@@ -1,6 +1,6 @@
 """Corrupted proof logs of two-feature trees, their trees and data: none may be accepted that changes what is claimed.
 
-As `fuzz_proofs`, with the logs of `octmip.methods.two_feature` and enumeration over lines.
+As `fuzz_proofs`, with the logs of `octmip.trees.methods.two_feature` and enumeration over lines.
 """
 
 import dataclasses
@@ -11,10 +11,10 @@ from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, ProofFuzz, s
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.tables import Line
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
-from octmip.solution import Solution
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split
 
 __all__ = ["corrupted", "results", "summary"]
 

@@ -20,13 +20,13 @@ from benchmarks.oracles.strategies import random_problem, wide_problem, with_gap
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
-from octmip.methods.exact import branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
 
 __all__ = ["PROGRAM", "Verdict", "agree", "compared", "results", "summary", "verdict"]
 
-PROGRAM = Path(__file__).parents[3] / "octmip" / "verified" / "build" / "octmip-verified"
+PROGRAM = Path(__file__).parents[3] / "octmip" / "trees" / "verified" / "build" / "octmip-verified"
 STREAM = 44
 N_LOGS, CHUNK = 200, 50
 

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.tables import Line
-from octmip.cluster import open_cluster
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.problem import Problem
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.cluster import open_cluster
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.problem import Problem
 
 N_SOLVES = 40
 MOST_SECONDS = 120.0

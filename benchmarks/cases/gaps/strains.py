@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from benchmarks.data import SHARED
 from benchmarks.tables import Line
 from femlib.dataset import Dataset, Recipe, build_dataset, published_strains
-from octmip.problem import Problem
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import Imputation
-from octmip.solution import Limits
-from octmip.solver import solve
-from octmip.tree import Node, features_used, predict
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+from octmip.trees.solver import solve
+from octmip.trees.tree import Node, features_used, predict
 
 LOST = 0.2
 SEEDS = range(5)

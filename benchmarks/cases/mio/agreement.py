@@ -16,14 +16,14 @@ from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.losses import ClassCosts
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.mip.flow import solve_flow
-from octmip.problem import Problem
-from octmip.solution import Limits, Solution, Stop
-from octmip.tree import Leaf
+from octmip.trees.certificate import certify
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.tree import Leaf
 
 RANDOM = 50  # small random problems of every kind, depth 1 to 3
 

@@ -7,13 +7,13 @@ from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.methods.search import local_search
-from octmip.mip.benders.solver import solve_benders
-from octmip.mip.highs import highs
-from octmip.problem import Problem
-from octmip.solution import Limits
-from octmip.solver import solve
+from octmip.trees.certificate import certify
+from octmip.trees.methods.search import local_search
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.highs import highs
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+from octmip.trees.solver import solve
 
 PROBLEMS: tuple[tuple[str, ProblemOptions, Callable[[], Table]], ...] = (
     ("iris, depth 2", {"depth": 2}, partial(uci, "iris")),

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.case import Case
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.tables import Line, race_table
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 SOLVERS = ("octmip-benders", "octmip-flow2", "octmip-flow1", "octmip-oct", "odtlearn", "odtlearn-benders")
 

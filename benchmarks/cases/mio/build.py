@@ -10,11 +10,11 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.data import first_rows, published
 from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.tables import Line
-from octmip.methods.cart import greedy_tree
-from octmip.mip import flow, oct, oct_h
-from octmip.mip.highs import highs, worker
-from octmip.problem import Problem
-from octmip.tree import Node
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.mip import flow, oct, oct_h
+from octmip.trees.mip.highs import highs, worker
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Node
 
 SIZES = (175, 1750)
 
@@ -52,7 +52,7 @@ def _ways(problem: Problem, planes: Problem, start: Node) -> dict[str, Callable[
 
 def _through_pyomo(problem: Problem) -> None:
     """State OCT in Pyomo and let HiGHS read what Pyomo writes."""
-    from octmip.mip.highs.worker import SilentHighs
+    from octmip.trees.mip.highs.worker import SilentHighs
 
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder) / "oct.mps")

@@ -17,14 +17,14 @@ from benchmarks.cpu import cpu_limit, cpu_seconds
 from benchmarks.data import Table, first_rows, published, synthetic_uav, uci
 from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.methods.search import local_search
-from octmip.mip.flow import solve_flow
-from octmip.mip.oct import solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.problem import Problem
-from octmip.solution import Limits, Solution, Stop
-from octmip.tree import Node
+from octmip.trees.certificate import certify
+from octmip.trees.methods.search import local_search
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.oct import solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.tree import Node
 
 Form = Callable[..., Solution]
 

@@ -16,17 +16,17 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.methods.exact import branch_and_bound
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.mip.benders.solver import solve_benders
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import highs
-from octmip.mip.oct import solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.problem import Problem
-from octmip.solution import Limits, Progress, Solution, relative_gap
+from octmip.trees.certificate import certify
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import highs
+from octmip.trees.mip.oct import solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Progress, Solution, relative_gap
 
 GAPS = (0.1, 0.01, 0.0)
 COLOURS = {"printed": "tab:grey", "strengthened": "tab:orange", "Benders": "tab:blue", "exact": "tab:green"}

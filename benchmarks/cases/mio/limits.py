@@ -10,14 +10,14 @@ from functools import partial
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.mip.benders.solver import solve_benders
-from octmip.mip.flow import solve_flow
-from octmip.mip.highs import highs
-from octmip.mip.oct import solve_oct
-from octmip.mip.oct_h import solve_oct_h
-from octmip.problem import Problem
-from octmip.solution import Limits, Solution
+from octmip.trees.certificate import certify
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.highs import highs
+from octmip.trees.mip.oct import solve_oct
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution
 
 SECONDS = (0.5, 1.0, 2.0, 5.0)
 AXIS: dict[str, Callable[..., Solution]] = {"oct": solve_oct, "flow": solve_flow, "benders": solve_benders}

@@ -12,11 +12,11 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
-from octmip.mip.benders.solver import solve_benders
-from octmip.mip.highs import highs
-from octmip.solution import Limits, Stop
-from octmip.solver import solve
+from octmip.trees.certificate import certify
+from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.highs import highs
+from octmip.trees.solution import Limits, Stop
+from octmip.trees.solver import solve
 
 COUNT, FIRST_SEED = 200, 90_000
 

@@ -11,8 +11,8 @@ from benchmarks.exact_answers import CHUNK, chunks
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
-from octmip.near_sets import near_optimal
-from octmip.set_certificate import certify_set
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.set_certificate import certify_set
 
 STREAM = 21  # of seeds: problem i is drawn from default_rng([STREAM, i])
 SHARE_WITH_GAPS = 0.5

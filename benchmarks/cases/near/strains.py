@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 
 from benchmarks.data import published
 from benchmarks.tables import Line
-from octmip.near_sets import Role, near_optimal, sensor_roles
-from octmip.problem import Problem
-from octmip.solution import Limits
+from octmip.trees.near_sets import Role, near_optimal, sensor_roles
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 
 SEED = 0
 

@@ -15,13 +15,13 @@ import numpy as np
 
 from benchmarks.regression.enumeration import least_objective, random_problem
 from benchmarks.tables import Line
-from octmip.certificate import certify
 from octmip.errors import OctmipError
-from octmip.losses import NUMBER_LOSSES
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Solution
-from octmip.solver import solve
+from octmip.trees.certificate import certify
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Solution
+from octmip.trees.solver import solve
 
 CHUNK = 250
 FEWEST = 10_000

@@ -13,10 +13,10 @@ from sklearn.tree import DecisionTreeRegressor
 from benchmarks.data import published
 from benchmarks.regression.samples import made_up
 from benchmarks.tables import Line
-from octmip.losses import NUMBER_LOSSES
-from octmip.problem import Problem
-from octmip.solution import Limits
-from octmip.solver import solve
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+from octmip.trees.solver import solve
 
 SIZES = (100_000, 1_000_000)
 

@@ -20,13 +20,13 @@ from benchmarks.corruptions import LINE_CHANGES, raise_claim
 from benchmarks.regression.enumeration import least_objective
 from benchmarks.regression.runs import Runs
 from benchmarks.tables import Line
-from octmip.certificate import certify
 from octmip.errors import OctmipError
-from octmip.losses import NUMBER_LOSSES
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.regression.exact import exact_regression
-from octmip.solution import Solution
+from octmip.trees.certificate import certify
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.regression.exact import exact_regression
+from octmip.trees.solution import Solution
 
 N_WIDE, N_FAR, CHUNK, N_FORGED = 2000, 3000, 50, 6
 STREAMS = {"wide": 127, "far": 128}

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line
-from octmip.losses import ClassCosts
-from octmip.methods.search import local_search
-from octmip.problem import Problem
-from octmip.solution import Limits
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.search import local_search
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 
 SEEDS = range(3)
 DEPTHS = (2, 3, 4)

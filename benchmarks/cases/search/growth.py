@@ -21,10 +21,10 @@ from matplotlib.figure import Figure
 
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.tables import Line
-from octmip.methods.cart import greedy_tree
-from octmip.methods.search import local_search
-from octmip.problem import Problem
-from octmip.solution import Solution, Stop
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.search import local_search
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
 
 SAMPLES = (1_000, 10_000, 100_000, 1_000_000)
 DEPTH = 4

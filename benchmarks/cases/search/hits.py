@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, numeric_sets, published, synthetic_uav, uci
 from benchmarks.tables import Line
-from octmip.methods.search import local_search
-from octmip.problem import Problem
-from octmip.solution import Limits, Progress
-from octmip.solver import solve
+from octmip.trees.methods.search import local_search
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Progress
+from octmip.trees.solver import solve
 
 DEPTHS = (2, 3, 4)
 N_SEEDS = int(os.environ.get("SEARCH_SEEDS", "10"))

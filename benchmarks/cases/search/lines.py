@@ -10,9 +10,9 @@ from collections.abc import Iterator, Sequence
 from benchmarks.cpu import cpu_limit
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
 
 N_SEEDS = int(os.environ.get("SEARCH_SEEDS", "6"))
 LEFT_OUT = ("breast-cancer-wisconsin-diagnostic", "published mu1, 1750 x 20")  # no proof, or a long one

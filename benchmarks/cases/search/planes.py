@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, published_earlier, synthetic_uav, uci
 from benchmarks.tables import Line
-from octmip.methods.search import local_search
-from octmip.problem import Problem
+from octmip.trees.methods.search import local_search
+from octmip.trees.problem import Problem
 
 N_SEEDS = int(os.environ.get("SEARCH_SEEDS", "10"))
 SIZES = (2, 4, None)

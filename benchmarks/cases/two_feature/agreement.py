@@ -17,13 +17,13 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.tables import Line
 from benchmarks.two_feature import strains
-from octmip.certificate import certify
-from octmip.methods.search import local_search
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.mip.flow import solve_flow
-from octmip.mip.oct_h import solve_oct_h
-from octmip.problem import Problem
-from octmip.solution import Limits, Solution
+from octmip.trees.certificate import certify
+from octmip.trees.methods.search import local_search
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.oct_h import solve_oct_h
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution
 
 RANDOM = 60  # small random problems of every sort, half of depth 1 and half of depth 2
 MIO: dict[str, Callable[..., Solution]] = {"flow": solve_flow, "oct_h": solve_oct_h}

@@ -7,10 +7,10 @@ from pathlib import Path
 from benchmarks.cpu import cpu_seconds
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
-from octmip.methods.two_feature import two_feature_branch_and_bound
-from octmip.problem import Problem
-from octmip.proof import check_proof
-from octmip.solution import Limits
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof
+from octmip.trees.solution import Limits
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:

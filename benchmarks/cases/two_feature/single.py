@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.data import Table
 from benchmarks.tables import Line
 from benchmarks.two_feature import measure, strains
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES, measure
-from octmip.problem import Problem
+from octmip.trees.problem import Problem
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:

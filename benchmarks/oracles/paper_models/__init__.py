@@ -1,1 +1,1 @@
-"""OCT and OCT-H as Pyomo models that read as on paper: the oracle that the rows of `octmip.mip` are compared with."""
+"""OCT and OCT-H as Pyomo models that read as on paper: the oracle of the rows of `octmip.trees.mip`."""

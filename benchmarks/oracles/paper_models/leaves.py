@@ -1,12 +1,12 @@
-"""The leaves of OCT and OCT-H as Pyomo constraints: the rows of `octmip.mip.blocks.leaves`, as on paper."""
+"""The leaves of OCT and OCT-H as Pyomo constraints: the rows of `octmip.trees.mip.blocks.leaves`, as on paper."""
 
 from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.blocks.heap import Heap
-from octmip.mip.prices import own_prices
-from octmip.problem import Problem
+from octmip.trees.mip.blocks.heap import Heap
+from octmip.trees.mip.prices import own_prices
+from octmip.trees.problem import Problem
 
 
 def add_leaves(M: Any, problem: Problem, heap: Heap) -> Any:

@@ -1,11 +1,11 @@
-"""Sensor budget and number of splits as Pyomo constraints: the rows of `octmip.mip.blocks.sensor_rows`."""
+"""Sensor budget and number of splits as Pyomo constraints: the rows of `octmip.trees.mip.blocks.sensor_rows`."""
 
 from typing import Any
 
 import pyomo.environ as pyo
 
-from octmip.mip.blocks.sensor_rows import budget_shares
-from octmip.problem import Problem
+from octmip.trees.mip.blocks.sensor_rows import budget_shares
+from octmip.trees.problem import Problem
 
 
 def add_limits(M: Any, problem: Problem, uses: Any, splits: tuple[Any, int] | None) -> None:

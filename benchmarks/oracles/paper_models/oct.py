@@ -1,4 +1,4 @@
-"""OCT as a Pyomo model; table of letters, equations and departures from print in `octmip.mip.oct`."""
+"""OCT as a Pyomo model; table of letters, equations and departures from print in `octmip.trees.mip.oct`."""
 
 from typing import Any
 
@@ -6,16 +6,16 @@ import pyomo.environ as pyo
 
 from benchmarks.oracles.paper_models.leaves import add_leaves
 from benchmarks.oracles.paper_models.limits import add_limits
-from octmip.encoding import rank_features
-from octmip.mip.blocks import axis
-from octmip.mip.blocks.heap import Heap
-from octmip.mip.oct import scaled_features
-from octmip.problem import Problem
-from octmip.problem_values import refuse_gaps
+from octmip.trees.encoding import rank_features
+from octmip.trees.mip.blocks import axis
+from octmip.trees.mip.blocks.heap import Heap
+from octmip.trees.mip.oct import scaled_features
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import refuse_gaps
 
 
 def paper_model(problem: Problem, *, closed: bool = True, max_splits: int | None = None) -> Any:
-    """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.mip.oct`."""
+    """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.trees.mip.oct`."""
     refuse_gaps(problem.n_missing, "the paper's model has no side for them", "fill them in")
     ranks, heap = rank_features(problem), Heap(problem.depth)
     x, eps = scaled_features(ranks)

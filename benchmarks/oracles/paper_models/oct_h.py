@@ -1,4 +1,4 @@
-"""OCT-H as a Pyomo model; table of letters and what the printed form does not say in `octmip.mip.oct_h`."""
+"""OCT-H as a Pyomo model; table of letters and what the printed form does not say in `octmip.trees.mip.oct_h`."""
 
 from typing import Any
 
@@ -6,14 +6,14 @@ import pyomo.environ as pyo
 
 from benchmarks.oracles.paper_models.leaves import add_leaves
 from benchmarks.oracles.paper_models.limits import add_limits
-from octmip.mip.blocks.heap import Heap
-from octmip.mip.blocks.hyperplanes import space_of, usable_features
-from octmip.problem import Problem
-from octmip.problem_values import refuse_gaps
+from octmip.trees.mip.blocks.heap import Heap
+from octmip.trees.mip.blocks.hyperplanes import space_of, usable_features
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import refuse_gaps
 
 
 def paper_model(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
-    """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.mip.oct_h`."""
+    """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are those of `mip.oct_h`."""
     refuse_gaps(problem.n_missing, "hyperplanes add readings", "fill them in")
     space, heap = space_of(problem, centred=False), Heap(problem.depth)
     usable, reach, largest = usable_features(problem), space.reach, space.coefficient

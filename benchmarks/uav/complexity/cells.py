@@ -14,9 +14,9 @@ from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
 from octmip import Problem, certify, predict
-from octmip.losses import ClassCosts
-from octmip.methods.search import EFFORT
-from octmip.solver import Method, solve
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.search import EFFORT
+from octmip.trees.solver import Method, solve
 
 Objective = Literal["errors", "mae"]
 

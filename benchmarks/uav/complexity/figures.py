@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from benchmarks.uav.bayes import BayesLimit
 from benchmarks.uav.complexity.cells import DEPTHS, LABELS, SPLIT_SIZES, Cell, Objective
 from benchmarks.uav.complexity.tables import SIZE_NAMES, Lines, values
-from octmip.plot.style import DISTINCT, INK, quiet_frame
+from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame
 
 MARKERS = "osd^"
 

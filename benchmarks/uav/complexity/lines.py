@@ -16,7 +16,7 @@ from joblib import Parallel, delayed
 from benchmarks.tables import Line, whole_lines
 from benchmarks.uav.complexity.cells import Cell, effort_of, run_cells
 from femlib.dataset import MeanStrains, Recipe
-from octmip import _native
+from octmip.trees import _native
 
 
 def run(

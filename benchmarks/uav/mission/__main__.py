@@ -16,7 +16,7 @@ from benchmarks.uav.mission.policy_table import policy_rows
 from benchmarks.uav.mission.speed import speed_rows
 from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, search_limit, told_limit
 from octmip.formats.files import write_bytes
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 
 TABLES = ("filter", "watch", "policies", "speed")
 

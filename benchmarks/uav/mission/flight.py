@@ -11,8 +11,8 @@ from benchmarks.uav.mission.histories import MOST_STEPS, Histories, draw
 from benchmarks.uav.mission.outside import example_signature
 from benchmarks.uav.mission.policies import Pilot, Policy
 from benchmarks.uav.mission.simulation import damage_at, readings_at
+from octmip.interfaces.report.mission import MissionStep
 from octmip.monitor import Belief, Finding, Library, Result
-from octmip.report.mission import MissionStep
 
 Floats = NDArray[np.float64]
 

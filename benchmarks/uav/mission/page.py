@@ -5,8 +5,8 @@ import numpy as np
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft
 from benchmarks.uav.mission.flight import NAMES, POLICY, Flight
+from octmip.interfaces.report.mission import Course, Region, mission_page
 from octmip.monitor import ParameterTree
-from octmip.report.mission import Course, Region, mission_page
 
 KINDS = {
     "paper": "Both regions lose stiffness from 0 to 80 %",

@@ -11,7 +11,7 @@ from benchmarks.uav.risk.leaves import Trust, trust
 from benchmarks.uav.risk.tables import decision_table, trust_table
 from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import uav_wing
-from octmip.plot import reliability_figure
+from octmip.interfaces.plot import reliability_figure
 
 
 def main(arguments: list[str] | None = None) -> None:

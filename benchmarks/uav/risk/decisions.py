@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from femlib.dataset import Dataset
 from octmip import ClassCosts, Limits, certify, predict, solve
-from octmip.risk import ErrorRates, RiskModel
-from octmip.solution import Solution
-from octmip.tradeoff import trace_risk_frontier
+from octmip.trees.risk import ErrorRates, RiskModel
+from octmip.trees.solution import Solution
+from octmip.trees.tradeoff import trace_risk_frontier
 
 REGIONS = {"mu1": (0,), "mu2": (1,), "mu1 or mu2": (0, 1)}
 # In units of flying at 2 g for nothing. A missed critical damage then costs that price less one (2 g is right there): 2

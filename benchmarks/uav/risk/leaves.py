@@ -6,7 +6,7 @@ import numpy as np
 
 from femlib.dataset import Dataset
 from octmip import Limits, Problem, certify, solve
-from octmip.uncertainty import (
+from octmip.trees.uncertainty import (
     Brier,
     LeafDistribution,
     ReliabilityBin,

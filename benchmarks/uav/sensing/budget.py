@@ -6,7 +6,7 @@ from pathlib import Path
 from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import LABELS, installed, problem_of, readings
 from octmip import Problem
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import placement_frontier, shared_budget
 
 BUDGETS = (1, 2, 3, 4, 5)

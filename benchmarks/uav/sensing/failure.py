@@ -18,9 +18,9 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import LABELS, LEVELS, installed, problem_of, readings
 from femlib.dataset import Dataset
 from octmip import Problem, solve
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import FaultDetector, Imputation, power
-from octmip.tree import Node, predict
+from octmip.trees.tree import Node, predict
 
 Floats = NDArray[np.float64]
 Row = dict[str, object]

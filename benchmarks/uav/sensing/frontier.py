@@ -13,9 +13,9 @@ from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import clear_of_regions, installed, problem_of, readings
 from femlib.dataset import Dataset
 from octmip import Limits, Problem
-from octmip.report.markdown import markdown_table
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import placement_frontier, sample_bound
-from octmip.tradeoff import Point
+from octmip.trees.tradeoff import Point
 
 NUMBERS = {2: (1, 2, 3, 4, 5), 3: (1, 2, 3, 4)}  # by depth
 COSTS = (1, 2, 3, 4, 5, 6)  # at depth 2

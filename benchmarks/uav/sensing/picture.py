@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from femlib.wing import Wing
-from octmip.plot.style import INK, QUIET, quiet_frame
+from octmip.interfaces.plot.style import INK, QUIET, quiet_frame
 
 CHOSEN = "#d55e00"
 MARKERS = {"installed": ("g", "s"), "candidate": ("c", "o")}  # first letter of the names, marker

@@ -31,9 +31,10 @@ from benchmarks.uav.sensing.readings import (
     readings,
 )
 from femlib.dataset import Dataset, MeanStrains
-from octmip import Problem, _native, certify
-from octmip.report.markdown import markdown_table
+from octmip import Problem, certify
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_chance, by_information, by_reading, by_tree, place_sensors, placement_on
+from octmip.trees import _native
 
 LABEL, SPLIT_SIZE = "mu2", 4
 DEPTHS = (3, 4, 5)

@@ -11,8 +11,8 @@ from benchmarks.problem_options import ProblemOptions
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing, uav_wing
 from octmip import Problem
-from octmip.losses import ClassCosts
-from octmip.tree import Node, predict
+from octmip.trees.losses import ClassCosts
+from octmip.trees.tree import Node, predict
 
 LABELS = ("mu1", "mu2")
 LEVELS = (0, 20, 40, 60, 80)

@@ -5,10 +5,10 @@ from typing import Any
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.uav.sensing.readings import LABELS, installed, problem_of, readings
-from octmip.report.markdown import markdown_table
-from octmip.report.plan import Wording, plan_text
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.interfaces.report.plan import Wording, plan_text
 from octmip.sensing import Group, SequentialProblem, certify_sequential, solve_sequential
-from octmip.solution import Limits
+from octmip.trees.solution import Limits
 
 Row = dict[str, object]
 

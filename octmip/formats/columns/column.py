@@ -25,7 +25,7 @@ from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
 from octmip.formats.columns.written import FORMS, number_words
 from octmip.formats.messages import shown
-from octmip.tree import Split
+from octmip.trees.tree import Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "order"]
 

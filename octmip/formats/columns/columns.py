@@ -18,7 +18,7 @@ from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, Column, Feature
 from octmip.formats.columns.written import words_of
 from octmip.formats.messages import shown
-from octmip.tree import Split
+from octmip.trees.tree import Split
 
 Categories = Literal["yes-no", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]

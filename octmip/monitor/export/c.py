@@ -13,7 +13,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.monitor.export.fit import check_fit
-from octmip.tree import SIDES, HyperplaneSplit, Leaf, Node, Split, splits
+from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Split, splits
 
 KEYWORDS = frozenset(
     [

@@ -10,8 +10,8 @@ from octmip.formats.columns import Columns, Feature
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.written import words_of
 from octmip.formats.names import shown
-from octmip.shape import MAX_DEPTH
-from octmip.tree import Leaf, Node, leaves, splits
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.tree import Leaf, Node, leaves, splits
 
 
 def names_json(feature_names: Sequence[str], class_names: Sequence[Any], columns: Columns | None = None) -> str:

@@ -13,7 +13,7 @@ import numpy as np
 
 from octmip.errors import needed_by
 from octmip.monitor.export.fit import check_fit, class_values
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split
 
 if TYPE_CHECKING:
     import onnx

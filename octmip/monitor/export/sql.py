@@ -22,7 +22,7 @@ from typing import Any
 from octmip.errors import TreeError
 from octmip.formats.names import shown
 from octmip.monitor.export.fit import check_column, check_fit
-from octmip.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
 
 LARGEST = 62
 """Powers of two up to 2**62 are whole numbers of every database."""

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
-from octmip.problem import Problem
 from octmip.sensing.placement.placement import problem_on
-from octmip.solution import Limits
-from octmip.solver import Method, solve
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+from octmip.trees.solver import Method, solve
 
 QUICK: Mapping[str, Any] = {"restarts": 1, "perturbations": 0}
 QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are many

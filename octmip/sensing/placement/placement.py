@@ -21,15 +21,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from octmip.encoding.numbers import exact_sum, rounded_down
 from octmip.errors import ProblemError
-from octmip.problem import Problem
-from octmip.run import NO_OPTIONS, Run
-from octmip.solution import Limits, Solution, Stop
-from octmip.solver import Method, solve_run
-from octmip.tradeoff import Point
-from octmip.tradeoff.frontier import frontier_run
-from octmip.tree import Leaf, Node, Split
+from octmip.trees.encoding.numbers import exact_sum, rounded_down
+from octmip.trees.problem import Problem
+from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.solver import Method, solve_run
+from octmip.trees.tradeoff import Point
+from octmip.trees.tradeoff.frontier import frontier_run
+from octmip.trees.tree import Leaf, Node, Split
 
 MOST_LABEL_SETS = 20_000  # of which label_bound tries each
 

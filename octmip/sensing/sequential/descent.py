@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.sensing.sequential.native import Core
-from octmip.solution import Limits, Stop
-from octmip.tree import Leaf, Node, goes_left
+from octmip.trees.solution import Limits, Stop
+from octmip.trees.tree import Leaf, Node, goes_left
 
 BLOCK = 2
 """Levels of the subtrees that are solved exactly."""

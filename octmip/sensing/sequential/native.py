@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip import _native
-from octmip.encoding import Ranks, tree_from_rows
 from octmip.sensing.sequential.problem import SequentialProblem
-from octmip.solution import Limits
-from octmip.tree import Node, centred
+from octmip.trees import _native
+from octmip.trees.encoding import Ranks, tree_from_rows
+from octmip.trees.solution import Limits
+from octmip.trees.tree import Node, centred
 
 Floats = NDArray[np.float64]
 

@@ -22,11 +22,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.certificate import checked_leaf_index
 from octmip.errors import CertificateError, ProblemError
-from octmip.problem import Problem
-from octmip.solution import Solution, Stop
-from octmip.tree import Leaf, Node, leaves
+from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Leaf, Node, leaves
 
 Floats = NDArray[np.float64]
 

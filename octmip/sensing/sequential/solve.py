@@ -15,13 +15,13 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.problem import Problem
 from octmip.sensing.sequential.descent import descend
 from octmip.sensing.sequential.native import Core, CoreResult
 from octmip.sensing.sequential.problem import SequentialCertificate, SequentialProblem, recount
-from octmip.solution import Limits, Solution, Stop
-from octmip.solver import solve
-from octmip.tree import Leaf, Node
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.solver import solve
+from octmip.trees.tree import Leaf, Node
 
 TOLERANCE = 1e-9
 ROUNDING = 2.0**-46  # of the largest sum: what some hundred additions in float64 lose, and far more than they do

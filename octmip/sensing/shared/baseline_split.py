@@ -11,13 +11,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from octmip.problem import Problem
 from octmip.sensing.shared.label_trees import LabelTrees
 from octmip.sensing.shared.solution import BaselineSplit, weighted_sum
-from octmip.solution import Stop
-from octmip.tradeoff import Point
-from octmip.tradeoff.frontier import frontier_run
-from octmip.tree import Node
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Stop
+from octmip.trees.tradeoff import Point
+from octmip.trees.tradeoff.frontier import frontier_run
+from octmip.trees.tree import Node
 
 MOST_STEPS = 12
 

@@ -18,17 +18,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
-from octmip._native import __version__
 from octmip.errors import ProblemError
-from octmip.problem import Problem
-from octmip.run import NO_OPTIONS, Run
 from octmip.sensing.shared.baseline_split import best_baseline_split
 from octmip.sensing.shared.certificate import certify_joint
 from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
 from octmip.sensing.shared.sensor_sets import Proof, SetSearch
 from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
-from octmip.solution import Limits, Solution, Stop
-from octmip.tree import Leaf, Node
+from octmip.trees._native import __version__
+from octmip.trees.problem import Problem
+from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.tree import Leaf, Node
 
 JointMethod = Literal["auto", "exact", "search"]
 EXACT_DEPTH = 3  # "auto" proves to this depth; a proof of one label takes a second there, and there are many

@@ -3,10 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from octmip.certificate import Certificate, certify
 from octmip.errors import CertificateError
 from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
-from octmip.solution import Stop
+from octmip.trees.certificate import Certificate, certify
+from octmip.trees.solution import Stop
 
 
 @dataclass(frozen=True, slots=True)

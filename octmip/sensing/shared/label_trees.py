@@ -11,12 +11,12 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from octmip.problem import Problem
-from octmip.run import Run
 from octmip.sensing.shared.solution import weighted_sum
-from octmip.solution import Limits, Solution, Stop
-from octmip.solver import solve_run
-from octmip.tree import Leaf, Node
+from octmip.trees.problem import Problem
+from octmip.trees.run import Run
+from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.solver import solve_run
+from octmip.trees.tree import Leaf, Node
 
 Sensors = frozenset[str]
 NONE: Sensors = frozenset()

@@ -19,8 +19,8 @@ from dataclasses import dataclass, field, replace
 
 from octmip.sensing.shared.label_trees import NONE, LabelTrees, Sensors
 from octmip.sensing.shared.solution import weighted_sum
-from octmip.solution import Solution, Stop
-from octmip.tree import Node
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Node
 
 
 @dataclass(frozen=True, slots=True, order=True)

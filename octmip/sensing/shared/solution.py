@@ -9,9 +9,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from octmip.errors import ProblemError, SolverError
-from octmip.problem import Problem
-from octmip.solution import Solution, Stop, relative_gap
-from octmip.tree import Node
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop, relative_gap
+from octmip.trees.tree import Node
 
 
 @dataclass(frozen=True, slots=True)

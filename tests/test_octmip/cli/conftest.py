@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip.cli import main
+from octmip.interfaces.cli import main
 
 
 @pytest.fixture

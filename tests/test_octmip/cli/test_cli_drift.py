@@ -8,7 +8,7 @@ import jsonschema
 
 import octmip
 
-SCHEMA = Path(octmip.__file__).parent / "schemas" / "drift.schema.json"
+SCHEMA = Path(octmip.__file__).parent / "interfaces" / "schemas" / "drift.schema.json"
 ASKED = ("--label", "y", "--features", "a,b", "--depth", 1)
 
 

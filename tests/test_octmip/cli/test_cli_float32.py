@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from octmip import Problem, solve
-from octmip.cli import solve as command
-from octmip.cli.samples.question import ask
+from octmip.interfaces.cli import solve as command
+from octmip.interfaces.cli.samples.question import ask
 
 
 def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from octmip import Problem, solve
-from octmip.cli.samples.file_arguments import use_of
 from octmip.formats.files import is_same_file
-from octmip.solution import ProofError
+from octmip.interfaces.cli.samples.file_arguments import use_of
+from octmip.trees.solution import ProofError
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -99,12 +99,12 @@ def test_names_that_do_not_exist_yet_are_compared_by_their_places(tmp_path: Path
 def test_every_argument_that_ends_like_a_file_says_what_is_done_with_it() -> None:
     import importlib
 
-    from octmip.cli.arguments import Parser
-    from octmip.cli.program import COMMANDS, MODULES
+    from octmip.interfaces.cli.arguments import Parser
+    from octmip.interfaces.cli.program import COMMANDS, MODULES
 
     for name in COMMANDS:
         parser = Parser(name, None)
-        importlib.import_module(f"octmip.cli.{MODULES.get(name, name)}").add_arguments(parser)
+        importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(name, name)}").add_arguments(parser)
         for action in parser._actions:
             if isinstance(action.metavar, str) and ("." in action.metavar or action.metavar in ("FILE", "DATA", "LOG")):
                 is_list = action.metavar.endswith("...")
@@ -200,7 +200,7 @@ def test_a_reader_that_leaves_loses_no_tree(data: Path, run: Run, monkeypatch: p
     def gone(*_: object) -> None:
         raise BrokenPipeError
 
-    monkeypatch.setattr("octmip.cli.solve._show_words", gone)
+    monkeypatch.setattr("octmip.interfaces.cli.solve._show_words", gone)
     monkeypatch.setattr("sys.stderr.close", lambda: None, raising=False)
     tree = data.parent / "tree.json"
     assert run("solve", data, "--label", "y", "--depth", 1, "--out", tree)[0] == 0

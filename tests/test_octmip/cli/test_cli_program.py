@@ -7,10 +7,10 @@ import time
 
 import pytest
 
-from octmip.cli import doctor, main
-from octmip.cli.answer import ElapsedLine, ProgressLine
-from octmip.cli.program import COMMANDS
-from octmip.solution import Progress
+from octmip.interfaces.cli import doctor, main
+from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine
+from octmip.interfaces.cli.program import COMMANDS
+from octmip.trees.solution import Progress
 
 
 def test_an_unknown_command_hints_at_the_near_one(run):
@@ -29,9 +29,9 @@ def test_help_names_every_command(run):
 
 
 def test_help_does_not_wait_for_heavy_packages():
-    code = "import sys; from octmip.cli import main; main(['--help']); print(*sys.modules, sep='\\n')"
+    code = "import sys; from octmip.interfaces.cli import main; main(['--help']); print(*sys.modules, sep='\\n')"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert "octmip.cli" in out
+    assert "octmip.interfaces.cli" in out
     assert not {"pandas", "sklearn", "matplotlib", "pyomo", "scipy"} & set(out.splitlines())
 
 
@@ -50,7 +50,7 @@ def test_standard_output_that_cannot_be_written_ends_in_one_line(run, tree, monk
     def full(arguments):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("octmip.cli.report.run", full)
+    monkeypatch.setattr("octmip.interfaces.cli.report.run", full)
     code, _, err = run("report", tree)
     assert code == 1
     assert err == "octmip: standard output cannot be written (No space left on device)\n"
@@ -60,7 +60,7 @@ def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
     def interrupted(arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("octmip.cli.report.run", interrupted)
+    monkeypatch.setattr("octmip.interfaces.cli.report.run", interrupted)
     code, _, err = run("report", "t.json")
     assert code == 130
     assert err == "octmip: interrupted\n"
@@ -109,7 +109,7 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
     def broken(*_, **__):
         raise OSError("no such symbol")
 
-    monkeypatch.setattr("octmip.solver.solve", broken)
+    monkeypatch.setattr("octmip.trees.solver.solve", broken)
     code, out, _ = run("doctor")
     assert code == 1
     assert "FAULT   native core" in out
@@ -118,7 +118,7 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
 
 
 def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, monkeypatch):
-    monkeypatch.setattr("octmip.cli.answer.FIRST_SHOWN", 0.01)
+    monkeypatch.setattr("octmip.interfaces.cli.answer.FIRST_SHOWN", 0.01)
     for is_terminal in (False, True):
         monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
         with ElapsedLine("certifying"):
@@ -126,9 +126,10 @@ def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, mon
         assert ("certifying ... 0 s" in capsys.readouterr().err) == is_terminal
 
 
-@pytest.mark.parametrize("module", ["octmip._native", "sklearn", "pandas"])
+@pytest.mark.parametrize("module", ["octmip.trees._native", "sklearn", "pandas"])
 def test_doctor_works_where_the_installation_does_not(module):
-    code = f"import sys; sys.modules['{module}'] = None; from octmip.cli import main; sys.exit(main(['doctor']))"
+    code = f"import sys; sys.modules['{module}'] = None; from octmip.interfaces.cli import main\n"
+    code += "sys.exit(main(['doctor']))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert done.stderr == ""

@@ -8,10 +8,10 @@ import jsonschema
 import pytest
 
 import octmip
-from octmip.cli.sets.amount import amount_of
 from octmip.errors import DataError
+from octmip.interfaces.cli.sets.amount import amount_of
 
-SCHEMAS = Path(octmip.__file__).parent / "schemas"
+SCHEMAS = Path(octmip.__file__).parent / "interfaces" / "schemas"
 ASKED = ("--label", "y", "--features", "a,b")
 
 

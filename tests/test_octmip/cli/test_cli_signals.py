@@ -17,12 +17,12 @@ import pytest
 
 from benchmarks.cases.command import signals
 from octmip import Certificate, Problem, Solution, certify, solve
-from octmip.cli import doctor, main
-from octmip.cli.program import COMMANDS
-from octmip.cli.stages import term_as_interrupt
-from octmip.methods.interruption import held_back
-from octmip.near_sets import Role, sensor_roles
-from octmip.solution import Progress, Stop
+from octmip.interfaces.cli import doctor, main
+from octmip.interfaces.cli.program import COMMANDS
+from octmip.interfaces.cli.stages import term_as_interrupt
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.near_sets import Role, sensor_roles
+from octmip.trees.solution import Progress, Stop
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_a_proof_that_is_terminated_writes_its_best_tree(
         sent(number)
         return solve(*arguments, **options)
 
-    monkeypatch.setattr("octmip.cli.solve.solve", signalled)
+    monkeypatch.setattr("octmip.interfaces.cli.solve.solve", signalled)
     tree, kept = hard.parent / "tree.json", hard.parent / "kept"
     words = ["solve", str(hard), "--label", "y", "--depth", "5", "--seconds", "600", "--out", str(tree)]
     start = time.perf_counter()
@@ -71,7 +71,7 @@ def test_a_proof_that_is_terminated_is_shown_though_its_log_is_not_written(
         sent(signal.SIGTERM)
         return solve(*arguments, **options)
 
-    monkeypatch.setattr("octmip.cli.solve.solve", signalled)
+    monkeypatch.setattr("octmip.interfaces.cli.solve.solve", signalled)
     log = hard.parent / "log"
     assert main(["solve", str(hard), "--label", "y", "--depth", "4", "--proof", str(log)]) == 1
     shown = capsys.readouterr()
@@ -88,7 +88,7 @@ def test_a_comparison_that_is_interrupted_between_two_solves_shows_what_it_has(
             signal.raise_signal(signal.SIGTERM)
         return certify(problem, solution)
 
-    monkeypatch.setattr("octmip.cli.compare.certify", signalled)
+    monkeypatch.setattr("octmip.interfaces.cli.compare.certify", signalled)
     words = ["compare", str(hard), "--label", "y", "--depth", "2", "--methods", "cart,search", "--seconds", "1"]
     assert main([*words, "--json"]) == 0
     assert [row["method"] for row in json.loads(capsys.readouterr().out)["rows"]] == ["cart"]
@@ -101,9 +101,9 @@ def test_a_signal_while_the_program_is_loaded_ends_it_without_a_traceback(number
         "import os, sys, importlib.abc\n"
         "class Loading(importlib.abc.MetaPathFinder):\n"
         "    def find_spec(self, name, path, target=None):\n"
-        f"        if name == 'octmip.cli.program': os.kill(os.getpid(), {int(number)})\n"
+        f"        if name == 'octmip.interfaces.cli.program': os.kill(os.getpid(), {int(number)})\n"
         "sys.meta_path.insert(0, Loading())\n"
-        "from octmip.cli import main\n"
+        "from octmip.interfaces.cli import main\n"
         "assert not {'numpy', 'octmip.errors'} & {*sys.modules}\n"
         "sys.exit(main())\n"
     )
@@ -118,7 +118,7 @@ def test_a_signal_after_the_result_changes_nothing() -> None:
         "class Late:\n"
         "    def __del__(self): os.kill(os.getpid(), signal.SIGINT)\n"
         "late = Late()\n"  # Python deletes it when it takes itself down
-        "from octmip.cli import main\n"
+        "from octmip.interfaces.cli import main\n"
         "sys.exit(main())\n"
     )
     ended = subprocess.run([sys.executable, "-c", program, "completion", "bash"], capture_output=True, text=True)
@@ -133,7 +133,7 @@ def test_a_command_without_a_result_ends_with_143(
         os.kill(os.getpid(), signal.SIGTERM)
         time.sleep(10.0)
 
-    monkeypatch.setattr("octmip.cli.predict.run", slow)
+    monkeypatch.setattr("octmip.interfaces.cli.predict.run", slow)
     assert main(["predict", "tree.json", str(hard)]) == 143
     assert capsys.readouterr().err == "octmip: terminated\n"
 
@@ -148,7 +148,7 @@ def test_an_error_that_others_make_of_a_signal_is_an_interruption(
         except KeyboardInterrupt:
             raise ImportError("half a module") from None
 
-    monkeypatch.setattr("octmip.cli.doctor.run", broken)
+    monkeypatch.setattr("octmip.interfaces.cli.doctor.run", broken)
     assert main(["doctor"]) == 130
     assert capsys.readouterr().err == "octmip: interrupted\n"
 
@@ -180,7 +180,7 @@ def test_a_signal_that_a_finaliser_drops_is_sent_again(
         Dropping()
         time.sleep(10.0)
 
-    monkeypatch.setattr("octmip.cli.doctor.run", dropped)
+    monkeypatch.setattr("octmip.interfaces.cli.doctor.run", dropped)
     start = time.perf_counter()
     assert main(["doctor"]) == 143
     assert time.perf_counter() - start < 5
@@ -228,7 +228,7 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
         begun.append(arguments)
         return solve(*arguments)
 
-    monkeypatch.setattr("octmip.near_sets.without.solve", counted)
+    monkeypatch.setattr("octmip.trees.near_sets.without.solve", counted)
     assert sensor_roles(random_problem, progress=interrupted).stop is Stop.INTERRUPTED
     assert len(begun) == 1
     assert solve(Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)).is_optimal

@@ -2,8 +2,9 @@
 
 import json
 
-from octmip import Solution, Stop, registry, solver
+from octmip import Solution, Stop
 from octmip.formats.tree_file import read_tree_file
+from octmip.trees import registry, solver
 
 
 def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
@@ -80,7 +81,7 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
         raise solver.SolverError("out of luck")
 
     load = registry.Registration.load
-    replaced = {"octmip.methods.exact": proves, "octmip.mip.oct": fails}
+    replaced = {"octmip.trees.methods.exact": proves, "octmip.trees.mip.oct": fails}
     monkeypatch.setattr(registry.Registration, "load", lambda self: replaced.get(self.module) or load(self))
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,exact,oct"]
     code, out, _ = run(*words)
@@ -111,7 +112,7 @@ def test_compare_starts_the_methods_by_highs_from_the_tree_of_cart(data, run, mo
         starts[method] = incumbent
         return solver.solve(problem, method, limits, incumbent, **settings)
 
-    monkeypatch.setattr("octmip.cli.compare.solve", noted)
+    monkeypatch.setattr("octmip.interfaces.cli.compare.solve", noted)
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
     assert run(*words)[0] == 0
     assert starts["search"] is starts["exact"] is None

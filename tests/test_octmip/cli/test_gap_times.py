@@ -2,9 +2,9 @@
 
 import math
 
-from octmip.cli.gap_times import GapTimes
-from octmip.solution import Progress, Solution, Stop
-from octmip.tree import Leaf
+from octmip.interfaces.cli.gap_times import GapTimes
+from octmip.trees.solution import Progress, Solution, Stop
+from octmip.trees.tree import Leaf
 
 
 def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():

@@ -1,0 +1,233 @@
+"""Results on their way out: one JSON object, a progress line, what was found in a sentence."""
+
+import contextlib
+import json
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import TracebackType
+from typing import Any
+
+from octmip.formats.names import visible
+from octmip.formats.tree_file import finite_or_none
+from octmip.formats.tree_nodes import encode_tree
+from octmip.interfaces.report.text import narrow_scope, number, percent
+from octmip.trees.certificate import Certificate
+from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Progress, Solution, relative_gap
+from octmip.trees.tradeoff import Comparison, Score
+
+INTERVAL = 0.1  # seconds between two progress lines
+FIRST_SHOWN = 0.5  # seconds until a step without figures of its own is shown, and between its lines
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print one JSON object on standard output; numbers that JSON lacks must be None by now."""
+    print(json.dumps(content, allow_nan=False))
+
+
+@contextlib.contextmanager
+def then_written(
+    path: str | None, write: Callable[[str], None], last: str = "", *, is_quiet: bool = False
+) -> Iterator[None]:
+    """Write a file once the result is shown inside, so that a failure of either loses neither.
+
+    Parameters
+    ----------
+    path
+        of the file; None where none is asked for.
+    write
+        writes it.
+    last
+        the last line that is shown, behind the note of what was written.
+    is_quiet
+        nothing but the result is shown, as with --json.
+    """
+    with held_back():
+        try:
+            yield
+            sys.stdout.flush()
+        finally:
+            try:
+                if path:
+                    write(path)
+                    if not is_quiet:
+                        print(f"written to {visible(path)}")
+            finally:
+                if last and not is_quiet:
+                    print(last)
+                sys.stdout.flush()
+
+
+def print_notes(notes: Sequence[str]) -> None:
+    """Print what became of the table, a line each, and a blank line behind."""
+    for note in notes:
+        print(f"note: {visible(note)}")
+    if notes:
+        print()
+
+
+def printable(text: str) -> str:
+    """Return a text without what a terminal would obey: names come from files, and files from strangers."""
+    return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
+
+
+def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
+    """Return the JSON object of a solution: bound and gap are None without a proof."""
+    assert solution.tree is not None
+    return {
+        "objective": solution.objective,
+        "loss": problem.loss.name,
+        **certificate.measures,
+        "n_samples": problem.n_samples,
+        "n_missing": problem.n_missing,
+        "bound": finite_or_none(solution.bound),
+        "gap": finite_or_none(solution.gap),
+        "is_optimal": solution.is_optimal,
+        "stop": str(solution.stop),
+        "seconds": solution.seconds,
+        "n_nodes": solution.n_nodes,
+        "method": solution.solver,
+        "version": solution.version,
+        "seed": solution.seed,
+        "depth": certificate.depth,
+        "n_splits": certificate.n_splits,
+        "sensors": list(certificate.sensors),
+        "sensor_cost": certificate.sensor_cost,
+        "baseline": problem.baseline,
+        "normalised_objective": finite_or_none(certificate.normalised_objective),
+        "alpha": problem.leaf_penalty / problem.baseline if problem.baseline > 0 else None,
+        "tolerance": solution.tolerance,
+        "details": dict(solution.details),
+        "tree": encode_tree(solution.tree, problem.feature_names, problem.class_names),
+    }
+
+
+def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> str:
+    """Return what is known of a tree in one sentence, for the last line on the screen."""
+    wrong = problem.loss.short_words_of(certificate.measures, problem.n_samples)
+    trees, counts = _trees(problem, solution), _counts_errors(problem)
+    if solution.is_optimal:
+        no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.bound)}"
+        return f"Proven optimal: {wrong}; no {trees} {no_better}."
+    if math.isinf(solution.bound):
+        return f"Not proven optimal: {wrong}; the method {visible(solution.solver)} proves nothing about other trees."
+    least = number(solution.bound)
+    bound = f"makes {least} errors or more" if counts else f"has an objective of {least} or more"
+    return f"Not proven optimal (stop: {solution.stop}, gap {percent(solution.gap)}): {wrong}; every {trees} {bound}."
+
+
+def _trees(problem: Problem, solution: Solution) -> str:
+    """Return the trees that a bound holds for, in words that follow "no" and "every"."""
+    if scope := narrow_scope(solution):
+        return f"tree among {scope}"
+    kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
+    kind += "" if problem.loss.predicts == "class" else " with one number in each leaf"
+    is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None or problem.allowed_splits is not None
+    return f"tree of depth {problem.depth} or less{kind}{' within the same limits' if is_limited else ''}"
+
+
+def _counts_errors(problem: Problem) -> bool:
+    """Whether the objective is the number of wrong samples."""
+    is_count = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
+    return bool(is_count and problem.leaf_penalty == 0 and (problem.weights == 1).all())
+
+
+def comparison_text(problem: Problem, found: Comparison) -> str:
+    """Return errors on training and held-out samples, of a tree and of CART beside it if there is, as a small table."""
+    assert found.held_out is not None
+    head = ("", f"{found.training.n_samples} training samples", f"{found.held_out.n_samples} held out")
+    rows = [head]
+    for name, train, held in (
+        ("this tree", found.training, found.held_out),
+        ("CART", found.cart_training, found.cart_held_out),
+    ):
+        if train is not None and held is not None:
+            rows.append((name, _score_text(problem, train), _score_text(problem, held)))
+    widths = [max(len(row[k]) for row in rows) for k in range(3)]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    )
+
+
+def _score_text(problem: Problem, score: Score) -> str:
+    if problem.loss.predicts == "number":
+        return problem.loss.short_words_of(score.measures, score.n_samples)
+    cost = "" if _counts_errors(problem) else f", cost {number(score.cost)}"
+    return f"{score.errors} wrong ({percent(score.error_rate)}){cost}"
+
+
+def score_json(score: Score | None) -> dict[str, Any] | None:
+    """Return a score as a JSON object, None without one."""
+    return None if score is None else {"n_samples": score.n_samples, **score.measures, "cost": score.cost}
+
+
+def comparison_json(found: Comparison) -> dict[str, Any]:
+    """Return the entries `training`, `held_out` and `cart` of a JSON object."""
+    cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
+    own = {"training": score_json(found.training), "held_out": score_json(found.held_out)}
+    return own if found.cart_tree is None else own | {"cart": cart}
+
+
+class ElapsedLine:
+    """One line on a terminal that says for how long a step has run; nothing where standard error is no terminal."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._show, daemon=True)
+        self._is_terminal = sys.stderr.isatty()
+
+    def __enter__(self) -> "ElapsedLine":
+        if self._is_terminal:
+            self._thread.start()
+        return self
+
+    def _show(self) -> None:
+        start = time.monotonic()
+        while not self._ended.wait(FIRST_SHOWN):
+            print(f"\r\x1b[2K{self._what} ... {time.monotonic() - start:.0f} s", end="", file=sys.stderr, flush=True)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        if self._is_terminal:
+            self._thread.join()
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
+
+
+class ProgressLine:
+    """One line on a terminal that says how far a solver is; nothing where standard error is no terminal."""
+
+    def __init__(self, prefix: str = "") -> None:
+        self._prefix = prefix
+        self._shown_at = -INTERVAL
+        self._is_shown = False
+        self._is_terminal = sys.stderr.isatty()
+
+    def __enter__(self) -> "ProgressLine":
+        return self
+
+    def __call__(self, state: Progress) -> None:
+        """Show a state of the solver."""
+        if not self._is_terminal or time.monotonic() - self._shown_at < INTERVAL:
+            return
+        self._shown_at = time.monotonic()
+        self._is_shown = True
+        gap = percent(relative_gap(state.objective, state.bound))
+        line = (
+            f"{self._prefix}{state.seconds:.1f} s  objective {number(state.objective)}  bound {number(state.bound)}  "
+            f"gap {gap}  nodes {state.n_nodes}"
+        )
+        print(f"\r\x1b[2K{line}", end="", file=sys.stderr, flush=True)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        if self._is_shown:
+            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,107 @@
+"""Recompute what a tree file claims, sample by sample, from the tree and its training data alone.
+
+What the file says of samples held out is recomputed, too. With --proof, a checker that knows no solver also checks a
+proof log: that no tree of the problem costs less than the bound. Exit code 0: every claim holds. 1: one does not, and
+one line says which. 2: a file cannot be read.
+"""
+
+import argparse
+import dataclasses
+
+from octmip.errors import CertificateError, DataError
+from octmip.formats.messages import shown
+from octmip.formats.tree_file import TreeFile, read_tree_file
+from octmip.interfaces.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
+from octmip.interfaces.cli.arguments import MOST_THREADS, add_json_argument
+from octmip.interfaces.cli.samples.file_arguments import reads
+from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.interfaces.cli.samples.training import Training, read_test, read_training
+from octmip.interfaces.report.text import number, solution_text
+from octmip.trees.certificate import certify
+from octmip.trees.problem import Problem
+from octmip.trees.proof import ProofReport, check_proof
+from octmip.trees.tradeoff import Samples, Score, score
+
+EXAMPLES = """\
+  octmip certify tree.json iris.csv
+  octmip certify tree.json train.csv --test test.csv
+  octmip certify tree.json iris.csv --proof proof.log --threads 2
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip certify`."""
+    group = parser.add_argument_group("everyday")
+    reads(group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out"))
+    reads(group.add_argument("data", metavar="DATA", help=f"the table that it was trained on; {TABLE_HELP}"))
+    reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
+    reads(group.add_argument("--test", metavar="FILE", help="the other table that it was tested on (solve --test)"))
+    group = parser.add_argument_group("table")
+    group.add_argument("--label", metavar="COL", help="column with the class or number (default: that of the training)")
+    group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
+    add_format_argument(group)
+    group = parser.add_argument_group("run")
+    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of the proof check (default 1)")
+    add_json_argument(group)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Certify and show."""
+    file = read_tree_file(arguments.tree)
+    with ElapsedLine("certifying"):
+        training = read_training(
+            file,
+            arguments.data,
+            form=arguments.format,
+            label=arguments.label,
+            weights=arguments.weights,
+            source=arguments.tree,
+        )
+        certificate = certify(training.problem, file.solution)
+        held_out = _checked_held_out(arguments, file, training)
+    proof = _checked_proof(arguments, training.problem, file)
+    if arguments.json:
+        log = {} if proof is None else {"proof": dataclasses.asdict(proof)}
+        held = {} if held_out is None else {"held_out": score_json(held_out)}
+        n_samples = training.problem.n_samples
+        print_json({"is_certified": True, "n_samples": n_samples, **certificate.to_json(), **held, **log})
+        return 0
+    known = "the bound is its solver's claim" if proof is None else "its bound was checked in the proof log"
+    print(f"certified: the tree was recomputed from tree and data alone; {known}")
+    print(printable(solution_text(training.problem, file.solution, certificate)))
+    if held_out is not None:
+        print(f"held out: {file.loss.words_of(held_out.measures, held_out.n_samples)}")
+    elif file.held_out is not None:
+        print("held out: not recomputed, the samples are of another table; give it with --test")
+    if proof is not None:
+        print(f"proof: no tree costs less than {number(proof.bound)}; {proof.n_lines} lines, {proof.seconds:.3g} s")
+    print(printable(verdict(training.problem, file.solution, certificate)))
+    return 0
+
+
+def _checked_held_out(arguments: argparse.Namespace, file: TreeFile, training: Training) -> Score | None:
+    """Return what the tree loses on the samples held out, once the file's own figures agree."""
+    samples: Samples | None = training.held_out
+    if arguments.test:
+        samples = read_test(file, training.problem, arguments.test)
+    if samples is None:
+        return None
+    found, claim = score(training.problem, file.tree, samples), file.held_out
+    if claim is not None and (claim.share is None) == bool(arguments.test):
+        pairs = [(claim.cost, found.cost), *((claim.measures[name], found.measures[name]) for name in found.measures)]
+        if claim.n_samples != found.n_samples or any(abs(a - b) > 1e-9 * max(1.0, b) for a, b in pairs):
+            of_claim, of_found = (file.loss.words_of(of.measures, of.n_samples) for of in (claim, found))
+            raise CertificateError(
+                f"{arguments.tree} claims of the samples held out: {of_claim}, cost {claim.cost:g}; but recounted it "
+                f"is: {of_found}, cost {found.cost:g}; tree and data do not belong together or one was changed"
+            )
+    return found
+
+
+def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFile) -> ProofReport | None:
+    if not 1 <= arguments.threads <= MOST_THREADS:
+        raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
+    if not arguments.proof:
+        return None
+    with ElapsedLine("checking the proof"):
+        return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)

@@ -1,0 +1,170 @@
+"""Run every method on one table, each within the same time limit, and show them side by side.
+
+Each has its own gap, and the gap to the best bound that any of them proved: the most by which it can miss the optimum.
+Beside it, how many seconds it took until its own tree and bound were within 10 %, 1 % and 0 % of each other.
+The methods by HiGHS start from CART's tree, so that what they find beyond it is their own.
+
+A method that cannot answer the problem is listed with the reason.
+"""
+
+import argparse
+from typing import Any
+
+from octmip.errors import DataError, ProblemError, SolverError
+from octmip.formats.names import visible
+from octmip.formats.tree_file import finite_or_none
+from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
+from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.interfaces.cli.gap_times import GAPS, GapTimes
+from octmip.interfaces.cli.samples.options import add_held_out_arguments
+from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.interfaces.report.text import narrow_scope
+from octmip.trees.certificate import certify
+from octmip.trees.methods import interruption
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.problem import Problem
+from octmip.trees.registry import METHODS
+from octmip.trees.solution import Limits, Stop, relative_gap
+from octmip.trees.solver import solve
+from octmip.trees.tradeoff import score
+from octmip.trees.tree import Node
+
+TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
+DEFAULTS = {
+    "axis": ("cart", "search", "exact", "benders", "flow", "oct"),
+    "hyperplane": ("cart", "search", "flow", "oct_h"),
+    "two features": ("cart", "search", "exact", "flow", "oct_h"),
+}
+BY_HIGHS = ("benders", "flow", "oct", "oct_h")
+
+EXAMPLES = """\
+  octmip compare iris.csv --label species --depth 3
+  octmip compare iris.csv --label species --depth 2 --holdout 0.25
+  octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip compare`."""
+    group = add_everyday_arguments(parser, seconds=60.0)
+    add_held_out_arguments(group)
+    group.add_argument("--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)")
+    add_problem_arguments(parser)
+    add_run_arguments(parser, with_method=False)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run every method and show them."""
+    limits = limits_of(arguments)
+    question = ask(arguments)
+    rows = _rows(arguments, question, limits)
+    _add_gap_to_best_bound(rows)
+    with held_back():
+        _show(arguments, question, rows)
+    return 0
+
+
+def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]]) -> None:
+    problem = question.problem
+    if arguments.json:
+        notes = {"notes": list(question.notes)}
+        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **notes})
+        return
+    held = () if question.held_out is None else ("errors held out",)
+    columns = (
+        "method",
+        "errors",
+        *held,
+        "objective",
+        "bound",
+        "gap %",
+        "gap to best bound %",
+        "splits",
+        "seconds",
+        *(f"to {gap}" for gap in TIMES),
+        "stop",
+    )
+    print_notes(question.notes)
+    print(markdown_table([_shown(row) for row in rows], columns))
+    if question.held_out is not None:
+        print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
+    for row in rows:
+        if "error" in row:
+            print(f"\n{row['method']}: {visible(row['error'])}")
+        elif row["scope"]:
+            print(f"\n{row['method']}: its bound holds for {row['scope']} only")
+
+
+def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
+    """Return a row for each method; after a signal those that are known, if there are any."""
+    rows: list[dict[str, Any]] = []
+    methods = _methods(arguments, question.problem)
+    start = solve(question.problem, "cart", seed=arguments.seed).tree if set(methods) & set(BY_HIGHS) else None
+    for method in methods:
+        try:
+            row = _row(arguments, question, method, limits, start if method in BY_HIGHS else None)
+        except BaseException:  # between two solves a signal makes any error, of an import for instance
+            if rows and interruption.is_heard():
+                break
+            raise
+        if "error" in row and rows and interruption.is_heard():
+            break
+        rows.append(row)
+        if row.get("stop") == Stop.INTERRUPTED:
+            break
+    return rows
+
+
+def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
+    if not arguments.methods:
+        has_boxes = problem.split == "hyperplane" and problem.max_split_size <= 2
+        return list(DEFAULTS["two features" if has_boxes else problem.split])
+    names = [name.strip() for name in arguments.methods.split(",")]
+    unknown = [name for name in names if name not in METHODS[1:]]
+    if unknown:
+        raise DataError(f"--methods names {unknown[0]!r}; expected some of {', '.join(METHODS[1:])}")
+    return names
+
+
+def _row(
+    arguments: argparse.Namespace, question: Question, method: Any, limits: Limits, start: Node | None
+) -> dict[str, Any]:
+    problem = question.problem
+    try:
+        with ProgressLine(f"{method}: ") as progress:
+            times = GapTimes(progress)
+            run = {"seed": arguments.seed, "n_jobs": arguments.threads, "progress": times}
+            solution = solve(problem, method, limits, start, **run)
+        if solution.tree is None:
+            return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
+        row = describe(problem, solution, certify(problem, solution))
+        held = question.held_out and score_json(score(problem, solution.tree, question.held_out))
+        reached = {"seconds_to_gap": times.at_end(solution)}
+        return row | reached | {"method": method, "scope": narrow_scope(solution), "held_out": held}
+    except (ProblemError, SolverError) as error:
+        return {"method": method, "error": " ".join(str(error).split())}
+
+
+def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
+    """Say for each row how far it can be from the optimum, by the best bound that speaks about all trees."""
+    proven = [row for row in rows if row.get("bound") is not None]
+    over_all = [row["bound"] for row in proven if not row["scope"]]
+    best = max(over_all, default=float("-inf"))
+    for row in rows:
+        if "objective" in row:
+            row["gap_to_best_bound"] = finite_or_none(relative_gap(row["objective"], best))
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    gaps = {"gap %": row.get("gap"), "gap to best bound %": row.get("gap_to_best_bound")}
+    reached = row.get("seconds_to_gap", {})
+    return {
+        **row,
+        **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
+        **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
+        "splits": row.get("n_splits"),
+        "errors held out": (row.get("held_out") or {}).get("errors"),
+        "seconds": None if "seconds" not in row else round(row["seconds"], 3),
+        "stop": row.get("stop", "failed"),
+    }

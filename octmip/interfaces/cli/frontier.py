@@ -1,0 +1,204 @@
+"""Show the least cost against depth, sensor budget or leaf penalty: one row per value, each with its bound.
+
+The limits apply to each value separately. Each value starts from the tree of the one before, and bounds proven under
+wider limits are used for the tighter ones. With --folds each depth or penalty also shows its cost on samples held out,
+per unit of weight, and the best pair of depth and penalty is chosen.
+"""
+
+import argparse
+import contextlib
+import importlib
+import io
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from joblib import parallel_config
+
+from octmip.errors import DataError
+from octmip.formats.files import write_bytes
+from octmip.formats.names import shown
+from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes, then_written
+from octmip.interfaces.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    cluster_of,
+    limits_of,
+)
+from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.certificate import certify
+from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+from octmip.trees.tradeoff import OVERS, Choice, Point, choose_tree, trace_frontier
+from octmip.trees.tree import n_splits
+
+PICTURES = (".svg", ".png", ".pdf")
+
+EXAMPLES = """\
+  octmip frontier iris.csv --label species --over depth --depth 4
+  octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg
+  octmip frontier iris.csv --label species --over penalty --depth 3 --folds 5
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip frontier`."""
+    group = add_everyday_arguments(parser, seconds=60.0)
+    group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
+    group.add_argument(
+        "--values",
+        metavar="A,B,...",
+        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
+    )
+    group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
+    out = group.add_argument("--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}")
+    kept = group.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep every finished solve in this file: the same command again makes only those that are missing",
+    )
+    writes(out), writes(kept)
+    add_problem_arguments(parser)
+    add_run_arguments(parser)
+    add_cluster_argument(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Trace, show, draw."""
+    limits, values = limits_of(arguments), _values(arguments)
+    if arguments.out:
+        if Path(arguments.out).suffix not in PICTURES:
+            raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
+        importlib.import_module(
+            "octmip.interfaces.plot"
+        )  # matplotlib is an extra: missing, it is named before the work
+    if arguments.folds is not None and arguments.over == "budget":
+        raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
+    question = ask(arguments)
+    problem = question.problem
+    kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
+    with cluster_of(arguments, problem) as shared:
+        points = _points(arguments, problem, values, limits, kept | shared)
+        choice = None if arguments.folds is None else _choice(arguments, problem, limits, kept | shared)
+    with held_back():
+        rows = [_row(arguments.over, point) for point in points]
+        if choice is not None:
+            for row, point in zip(rows, points, strict=True):
+                step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
+                row["held_out"] = step.validation_cost
+        with then_written(arguments.out, partial(_draw, points=points, over=arguments.over), is_quiet=True):
+            _show(arguments, question, rows, choice)
+    return 0
+
+
+def _points(
+    arguments: argparse.Namespace,
+    problem: Problem,
+    values: list[float] | None,
+    limits: Limits,
+    options: dict[str, Any],
+) -> list[Point]:
+    with ProgressLine() as progress:
+        return trace_frontier(
+            problem,
+            arguments.over,
+            values,
+            method=arguments.method,
+            limits=limits,
+            seed=arguments.seed,
+            n_jobs=arguments.threads,
+            progress=progress,
+            options=options,
+        )
+
+
+def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], choice: Choice | None) -> None:
+    if arguments.json:
+        chosen = {} if choice is None else {"chosen": _chosen(choice)}
+        found = {"over": arguments.over, "n_samples": question.problem.n_samples, "rows": rows}
+        print_json(found | {"notes": list(question.notes)} | chosen)
+        return
+    print_notes(question.notes)
+    print(_table(arguments.over, rows))
+    if choice is not None:
+        best = _chosen(choice)
+        print(
+            f"\nchosen: depth {best['depth']}, leaf penalty {best['penalty']:.4g} (alpha {best['alpha']:.4g}), "
+            f"{best['held_out']:.4g} on samples held out"
+        )
+
+
+def _table(over: str, rows: list[dict[str, Any]]) -> str:
+    held = ("held out",) if "held_out" in rows[0] else ()
+    columns = (over, "errors", *held, "objective", "bound", "gap %", "splits", "sensors", "seconds", "stop")
+    return markdown_table([_shown(row) for row in rows], columns)
+
+
+def _shown(row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row under the headings of the printed table, its figures rounded."""
+    return row | {
+        "held out": round(row.get("held_out", 0.0), 4),
+        "gap %": None if row["gap"] is None else round(100 * row["gap"], 2),
+        "splits": row["n_splits"],
+        "sensors": ", ".join(map(shown, row["sensors"])),
+        "seconds": round(row["seconds"], 3),
+    }
+
+
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: dict[str, Any]) -> Choice | None:
+    """Return what cross-validation chooses, its folds by the workers of a cluster, or in so many threads.
+
+    None after a signal: there is no choice from half the folds, but a frontier to show.
+    """
+    if is_heard():
+        return None
+    with ElapsedLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
+        # A file of solves is this process's own: whoever keeps one takes the folds here.
+        if "cluster" not in options or "solves" in options:
+            stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
+        return choose_tree(
+            problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=options
+        )
+    return None
+
+
+def _chosen(choice: Choice) -> dict[str, Any]:
+    chosen = choice.chosen
+    return {
+        "depth": chosen.depth,
+        "penalty": choice.problem.leaf_penalty,
+        "alpha": chosen.alpha,
+        "held_out": chosen.validation_cost,
+        "n_splits": n_splits(choice.tree),
+    }
+
+
+def _values(arguments: argparse.Namespace) -> list[float] | None:
+    if arguments.values is None:
+        return None
+    try:
+        return [float(value) for value in arguments.values.split(",")]
+    except ValueError as error:
+        raise DataError(f"--values is {arguments.values!r}; expected numbers separated by commas") from error
+
+
+def _row(over: str, point: Point) -> dict[str, Any]:
+    return {over: point.value, **describe(point.problem, point.solution, certify(point.problem, point.solution))}
+
+
+def _draw(path: str, points: list[Point], over: str) -> None:
+    from octmip.interfaces.plot import frontier_figure
+
+    names = {"depth": "depth", "budget": "sensor budget", "penalty": "leaf penalty"}
+    values = [point.value for point in points]
+    objectives = [point.solution.objective for point in points]
+    bounds = [point.solution.bound for point in points]
+    buffer = io.BytesIO()
+    figure = frontier_figure(values, objectives, bounds, names[over])
+    figure.savefig(buffer, format=Path(path).suffix[1:], dpi=150)
+    write_bytes(path, buffer.getvalue())

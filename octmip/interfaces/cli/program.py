@@ -1,0 +1,137 @@
+"""The program: it runs one command, and says in a sentence what goes wrong.
+
+Each command is one module with `add_arguments(parser)` and `run(arguments)`, imported when it is called: `octmip
+--help` does not wait for pandas. argparse of the standard library does all that is needed: no dependency is added.
+
+    exit code    0 done    1 refuted, a solver failed, or a file could not be written    2 bad input
+                 130 interrupted without a result (Ctrl-C)    143 likewise by SIGTERM
+"""
+
+import difflib
+import importlib
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+
+from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError
+from octmip.formats.names import visible
+from octmip.interfaces.cli.arguments import Parser
+from octmip.interfaces.cli.samples.file_arguments import check_files
+from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt
+from octmip.trees.solution import ProofError
+
+COMMANDS = {
+    "solve": "find the best tree for a table, and prove how good it is",
+    "certify": "recompute what a tree file claims, from tree and data alone",
+    "predict": "apply a tree file to a table",
+    "compare": "run every method on a table and show their gaps side by side",
+    "near-optimal": "count all trees near the optimum, list the best, draw samples",
+    "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
+    "drift": "find the tree of least worst case while gauges are off by up to given amounts",
+    "frontier": "show the least cost against depth, sensor budget or leaf penalty",
+    "diagnose": "explain why an asset does not behave like its twin, and what to test next",
+    "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
+    "doctor": "check this installation: versions, native core, extras, memory",
+    "completion": "print the script that lets a shell complete octmip's words",
+}
+MODULES = {"drift": "sets.drift", "near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
+"""Modules of the commands that do not bear their name."""
+MOST_MESSAGE = 10_000  # characters of an error on standard error
+
+
+def run_words(words: Sequence[str] | None) -> int:
+    """Run one command and return its exit code; without words, those of the command line, as a program."""
+    is_program = words is None
+    words = list(sys.argv[1:] if words is None else words)
+    with term_as_interrupt() as heard:
+        with Watch(heard):
+            code = _code(words, heard)
+        if is_program:
+            heard.code = code  # nothing is left to be interrupted
+            if heard.n_signals:
+                leave(code)
+    return code
+
+
+def _code(words: list[str], heard: Heard) -> int:
+    """Run one command; return its exit code, whatever it raises said in a sentence."""
+    try:
+        return _run_or_interrupted(words, heard)
+    except OctmipError as error:
+        name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
+        print(f"{name}: {_one_line(error)}", file=sys.stderr)
+        return 1 if isinstance(error, CertificateError | SolverError | WriteError) else 2
+    except KeyboardInterrupt:
+        print(f"octmip: {heard.word}", file=sys.stderr)
+        return heard.exit_code
+    except BrokenPipeError:  # the reader of our output has seen enough
+        sys.stderr.close()
+        return 0
+    except UnicodeEncodeError as error:
+        held = f"its encoding {error.encoding} lacks {error.object[error.start]!a}"
+        print(f"octmip: standard output cannot be written ({held}); set PYTHONIOENCODING=utf-8", file=sys.stderr)
+        return 1
+    except MemoryError:
+        print("octmip: out of memory; give fewer rows or columns, or a lower --memory", file=sys.stderr)
+        return 1
+    except OSError as error:  # files have their own sentences by now, so this is standard output
+        print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
+        return 1
+
+
+def _run_or_interrupted(words: list[str], heard: Heard) -> int:
+    """Run one command; what fails after a signal is interrupted: what was in work may make any error of that."""
+    try:
+        code = _run(words)
+        sys.stdout.flush()
+        return code
+    except (ProofError, WriteError):  # the result is shown, and this is news beside it
+        raise
+    except Exception as error:
+        if heard.n_signals:
+            raise KeyboardInterrupt from error
+        raise
+
+
+def _one_line(error: OctmipError) -> str:
+    """Return a message on one line of bounded length, without what a terminal would obey."""
+    words = " ".join(str(error).split())
+    shown = words if len(words) <= MOST_MESSAGE else f"{words[: MOST_MESSAGE - 4]} ..."
+    return visible(shown)
+
+
+def _run(words: list[str]) -> int:
+    if not words or words[0] in ("-h", "--help"):
+        print(_overview(), file=sys.stdout if words else sys.stderr)
+        return 0 if words else 2
+    if words[0] == "--version":
+        print(f"octmip {version('octmip')}")
+        return 0
+    if words[0] not in COMMANDS:
+        near = difflib.get_close_matches(words[0], COMMANDS, n=1)
+        hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
+        raise DataError(f"there is no command {words[0]!r}{hint}")
+    command = importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(words[0], words[0])}")
+    parser = Parser(f"octmip {words[0]}", command.__doc__, getattr(command, "EXAMPLES", ""))
+    command.add_arguments(parser)
+    try:
+        arguments = parser.finish().parse_args(words[1:])
+    except SystemExit:  # its help is shown
+        return 0
+    check_files(parser, arguments)
+    code: int = command.run(arguments)
+    return code
+
+
+def _overview() -> str:
+    lines = [f"  octmip {name:<12}  {summary}" for name, summary in COMMANDS.items()]
+    return "\n".join(
+        [
+            "octmip finds classification trees that are optimal, proves it, and says what a heuristic loses.",
+            "",
+            *lines,
+            "",
+            "Begin with:  octmip solve TABLE.csv --label COLUMN --depth 2",
+            "octmip COMMAND --help describes a command with examples; octmip --version prints the version.",
+        ]
+    )

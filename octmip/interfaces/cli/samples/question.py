@@ -1,0 +1,315 @@
+"""From arguments and a table to the Problem that they ask."""
+
+import argparse
+import shlex
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.files import read_text
+from octmip.formats.messages import several, shown
+from octmip.formats.table import Table, read_costs, read_sensors, read_table
+from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
+from octmip.formats.tree_file import HeldOut
+from octmip.interfaces.cli.samples.mixtures import mixed_columns
+from octmip.interfaces.cli.samples.names import listed_names, one_name
+from octmip.interfaces.cli.samples.targets import refuse_quantity
+from octmip.interfaces.cli.samples.training import samples_of, strata_of
+from octmip.trees.losses import NUMBER_LOSSES, ClassCosts, Loss
+from octmip.trees.problem import Problem
+from octmip.trees.tradeoff import Samples, Score, held_out_rows
+
+OF_CLASSES = {
+    "costs": "prices of taking one class for another",
+    "numbers_are_classes": "a label of classes",
+    "write": "mixed-integer models of classes",
+    "assist": "mixed-integer models of classes",
+    "checkpoint": "proofs of classes",
+    "cluster": "trees of classes; trees of numbers take --threads",
+}
+"""Options that have no meaning for numbers, and what they are about."""
+FEWEST_COUNTED = 20
+"""Rows of a table from which on a column that goes up by one is taken for their number."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
+    """A problem and the table that it was read from.
+
+    Attributes
+    ----------
+    problem
+        over the training samples.
+    target_column, weights_column
+        of the table.
+    preparation
+        how the table became samples.
+    notes
+        sentences for the user about what was encoded or left out.
+    held_out
+        samples kept from training, None without such.
+    share, seed
+        of the table's rows that are held out; the share is None where there are none or another table has them.
+    """
+
+    problem: Problem
+    target_column: str
+    weights_column: str | None
+    preparation: Preparation
+    notes: tuple[str, ...]
+    held_out: Samples | None
+    share: float | None
+    seed: int
+
+    def claim(self, score: Score | None) -> HeldOut | None:
+        """Return what a tree file says of a tree with this score on the samples held out."""
+        if score is None:
+            return None
+        return HeldOut(self.share, self.seed, score.n_samples, score.measures, score.cost)
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """The columns that the arguments choose."""
+
+    label: str
+    weights: str | None
+    index: str | None
+    features: tuple[str, ...]
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Features and weights."""
+        return self.features if self.weights is None else (*self.features, self.weights)
+
+
+def ask(arguments: argparse.Namespace) -> Question:
+    """Return the problem of a command line.
+
+    Raises
+    ------
+    DataError
+        a file does not hold what was announced.
+    ProblemError
+        no tree can answer.
+    """
+    target = getattr(arguments, "target", None)
+    loss = None if target is None else NUMBER_LOSSES[arguments.loss or "squared"]
+    if loss is not None:
+        _refuse_options_of_classes(arguments)
+    whole = read_table(arguments.data, arguments.format)
+    chosen = _chosen_columns(whole, arguments, target or arguments.label, "label" if loss is None else "target")
+    rows = _rows_kept(arguments)
+    table = kept_rows(whole, rows, chosen.label, chosen.needed)
+    labels = table.labels(chosen.label) if loss is None else table.numbers([chosen.label], "target")[:, 0]
+    if loss is None and not arguments.numbers_are_classes:
+        refuse_quantity(table, chosen.label, labels)
+    columns = _learned_columns(table, chosen, arguments, doubled=loss is not None)
+    if _kind_of_split(arguments) == "hyperplane" or getattr(arguments, "leaf_model", None) == "linear":
+        columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
+    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
+    features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
+    strata = labels if loss is None else strata_of(loss, labels)
+    is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(strata, share, arguments.seed)
+    training = features if share is None else features[~is_held]  # a large table is not copied without need
+    problem = _problem(arguments, loss, columns, training, labels[~is_held], weights[~is_held])
+    preparation = Preparation(columns, chosen.index, rows)
+    held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
+    if getattr(arguments, "test", None):
+        held_out = _tested(arguments.test, problem, chosen, preparation)
+    return Question(
+        problem,
+        chosen.label,
+        chosen.weights,
+        preparation,
+        (*_notes_of(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
+        held_out,
+        share,
+        arguments.seed,
+    )
+
+
+def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
+    for name, about in OF_CLASSES.items():
+        if getattr(arguments, name) not in (None, False):
+            option = f"--{name.replace('_', '-')}"
+            raise DataError(
+                f"{option} is given with --target {arguments.target}, but is about {about}; expected options of "
+                f"regression trees; leave {option} out, or name a column of classes with --label"
+            )
+
+
+def _chosen_columns(table: Table, arguments: argparse.Namespace, label: str, purpose: str) -> Chosen:
+    """Return the columns that the arguments choose; `label` is to be predicted, a sentence calls it by its purpose.
+
+    Raises
+    ------
+    DataError
+        the table lacks one, or one is chosen for two purposes.
+    """
+    label = one_name(table, label)
+    table.column(label, purpose)
+    weights, index = (value and one_name(table, value) for value in (arguments.weights, arguments.index))
+    for name, use in ((weights, "weights"), (index, "index")):
+        if name:
+            table.column(name, use)
+    taken = {label: f"the {purpose}", weights: "the weights", index: "the index"}
+    dropped = listed_names(table, "--drop", arguments.drop)
+    if arguments.features is None:
+        features = [name for name in table.columns if name not in taken and name not in dropped]
+        if not features:
+            raise DataError(
+                f"{table.name} has no column beside {several(name for name in taken if name)}; expected at least one "
+                "feature; drop fewer columns"
+            )
+    else:
+        features = listed_names(table, "--features", arguments.features)
+    for option, names in (("--features", features), ("--drop", dropped)):
+        wrong = [f"{shown(name)} ({taken[name]})" for name in names if name in taken]
+        if wrong:
+            raise DataError(f"{option} names {', '.join(wrong)}; expected other columns; leave it out")
+    both = [name for name in dropped if name in features]
+    if both:
+        raise DataError(f"--features and --drop both name {several(both)}; expected one of the two; leave one out")
+    return Chosen(label, weights, index, tuple(features))
+
+
+def _rows_kept(arguments: argparse.Namespace) -> RowsKept:
+    """Return which rows the arguments keep."""
+    if arguments.missing == "drop-rows":
+        return "complete"
+    return "labelled" if arguments.drop_unlabelled else "all"
+
+
+def _learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, *, doubled: bool = False) -> Columns:
+    """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help.
+
+    `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
+    """
+    missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
+    frame = table.frame[list(chosen.features)]
+    reasons = {} if arguments.categories else mixed_columns(table, chosen.features)
+    try:
+        columns = Columns.learn(frame, categories=arguments.categories or "yes-no", missing=missing, doubled=doubled)
+    except ColumnsError as error:
+        reasons = dict(error.reasons) | reasons
+    if reasons:
+        raise DataError(f"{table.name}: {ColumnsError(reasons, len(chosen.features))}; {_cure(reasons)}")
+    return columns
+
+
+def _cure(names: Iterable[str]) -> str:
+    cells = ['"' + name.replace('"', '""') + '"' if set(name) & set(',"') else name for name in names]
+    return (
+        f"to leave out what cannot be used: --drop {shlex.quote(','.join(cells))}; for the column that names the rows: "
+        "--index; for text and missing cells: --categories, --missing"
+    )
+
+
+def _problem(
+    arguments: argparse.Namespace,
+    loss: Loss | None,
+    columns: Columns,
+    features: NDArray[np.float64],
+    labels: NDArray[Any],
+    weights: NDArray[np.float64],
+) -> Problem:
+    settings = _sensor_settings(arguments, columns)
+    if loss is not None:
+        settings |= {"loss": loss, "leaf_model": arguments.leaf_model or "constant", "target_name": arguments.target}
+    if arguments.allowed_splits:
+        settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
+    if arguments.costs:
+        classes = sorted(set(labels.tolist()))
+        settings |= {"loss": ClassCosts(read_costs(arguments.costs, classes)), "class_names": classes}
+    features.flags.writeable = False  # the problem keeps it, and makes no copy
+    return Problem(
+        features,
+        labels,
+        weights=weights,
+        depth=arguments.depth,
+        split=_kind_of_split(arguments),
+        split_size=arguments.split_size,
+        leaf_size=arguments.leaf_size,
+        leaf_penalty=arguments.leaf_penalty,
+        sensor_budget=arguments.budget,
+        integer_normals=arguments.integer_normals,
+        gaps=columns.lack_numbers,
+        feature_names=columns.feature_names,
+        **settings,
+    )
+
+
+def _sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:
+    """Return sensors and their costs as a problem takes them: those of a file, or one for each column."""
+    if not arguments.sensor_cost:
+        return {"sensor_of_feature": columns.column_of_feature}
+    sensors = read_sensors(arguments.sensor_cost, columns.names)
+    of_column = dict(zip(columns.names, sensors.of_feature, strict=True))
+    of_feature = [of_column[name] for name in columns.column_of_feature]
+    return {"sensor_of_feature": of_feature, "sensor_cost": dict(sensors.cost)}
+
+
+def _groups(path: str, columns: Columns) -> list[list[str]]:
+    """Return the groups of a text file, one per line: names of columns or of their features, separated by commas."""
+    groups = []
+    for number, line in enumerate(read_text(path).splitlines(), start=1):
+        names = [name.strip() for name in line.split(",")] if line.strip() else []
+        unknown = [name for name in names if name not in {*columns.names, *columns.feature_names}]
+        if unknown:
+            raise DataError(
+                f"{path}, line {number} names {several(unknown)}; expected columns to split on: "
+                f"{several(columns.names)}; spell them as the table does"
+            )
+        read = [[f.name for f in columns.features if f.column == name] or [name] for name in names]
+        groups += [[name for features in read for name in features]] if names else []
+    return groups
+
+
+def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
+    """Return the kind of split that the arguments ask for."""
+    if arguments.split:
+        return "axis" if arguments.split == "axis" else "hyperplane"
+    wants_hyperplanes = (arguments.split_size or 1) > 1 or arguments.integer_normals is not None
+    return "hyperplane" if wants_hyperplanes else "axis"
+
+
+def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation) -> Samples:
+    table = kept_rows(read_table(path), preparation.rows, chosen.label, chosen.needed)
+    is_number = problem.loss.predicts == "number"
+    labels = (
+        table.numbers([chosen.label], "target")[:, 0] if is_number else table.labels(chosen.label, problem.class_names)
+    )
+    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
+    try:
+        return samples_of(problem, preparation.columns.encode(table.frame), labels, weights)
+    except ColumnsError as error:
+        raise DataError(f"{table.name}: {error}") from error
+
+
+def _notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]:
+    """Return sentences for the user about what was encoded or left out."""
+    left_out = (f"{n_dropped} row{'s' * (n_dropped != 1)} with missing cells left out",) if n_dropped else ()
+    counts = tuple(
+        f"the column {shown(name)} counts the rows; if it only names them, leave it out: --index or --drop"
+        for name in columns.names
+        if _counts_rows(table.frame[name])
+    )
+    return (*table.notes, *left_out, *counts, *columns.changes())
+
+
+def _gaps(problem: Problem) -> tuple[str, ...]:
+    """Return a sentence about the training readings that are missing; none where none is."""
+    count = problem.n_missing
+    return (f"{count} training reading{'s are' if count > 1 else ' is'} missing",) if count else ()
+
+
+def _counts_rows(column: "pd.Series[Any]") -> bool:
+    """Whether a column of whole numbers goes up by one from row to row, as one that names the rows does."""
+    return len(column) >= FEWEST_COUNTED and column.dtype.kind in "iu" and bool((column.diff().iloc[1:] == 1).all())

@@ -1,0 +1,147 @@
+"""From a tree file and its table to the samples that the tree was trained on, and those that were held out."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import CertificateError, DataError
+from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.columns.column import Column
+from octmip.formats.table import Table, read_table
+from octmip.formats.table.preparation import kept_rows
+from octmip.formats.tree_file import TreeFile
+from octmip.trees.losses import Loss
+from octmip.trees.problem import Problem
+from octmip.trees.tradeoff import Samples, held_out_rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Training:
+    """The training samples of a tree file as its problem, the rows they are, and samples of that table held out."""
+
+    problem: Problem
+    rows: Table
+    held_out: Samples | None
+
+
+def samples_of(
+    problem: Problem, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]
+) -> Samples:
+    """Return samples with targets as the problem's loss reads them: numbers, or classes by their place."""
+    if problem.loss.predicts == "number":
+        return Samples(features, labels, weights)
+    position = {name: k for k, name in enumerate(problem.class_names)}
+    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
+    return Samples(features, codes, weights)
+
+
+def strata_of(loss: Loss, targets: NDArray[Any]) -> NDArray[Any]:
+    """Return what rows are held out of, a share of each: classes, or one stratum where numbers are predicted."""
+    return targets if loss.predicts == "class" else np.zeros(len(targets))
+
+
+def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
+    """Return the targets of a table's rows as a file's tree predicts them, classes by their names, shape (n_rows,).
+
+    Raises
+    ------
+    DataError
+        the column is missing, a cell is no number where numbers are predicted, or no class of the training.
+    """
+    if file.loss.predicts == "number":
+        return table.numbers([column], "target")[:, 0]
+    return table.labels(column, file.class_names)
+
+
+def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
+    """Return the features of a table's rows, encoded as in the tree's training, shape (n_rows, n_features).
+
+    Raises
+    ------
+    DataError
+        columns are missing or hold what they did not in training; all of them are named.
+    """
+    if file.preparation is None and not file.settings["gaps"]:
+        return table.numbers(file.feature_names)
+    plain = Columns(tuple(Column(name, "number", True) for name in file.feature_names))
+    columns = plain if file.preparation is None else file.preparation.columns
+    try:
+        return columns.encode(table.frame, gaps=file.settings["gaps"])
+    except ColumnsError as error:
+        raise DataError(f"{table.name}: {error}") from error
+
+
+def read_training(
+    file: TreeFile,
+    data: str,
+    *,
+    form: str | None = None,
+    label: str | None = None,
+    weights: str | None = None,
+    source: str = "the tree file",
+) -> Training:
+    """Return the samples that a tree was trained on, read from its table.
+
+    Parameters
+    ----------
+    file
+        the tree file.
+    data, form
+        the table and its format.
+    label, weights
+        columns, those of the training by default.
+    source
+        what a sentence calls the tree file.
+
+    Raises
+    ------
+    DataError
+        the table cannot be read or lacks a column.
+    CertificateError
+        it is not the one that the tree was trained on.
+    """
+    label, weights = label or file.target_column, weights or file.weights_column
+    if label is None:
+        raise DataError(f"{source} does not say which column held the target; name it with --label")
+    table = prepared(file, read_table(data, form), label, weights)
+    labels, features = targets_of(file, table, label), features_of(file, table)
+    weighed = table.numbers([weights], "weight")[:, 0] if weights else np.ones(len(labels))
+    claim = file.held_out
+    is_split = claim is not None and claim.share is not None
+    is_held = np.zeros(len(labels), dtype=np.bool_)
+    if claim is not None and claim.share is not None:
+        is_held = held_out_rows(strata_of(file.loss, labels), claim.share, claim.seed)
+    problem = file.problem(features[~is_held], labels[~is_held], weighed[~is_held])
+    if problem.digest() != file.sha256:
+        raise CertificateError(
+            f"{table.name} is not the table that {source} was trained on: sha256 {problem.digest()[:12]}.. of "
+            f"{problem.n_samples} samples, expected {file.sha256[:12]}... of {file.n_samples}; give that table"
+        )
+    held = samples_of(problem, features[is_held], labels[is_held], weighed[is_held]) if is_split else None
+    return Training(problem, table.rows(~is_held), held)
+
+
+def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = None) -> Samples:
+    """Return the samples of another table that a tree is tested on.
+
+    Raises
+    ------
+    DataError
+        the table cannot be read, lacks a column, or holds a class that training had not.
+    """
+    if file.target_column is None:
+        raise DataError("the tree file does not say which column held the target; write it again with octmip solve")
+    table = prepared(file, read_table(data, form), file.target_column, file.weights_column)
+    labels = targets_of(file, table, file.target_column)
+    weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
+    return samples_of(problem, features_of(file, table), labels, weights)
+
+
+def prepared(file: TreeFile, table: Table, label: str, weights: str | None) -> Table:
+    """Return a table of the rows that the training would have kept."""
+    if file.preparation is None:
+        return table
+    needed = [*file.preparation.columns.names, *([weights] if weights else [])]
+    return kept_rows(table, file.preparation.rows, label, needed)

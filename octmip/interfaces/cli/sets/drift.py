@@ -1,0 +1,164 @@
+"""Find the tree of least worst case while gauges are off by up to given amounts, and prove it to depth 2.
+
+In the worst case each reading of the gauges that are off is wrong by its own amount, so that samples inside the band
+around a cut count on both sides. Beyond depth 2 the tree comes from local search, with the bound of trees without
+drift. Reaching a limit is no error, nor is Ctrl-C: the best tree so far and its bound are shown and written.
+"""
+
+import argparse
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from octmip.errors import DataError
+from octmip.formats.messages import shown as quoted
+from octmip.formats.names import shown
+from octmip.formats.tree_file import finite_or_none, record_tree, write_tree_file
+from octmip.formats.tree_nodes import encode_tree
+from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
+from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.interfaces.report.text import number, tree_text
+from octmip.trees.drift.bands import Amount
+from octmip.trees.drift.least_worst import DriftSolution, solve
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
+
+EXAMPLES = """\
+  octmip drift iris.csv --label species --depth 2 --off 0.3
+  octmip drift iris.csv --label species --depth 2 --off "petal width=0.2" --off "petal length=0.1:0.4"
+  octmip drift strains.csv --label state --depth 3 --off 21 --gauges-off 2 --seconds 60 --threads 2 --out tree.json
+"""
+FORMAT = "octmip drift"
+VERSION = 1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip drift`."""
+    group = add_everyday_arguments(parser)
+    group.add_argument(
+        "--off",
+        metavar="[GAUGE=]AMOUNT",
+        action="append",
+        required=True,
+        help="most that readings of this column or sensor are off, of all without a name; or BELOW:ABOVE",
+    )
+    group.add_argument("--gauges-off", metavar="K", type=int, default=1, help="most gauges off at a time (default 1)")
+    writes(
+        group.add_argument(
+            "--out", metavar="TREE.json", help="write the tree to this file, with what it costs without drift"
+        )
+    )
+    add_problem_arguments(parser)
+    add_run_arguments(parser, with_method=False)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Search, show, write."""
+    limits = limits_of(arguments)
+    question = ask(arguments)
+    bands = bands_of(arguments.off, question.problem)
+    with ProgressLine() as progress:
+        found = solve(
+            question.problem,
+            bands,
+            arguments.gauges_off,
+            limits,
+            seed=arguments.seed,
+            n_jobs=arguments.threads,
+            progress=progress,
+        )
+    with held_back():
+        columns = question.target_column, question.weights_column, question.preparation
+        file = record_tree(question.problem, _plain(found), *columns, None)
+        with then_written(arguments.out, partial(write_tree_file, file=file), _verdict(found), is_quiet=arguments.json):
+            if arguments.json:
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+                print_json(as_json(question.problem, found) | more)
+            else:
+                print_notes(question.notes)
+                print(printable(_text(question, found)))
+    return 0
+
+
+def bands_of(texts: list[str], problem: Problem) -> dict[str, Amount]:
+    """Return the bands that arguments such as "0.3", "g1=0.2" or "g1=0.1:0.4" mean.
+
+    Raises
+    ------
+    DataError
+        an amount is no number.
+    """
+    named = [text.rpartition("=") for text in texts]
+    default = [_amount(amount, text) for (name, _, amount), text in zip(named, texts, strict=True) if not name]
+    bands: dict[str, Amount] = dict.fromkeys(problem.sensors, default[-1]) if default else {}
+    return bands | {name: _amount(amount, text) for (name, _, amount), text in zip(named, texts, strict=True) if name}
+
+
+def _amount(words: str, text: str) -> tuple[float, float]:
+    below, colon, above = words.partition(":")
+    try:
+        return float(below), float(above if colon else below)
+    except ValueError as error:
+        raise DataError(
+            f"--off is {quoted(text)}; expected an amount such as 0.3, g1=0.3 for one gauge, or g1=0.1:0.4 for below "
+            "and above"
+        ) from error
+
+
+def _plain(found: DriftSolution) -> Solution:
+    """Return the tree as a solution of the problem without drift."""
+    stop = Stop.OPTIMAL if found.plain_bound >= found.figures.plain else Stop.FINISHED
+    bound = min(found.plain_bound, found.figures.plain)
+    return replace(found.solution, objective=found.figures.plain, bound=bound, stop=stop, tolerance=0.0, details={})
+
+
+def as_json(problem: Problem, found: DriftSolution) -> dict[str, Any]:
+    """Return the JSON object of a solution; its schema is octmip/interfaces/schemas/drift.schema.json."""
+    solution, figures = found.solution, found.figures
+    assert solution.tree is not None
+    constant = figures.constant
+    return {
+        "format": FORMAT,
+        "format_version": VERSION,
+        "worst_case": solution.objective,
+        "bound": finite_or_none(solution.bound),
+        "is_optimal": solution.is_optimal,
+        "gauges": list(figures.gauges),
+        "by_gauges": [{"gauges": list(names), "cost": cost} for names, cost in figures.by_gauges.items()],
+        "constant": None
+        if constant is None
+        else {"cost": constant.cost, "gauges": list(constant.gauges), "errors": dict(constant.errors)},
+        "plain": figures.plain,
+        "plain_bound": finite_or_none(found.plain_bound),
+        "tree": encode_tree(solution.tree, problem.feature_names, problem.class_names),
+        "stop": str(solution.stop),
+        "seconds": solution.seconds,
+        "n_nodes": solution.n_nodes,
+    }
+
+
+def _text(question: Question, found: DriftSolution) -> str:
+    problem, figures = question.problem, found.figures
+    assert found.solution.tree is not None
+    columns = None if question.preparation.columns.is_plain else question.preparation.columns
+    tree = tree_text(found.solution.tree, problem.feature_names, problem.class_names, None, columns)
+    rows = [{"gauges off": "none", "cost": number(figures.plain)}]
+    for names, cost in sorted(figures.by_gauges.items(), key=lambda item: -item[1]):
+        if names:
+            rows.append({"gauges off": ", ".join(map(shown, names)), "cost": number(cost)})
+    if figures.constant is not None and figures.constant.gauges:
+        words = ", ".join(f"{shown(name)} by {error:.6g}" for name, error in figures.constant.errors.items())
+        rows.append({"gauges off": f"constant: {words}", "cost": number(figures.constant.cost)})
+    head = f"worst case {number(found.solution.objective)}, without drift {number(figures.plain)}"
+    return f"{head}\n\n{tree}\n\n{markdown_table(rows, ('gauges off', 'cost'))}\n"
+
+
+def _verdict(found: DriftSolution) -> str:
+    solution = found.solution
+    if solution.is_optimal:
+        return f"Proven: no tree of this depth has a worst case below {number(solution.objective)}."
+    return f"Not proven (stop: {solution.stop}): no worst case is below {number(solution.bound)}."

@@ -1,0 +1,225 @@
+"""Find the best tree for a table within the limits, and the bound that proves how good it is.
+
+The result is certified (recomputed from tree and data alone) before it is shown. Reaching a limit is no error, nor is
+Ctrl-C: the best tree so far and its bound are shown and written.
+"""
+
+import argparse
+from functools import partial
+from pathlib import Path
+
+from octmip.errors import DataError, SolverError
+from octmip.formats.columns import Columns
+from octmip.formats.problem_file import write_problem_file
+from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.interfaces.cli.answer import (
+    ProgressLine,
+    comparison_json,
+    comparison_text,
+    describe,
+    print_json,
+    print_notes,
+    printable,
+    then_written,
+    verdict,
+)
+from octmip.interfaces.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    cluster_of,
+    limits_of,
+)
+from octmip.interfaces.cli.samples.file_arguments import reads, writes
+from octmip.interfaces.cli.samples.options import add_held_out_arguments
+from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.report.text import solution_text, tree_text
+from octmip.trees.certificate import Certificate, certify
+from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_provable
+from octmip.trees.solution import ProofError, Solution
+from octmip.trees.solver import ASSISTANTS, chosen_method, solve
+from octmip.trees.tradeoff import Comparison, beside_cart
+from octmip.trees.tree import Node
+
+EXAMPLES = """\
+  octmip solve iris.csv --label species --depth 2
+  octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
+  octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
+  octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
+  octmip solve houses.csv --target price --loss absolute --depth 3 --out tree.json
+  zcat big.csv.gz | octmip solve - --label class --depth 2 --json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip solve`."""
+    group = add_everyday_arguments(parser, has_target=True)
+    add_held_out_arguments(group)
+    writes(group.add_argument("--out", metavar="TREE.json", help="write the tree to this file"))
+    add_problem_arguments(parser)
+    add_run_arguments(parser)
+    add_cluster_argument(parser)
+    group = parser.add_argument_group("more files")
+    reads(group.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem"))
+    model = group.add_argument("--write", metavar="MODEL", help="also write the mixed-integer model (.mps or .lp file)")
+    group.add_argument(
+        "--assist",
+        nargs="+",
+        choices=ASSISTANTS,
+        help="give HiGHS the exact core's bound, or trees of local search while it runs (oct, oct_h, flow)",
+    )
+    log = group.add_argument(
+        "--proof",
+        metavar="LOG",
+        help="write a proof log that octmip certify --proof checks (exact)",
+    )
+    kept = group.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep what is proven in this file, and resume from it where it exists (exact, axis)",
+    )
+    group.add_argument(
+        "--every", metavar="S", type=float, help="seconds between two checkpoints (default 60; with --checkpoint)"
+    )
+    problem = group.add_argument(
+        "--write-problem",
+        metavar="FILE",
+        help="write the problem, samples included, to this JSON file for octmip-check",
+    )
+    for action in (model, log, kept, problem):
+        writes(action)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Solve, show, write."""
+    limits = limits_of(arguments)
+    _check_predicted(arguments)
+    options = _options(arguments)
+    question = ask(arguments)
+    if arguments.checkpoint and chosen_method(question.problem, arguments.method) not in ("exact", "search"):
+        raise DataError(
+            f"--checkpoint keeps what methods 'exact' and 'search' have found; got method {arguments.method!r}; "
+            "leave it out"
+        )
+    if arguments.proof:
+        check_provable(question.problem)
+        if (method := chosen_method(question.problem, arguments.method)) != "exact":
+            raise DataError(f"--proof logs what method exact proves; got method {method!r}; leave one of the two out")
+    if arguments.write_problem:
+        write_problem_file(arguments.write_problem, question.problem)
+    incumbent = _incumbent(arguments.incumbent, question.problem) if arguments.incumbent else None
+    unproven: ProofError | None = None
+    with cluster_of(arguments, question.problem) as shared, ProgressLine() as progress:
+        try:
+            solution = solve(
+                question.problem,
+                arguments.method,
+                limits,
+                incumbent,
+                seed=arguments.seed,
+                n_jobs=arguments.threads,
+                progress=progress,
+                options=options | shared,
+            )
+        except ProofError as error:
+            solution, unproven = error.solution, error
+    _show(arguments, question, solution)
+    if unproven is not None:
+        raise unproven  # said last: the tree is shown and written all the same
+    return 0
+
+
+def _incumbent(path: str, problem: Problem) -> Node:
+    return tree_for(problem, read_tree_file(path, problem.loss.predicts))
+
+
+def _check_predicted(arguments: argparse.Namespace) -> None:
+    """Raise a DataError unless one column is to be predicted, with no option about another kind of it."""
+    given = [f"--{name}" for name in ("label", "target") if getattr(arguments, name) is not None]
+    if len(given) != 1:
+        raise DataError(
+            f"the column to predict is named by {' and '.join(given) or 'no option'}; expected --label COL for classes "
+            "or --target COL for numbers; give one of the two"
+        )
+    if arguments.target is None and (arguments.loss or arguments.leaf_model):
+        option = "--loss" if arguments.loss else "--leaf-model"
+        raise DataError(
+            f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
+            f"--target; leave it out, or name a column of numbers with --target"
+        )
+
+
+def _options(arguments: argparse.Namespace) -> dict[str, object]:
+    kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
+    if arguments.every is not None and not arguments.checkpoint:
+        raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
+    if kept:
+        return dict(kept) | ({} if arguments.every is None else {"every": arguments.every})
+    options: dict[str, object] = {}
+    for name in ("write", "assist"):
+        if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):
+            raise DataError(
+                f"--{name} needs a mixed-integer method, not {arguments.method!r}; add --method oct, oct_h or flow"
+            )
+    if arguments.assist:
+        options["assist"] = tuple(arguments.assist)
+    if arguments.write:
+        if Path(arguments.write).suffix not in (".mps", ".lp"):
+            raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
+        options["write"] = arguments.write
+    return options
+
+
+def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:
+    problem = question.problem
+    if solution.tree is None:
+        raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
+    found = _beside_cart(arguments, question, solution)
+    with held_back():
+        certificate = certify(problem, solution)
+        held_out = question.claim(None if found is None else found.held_out)
+        columns = question.target_column, question.weights_column, question.preparation
+        file = record_tree(problem, solution, *columns, held_out)
+        last = verdict(problem, solution, certificate)
+        with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
+            if arguments.json:
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+                compared = {} if found is None else comparison_json(found)
+                print_json(describe(problem, solution, certificate) | more | compared)
+            else:
+                _show_words(question, solution, certificate, found)
+
+
+def _beside_cart(arguments: argparse.Namespace, question: Question, solution: Solution) -> Comparison | None:
+    """Return the tree beside CART on samples held out; None where there are none, or no time for it after a signal."""
+    if question.held_out is None or is_heard():
+        return None
+    assert solution.tree is not None
+    try:
+        return beside_cart(question.problem, solution.tree, question.held_out, arguments.seed)
+    except KeyboardInterrupt:
+        return None
+
+
+def _show_words(question: Question, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
+    problem, tree = question.problem, solution.tree
+    assert tree is not None
+    print_notes(question.notes)
+    print(printable(solution_text(problem, solution, certificate)))
+    print()
+    print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))
+    print()
+    if found is not None:
+        print(f"{comparison_text(problem, found)}\n")
+
+
+def _names(question: Question) -> tuple[tuple[str, ...], tuple[object, ...]]:
+    return question.problem.feature_names, question.problem.class_names
+
+
+def _columns(question: Question) -> Columns | None:
+    columns = question.preparation.columns
+    return None if columns.is_plain else columns

@@ -1,0 +1,168 @@
+"""SolvedTree and FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix
+from sklearn.utils.validation import check_is_fitted
+
+from octmip.formats.columns import Columns
+from octmip.formats.files import PathLike
+from octmip.formats.table.preparation import Preparation
+from octmip.formats.tree_file import record_tree
+from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, words_of, write_page
+from octmip.interfaces.estimator.importance import feature_savings
+from octmip.interfaces.estimator.paths import leaf_nodes, node_indicator
+from octmip.interfaces.estimator.samples import read_samples, test_samples
+from octmip.trees.certificate import Certificate
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Node, depth, leaves
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class SolvedTree:
+    """What every estimator with a solution and a certificate says about its tree."""
+
+    solution_: Solution
+    certificate_: Certificate
+
+    @property
+    def tree_(self) -> Node:
+        """The tree, over the features of `problem_`."""
+        check_is_fitted(self, "solution_")
+        tree = self.solution_.tree
+        assert tree is not None  # fit has seen to it
+        return tree
+
+    @property
+    def objective_(self) -> float:
+        """Cost of the training samples, in units of weight times cost or error, and the price of the splits."""
+        check_is_fitted(self, "solution_")
+        return self.solution_.objective
+
+    @property
+    def bound_(self) -> float:
+        """No tree of the problem has a training objective below it; -inf without a proof."""
+        check_is_fitted(self, "solution_")
+        return self.solution_.bound
+
+    @property
+    def gap_(self) -> float:
+        """Relative gap between training objective and bound: 0 when proven optimal, +inf without a proof."""
+        check_is_fitted(self, "solution_")
+        return self.solution_.gap
+
+    @property
+    def is_optimal_(self) -> bool:
+        """Whether it is proven that no tree of the problem has a smaller training objective."""
+        check_is_fitted(self, "solution_")
+        return self.solution_.is_optimal
+
+    @property
+    def sensors_(self) -> tuple[str, ...]:
+        """The sensors that the tree reads: columns of X, or what `sensor_of_feature` calls them."""
+        check_is_fitted(self, "solution_")
+        return self.certificate_.sensors
+
+    def get_depth(self) -> int:
+        """Return the number of splits on the longest path from the root to a leaf."""
+        return depth(self.tree_)
+
+    def get_n_leaves(self) -> int:
+        """Return the number of leaves."""
+        return len(leaves(self.tree_))
+
+    def apply(self, X: ArrayLike) -> NDArray[np.int64]:
+        """Return the number of the leaf that each row of X reaches, shape (n_samples,).
+
+        Nodes are numbered in preorder: the root 0, a node before its left side, that before its right side.
+        """
+        check_is_fitted(self, "solution_")
+        return leaf_nodes(self.tree_, read_samples(self, X))
+
+    def decision_path(self, X: ArrayLike) -> csr_matrix:
+        """Return which nodes each row of X passes, a sparse matrix (n_samples, n_nodes); nodes as in `apply`."""
+        check_is_fitted(self, "solution_")
+        return node_indicator(self.tree_, read_samples(self, X))
+
+
+class FittedTree(SolvedTree):
+    """What a classifier says about its tree beside that: what it costs, as words, a picture and a page."""
+
+    problem_: Problem
+    columns_: Columns
+    _label_name: str | None
+
+    @property
+    def feature_importances_(self) -> NDArray[np.float64]:
+        """Share of each column of X in what the splits save of the training cost, shape (n_features_in_,).
+
+        A split saves the cost of the best label of its samples minus those of its two sides; the shares add up to 1,
+        or are all 0 where no split saves anything. See `octmip.interfaces.estimator.importance`.
+        """
+        saved = feature_savings(self.problem_, self.tree_)
+        of_column = np.repeat(np.arange(len(self.columns_.columns)), [len(c.features) for c in self.columns_.columns])
+        shares = np.bincount(of_column, saved, len(self.columns_.columns))
+        return np.asarray(shares / shares.sum() if shares.sum() > 0 else shares)
+
+    def export_text(self) -> str:
+        """Return the tree as indented lines, with the training samples of each leaf and how many of them are wrong."""
+        check_is_fitted(self, "solution_")
+        return words_of(self.problem_, self.tree_, self.columns_)
+
+    def plot(self, title: str | None = None) -> "Figure":
+        """Return a drawing of the tree, a matplotlib Figure made without pyplot; save it with ``figure.savefig``.
+
+        Raises
+        ------
+        MissingExtraError
+            matplotlib is not installed.
+        """
+        check_is_fitted(self, "solution_")
+        return figure_of(self.problem_, self.tree_, self.columns_, title)
+
+    def report(
+        self, path: PathLike, X_test: ArrayLike | None = None, y_test: ArrayLike | None = None, seconds: float = 10.0
+    ) -> None:
+        """Write a page about the tree, its errors and its proof: one HTML file that needs nothing else.
+
+        Parameters
+        ----------
+        path
+            of the file.
+        X_test, y_test
+            samples and classes that were not trained on, by which the page judges the tree; None: without them.
+        seconds
+            for the best tree of every lower depth, with which the page compares this one [s]; 0: without them.
+
+        Raises
+        ------
+        MissingExtraError
+            what draws the page is not installed.
+        DataError
+            the file cannot be written, or y_test holds what is no class of the training.
+        """
+        check_is_fitted(self, "solution_")
+        held_out = None if X_test is None else test_samples(self, X_test, y_test)
+        preparation = Preparation(self.columns_)
+        file = record_tree(self.problem_, self.solution_, self._label_name, preparation=preparation)
+        write_page(path, self.problem_, file, held_out, seconds)
+
+    def _repr_html_inner(self) -> str:
+        return self._with_picture(str(super()._repr_html_inner()))  # type: ignore[misc]
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> dict[str, str]:
+        bundle: dict[str, str] = super()._repr_mimebundle_(**kwargs)  # type: ignore[misc]
+        if "text/html" in bundle:
+            bundle["text/html"] = self._with_picture(bundle["text/html"])
+        return bundle
+
+    def _with_picture(self, diagram: str) -> str:
+        """Return scikit-learn's diagram, with the tree below it once there is one."""
+        if not hasattr(self, "solution_"):
+            return diagram
+        return diagram + notebook_picture(self.problem_, self.solution_, self.columns_)

@@ -1,0 +1,158 @@
+"""What scikit-learn calls X, as the features that a tree reads.
+
+An array of finite numbers is its own features. Anything else, text, pandas categories or missing values, is encoded
+as the command does it, by `octmip.formats.columns`. `n_features_in_` and `feature_names_in_` are those of X itself.
+"""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from sklearn.base import BaseEstimator
+from sklearn.utils.validation import assert_all_finite, check_consistent_length, column_or_1d, validate_data
+
+from octmip.errors import DataError
+from octmip.formats.columns import Columns
+from octmip.formats.columns.column import Column
+from octmip.trees.tradeoff.held_out import Samples
+
+Floats = NDArray[np.float64]
+
+
+def learn_samples(
+    estimator: BaseEstimator, X: ArrayLike, y: ArrayLike, *, doubled: bool = False
+) -> tuple[Floats, NDArray[Any], Columns]:
+    """Return the features (n_samples, n_features), the labels (n_samples,) and how X became these features.
+
+    `doubled` makes two complete features of numbers with missing values, as `Columns.learn` has it.
+
+    Raises
+    ------
+    ValueError
+        scikit-learn refuses X or y: shapes, lengths, sparse or complex values, infinite or missing labels.
+    DataError
+        a column cannot become features (also a ValueError); all of them are named.
+    """
+    checked, labels = validate_data(estimator, _objects(X), _labels(y), dtype=None, ensure_all_finite=False)
+    names = _names(estimator)
+    numbers = _numbers(estimator, checked)
+    if numbers is not None and not np.isnan(numbers).any():
+        return numbers, labels, plain_columns(names, numbers)
+    columns = Columns.learn(
+        _frame(X, checked, names),
+        categories=estimator.categories,
+        missing=estimator.missing,
+        doubled=doubled,
+    )
+    if estimator.split == "hyperplane":
+        columns.refuse_gaps_in_sums("use split='axis', or fill them (NaN) before")
+    return columns.encode(_frame(X, checked, names)), labels, columns
+
+
+def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
+    """Return the features (n_samples, n_features) of the samples of a fitted estimator.
+
+    Raises
+    ------
+    ValueError
+        scikit-learn refuses X: another number of columns, other names, sparse, complex or infinite values.
+    DataError
+        a column holds what it did not in training (also a ValueError).
+    """
+    checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
+    columns: Columns = estimator.columns_
+    numbers = _numbers(estimator, checked)
+    if numbers is not None and columns.is_plain and (columns.lack_numbers or not np.isnan(numbers).any()):
+        return numbers
+    return columns.encode(_frame(X, checked, columns.names))
+
+
+def _objects(X: Any) -> Any:
+    """Return X with columns of pandas' own types as objects: older versions of scikit-learn take these for numbers."""
+    if isinstance(X, pd.DataFrame) and not all(isinstance(kind, np.dtype) for kind in X.dtypes):
+        return X.astype(object)
+    return X
+
+
+def _labels(y: Any) -> Any:
+    """Return labels as they are, those of pandas' own types of numbers as numpy's: whole numbers stay whole.
+
+    Raises
+    ------
+    DataError
+        a label among texts is missing.
+    """
+    if not isinstance(y, pd.Series | np.ndarray | list):
+        return y
+    labels = pd.Series(y) if np.ndim(y) == 1 else pd.Series()
+    n_missing, kind = int(labels.isna().sum()), getattr(labels.dtype, "numpy_dtype", None)
+    if n_missing and labels.dtype.kind == "O":
+        raise DataError(f"Input y contains NaN: {n_missing} of {len(labels)} labels are missing; drop these rows")
+    return labels.to_numpy(dtype=kind) if isinstance(kind, np.dtype) and kind.kind in "biuf" and not n_missing else y
+
+
+def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) -> Samples:
+    """Return samples that a fitted classifier is judged by, each of weight 1.
+
+    Raises
+    ------
+    ValueError
+        X is refused, or X and y have different lengths.
+    DataError
+        y is not given, or holds what is no class of the training.
+    """
+    if y is None:
+        raise DataError("X_test is given without y_test; expected both")
+    features, labels = read_samples(estimator, X), column_or_1d(_labels(y))
+    check_consistent_length(features, labels)
+    position = {label: code for code, label in enumerate(estimator.classes_.tolist())}
+    unknown = next((label for label in labels.tolist() if label not in position), None)
+    if unknown is not None:
+        raise DataError(
+            f"y_test holds {unknown!r}, which is no class of the training ({', '.join(map(str, position))})"
+        )
+    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
+    return Samples(features, codes, np.ones(len(codes)))
+
+
+def label_name(y: Any) -> str | None:
+    """Return the name of a series of labels; None where it has none."""
+    name = getattr(y, "name", None)
+    return name if isinstance(name, str) else None
+
+
+def plain_columns(names: tuple[str, ...], numbers: Floats) -> Columns:
+    """Return the columns of finite numbers (n_samples, n_columns): each is its own feature."""
+    least, most = numbers.min(axis=0).tolist(), numbers.max(axis=0).tolist()
+    found = zip(names, least, most, strict=True)
+    return Columns(tuple(Column(name, "number", False, low, high) for name, low, high in found))
+
+
+def _names(estimator: BaseEstimator) -> tuple[str, ...]:
+    """Return the names of the columns of X: its own, or x0, x1, ... as `Problem` has them."""
+    given = getattr(estimator, "feature_names_in_", None)
+    return tuple(f"x{j}" for j in range(estimator.n_features_in_)) if given is None else tuple(map(str, given))
+
+
+def _numbers(estimator: BaseEstimator, checked: NDArray[Any]) -> Floats | None:
+    """Return an array of numbers as float64, NaN where missing; None where X holds text or objects."""
+    if checked.dtype.kind not in "biuf":
+        return None
+    numbers = checked.astype(np.float64)
+    name = type(estimator).__name__
+    assert_all_finite(numbers, allow_nan=True, estimator_name=name, input_name="X")
+    is_missing = np.isnan(numbers)
+    if is_missing.any() and not estimator.__sklearn_tags__().input_tags.allow_nan:
+        row, column = np.argwhere(is_missing)[0].tolist()
+        raise DataError(
+            f"X is NaN at [{row}, {column}] ({int(is_missing.sum())} missing values in all); {name} takes them with "
+            "split='axis' and missing='either-side' only; use these, or fill them before"
+        )
+    return numbers
+
+
+def _frame(X: Any, checked: NDArray[Any], names: tuple[str, ...]) -> pd.DataFrame:
+    """Return X as a table with these names, columns of an array of objects with the types that their values have."""
+    frame = X if isinstance(X, pd.DataFrame) else pd.DataFrame(checked).infer_objects()
+    return frame.set_axis(list(names), axis=1)

@@ -1,0 +1,95 @@
+"""The parameters that scikit-learn's users know, as octmip has them: weights, threads, seed, leaf size, sensors."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+from joblib import effective_n_jobs
+from numpy.typing import NDArray
+from sklearn.utils import check_random_state, compute_class_weight
+
+from octmip.errors import ProblemError
+from octmip.formats.columns import Columns
+from octmip.trees.problem_values import whole_of
+
+ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
+RandomState = int | np.random.RandomState | None
+MOST_SEED = 2**31 - 1
+
+
+def class_weights(
+    class_weight: ClassWeight, classes: NDArray[Any], labels: NDArray[Any], weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the weight of each sample (n_samples,) once that of its class is multiplied in.
+
+    "balanced" gives every class the same total weight, the weights of the samples counted: a sample of weight 2 is
+    two samples.
+
+    Raises
+    ------
+    ValueError
+        class_weight is neither None, "balanced" nor a mapping of classes.
+    """
+    if class_weight is None:
+        return weights
+    codes = np.searchsorted(classes, labels)
+    if isinstance(class_weight, str) and class_weight == "balanced":
+        total = np.bincount(codes, weights, len(classes))
+        of_class = weights.sum() / (np.count_nonzero(total) * np.where(total > 0, total, 1.0))
+    else:
+        given = dict(class_weight) if isinstance(class_weight, Mapping) else class_weight
+        of_class = compute_class_weight(given, classes=classes, y=labels)
+    return np.asarray(weights * of_class[codes], dtype=np.float64)
+
+
+def seed_of(random_state: RandomState) -> int:
+    """Return the seed that a random_state means: itself, or one drawn from it."""
+    if isinstance(random_state, int | np.integer) and not isinstance(random_state, bool):
+        return whole_of(int(random_state), "random_state", 0, None)
+    return int(check_random_state(random_state).randint(MOST_SEED))
+
+
+def threads_of(n_jobs: int | None) -> int:
+    """Return the threads that n_jobs means to joblib: 1 for None (or its context's), all for -1."""
+    return int(effective_n_jobs(n_jobs))
+
+
+def leaf_size_of(min_samples_leaf: float, n_samples: int) -> int:
+    """Return the least samples of a leaf; a fraction is one of all samples.
+
+    Raises
+    ------
+    ProblemError
+        it is neither a whole number from 1 to n_samples nor a fraction between 0 and 1.
+    """
+    if isinstance(min_samples_leaf, float) and 0 < min_samples_leaf < 1:
+        return math.ceil(min_samples_leaf * n_samples)
+    return whole_of(min_samples_leaf, "min_samples_leaf", 1, n_samples)  # type: ignore[arg-type]
+
+
+def sensors_of(columns: Columns, sensor_of_feature: Mapping[str, str] | Sequence[str] | None) -> tuple[str, ...]:
+    """Return the sensor of each feature: that of its column, so that a column which is read once costs once.
+
+    Raises
+    ------
+    ProblemError
+        the sensors are not one per column, or name a column that is none.
+    """
+    if sensor_of_feature is None:
+        return columns.column_of_feature
+    if isinstance(sensor_of_feature, Mapping):
+        unknown = [name for name in sensor_of_feature if name not in columns.names]
+        if unknown:
+            raise ProblemError(
+                f"sensor_of_feature names {unknown}, no columns of X; expected some of {list(columns.names)}"
+            )
+        sensors = {name: str(sensor_of_feature.get(name, name)) for name in columns.names}
+    elif len(sensor_of_feature) != len(columns.names):
+        raise ProblemError(
+            f"sensor_of_feature has {len(sensor_of_feature)} entries but X has {len(columns.names)} columns; give one "
+            "each, or a mapping from columns to sensors"
+        )
+    else:
+        sensors = dict(zip(columns.names, map(str, sensor_of_feature), strict=True))
+    return tuple(sensors[name] for name in columns.column_of_feature)

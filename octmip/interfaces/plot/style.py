@@ -1,0 +1,60 @@
+"""Colours and frames that all figures share."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+
+from octmip.errors import ProblemError
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
+
+INK, QUIET, PAPER = "#1f2933", "#7b8794", "#ffffff"
+# Okabe & Ito (2008), yellow last: distinct for all common kinds of colour blindness.
+DISTINCT = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "#f0e442")
+
+
+def class_colours(class_names: Sequence[Any]) -> list[tuple[float, float, float]]:
+    """Return one colour for each class: a scale in order when all are numbers, else distinct ones."""
+    k = len(class_names)
+    is_ordered = k > 2 and all(isinstance(name, int | float) and not isinstance(name, bool) for name in class_names)
+    if is_ordered or k > len(DISTINCT):
+        rank = np.argsort(np.argsort(class_names)) if is_ordered else np.arange(k)
+        scale = matplotlib.colormaps["viridis"]
+        return [to_rgb(scale(0.02 + 0.86 * r / (k - 1))) for r in rank.tolist()]
+    return [to_rgb(colour) for colour in DISTINCT[:k]]
+
+
+def luminance(colour: Any) -> float:
+    """Return how bright a colour looks, 0 to 1."""
+    red, green, blue = to_rgb(colour)
+    return 0.299 * red + 0.587 * green + 0.114 * blue
+
+
+def quiet_frame(axes: Axes) -> None:
+    """Draw frame and ticks thin and grey."""
+    axes.tick_params(colors=QUIET, labelsize=8, labelcolor=INK)
+    for side in axes.spines.values():
+        side.set_color(QUIET)
+        side.set_linewidth(0.7)
+
+
+def check_names(problem: Problem, tree: Node) -> None:
+    """Refuse a tree of another problem.
+
+    Raises
+    ------
+    ProblemError
+        it reads a feature or predicts a class that the problem lacks.
+    """
+    highest = max((*features_used(tree), -1))
+    label = max(leaf.label for leaf in leaves(tree))
+    is_number = problem.loss.predicts == "number" and all(isinstance(leaf, ValueLeaf) for leaf in leaves(tree))
+    if highest >= problem.n_features or (label >= problem.n_classes and not is_number):
+        raise ProblemError(
+            f"the tree reads feature {highest} and predicts class {label} but the problem has {problem.n_features} "
+            f"features and {problem.n_classes} classes; draw it with the problem that it was found for"
+        )

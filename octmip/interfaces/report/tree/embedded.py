@@ -1,0 +1,115 @@
+"""What the scripts of the page know: each node with its question, and samples for a look into the leaves."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.interfaces.report.tree.words import Wording, figure, question, short_name
+from octmip.trees.problem import Problem
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaf_index, leaves
+
+MOST_ROWS = 200
+"""Samples of one leaf that stand in the page."""
+MOST_CELLS = 60_000
+"""Cells of all samples in the page, so that it stays below some megabytes whatever the table."""
+MOST_COLUMNS = 12
+LONGEST_CELL = 60
+
+
+def node_data(tree: Node, wording: Wording, counts: NDArray[np.int64]) -> list[dict[str, Any]]:
+    """Return the nodes in preorder: what each asks, where yes and no lead, and the samples that come there."""
+    found: list[dict[str, Any]] = []
+
+    def add(node: Node, here: NDArray[np.int64]) -> int:
+        own = len(found)
+        found.append({"counts": here.sum(axis=0).tolist()})
+        if isinstance(node, Leaf):
+            found[own]["label"] = node.label
+            return own
+        n_left = len(leaves(node.left))
+        left, right = add(node.left, here[:n_left]), add(node.right, here[n_left:])
+        asked = question(node, wording)
+        found[own] |= {"text": f"{asked.text}?", "left": left, "right": right, "yesIsLeft": asked.yes_is_left}
+        found[own] |= _rule(node, wording)
+        return own
+
+    add(tree, counts)
+    return found
+
+
+def _rule(node: Split | HyperplaneSplit, wording: Wording) -> dict[str, Any]:
+    """Return a split as the page's scripts ask it: `cut` None where it asks for missing values alone."""
+    side = {"missing": node.missing}
+    if isinstance(node, Split):
+        return {"cut": node.threshold, "asks": [_asked(node.feature, 1.0, wording, node)]} | side
+    terms = zip(node.features, node.coefficients, strict=True)
+    return {"cut": node.offset, "asks": [_asked(feature, weight, wording, node) for feature, weight in terms]} | side
+
+
+def _asked(index: int, coefficient: float, wording: Wording, node: Split | HyperplaneSplit) -> dict[str, Any]:
+    """Return how a case's value of a column becomes the feature that a split reads."""
+    item = wording.feature(index)
+    asked: dict[str, Any] = {
+        "feature": index,
+        "coefficient": coefficient,
+        "key": next(j for j in range(index + 1) if wording.feature(j).column == item.column),
+        "column": short_name(item.column),
+        "unit": wording.unit(item.column).strip(),
+        "kind": item.kind,
+        "value": item.value,
+        "hasMissing": node.missing is not None,
+    }
+    if wording.columns is None:
+        return asked
+    column = next(column for column in wording.columns.columns if column.name == item.column)
+    asked |= {"values": list(column.values), "shown": [short_name(value) for value in column.values]}
+    ends = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
+    return asked | {
+        "hasMissing": column.has_missing or (node.missing is not None and column.kind != "values"),
+        "least": ends[0],
+        "most": ends[1],
+        "isOrder": column.kind == "order",
+    }
+
+
+def sample_data(problem: Problem, tree: Node, wording: Wording, table: pd.DataFrame | None) -> dict[str, Any]:
+    """Return samples of each leaf in the order of the table, as text, within the limits of this module."""
+    reached = leaf_index(tree, problem.features)
+    names, is_number, cells = _columns(problem, tree, wording, table)
+    n_leaves = len(leaves(tree))
+    each = max(1, min(MOST_ROWS, MOST_CELLS // (n_leaves * max(1, len(names)))))
+    rows_of = [np.flatnonzero(reached == k)[:each] for k in range(n_leaves)]
+    labels = [leaf.label for leaf in leaves(tree)]
+    place = range(problem.n_samples) if table is None else table.index.tolist()
+    found = []
+    for rows, label in zip(rows_of, labels, strict=True):
+        samples = zip(rows.tolist(), problem.codes[rows].tolist(), strict=True)
+        found.append([[place[row] + 1, code, int(code != label), *cells(row)] for row, code in samples])
+    total = problem.n_features if table is None else table.shape[1]
+    return {"columns": [short_name(name, 40) for name in names], "isNumber": is_number, "leaves": found, "of": total}
+
+
+def _columns(problem: Problem, tree: Node, wording: Wording, table: pd.DataFrame | None) -> tuple[Any, ...]:
+    """Return the columns that are shown, those that the tree reads first; which hold numbers; what gives a row's."""
+    read = list(features_used(tree))
+    if table is None:
+        chosen = [*read, *(j for j in range(problem.n_features) if j not in read)][:MOST_COLUMNS]
+        names = [problem.feature_names[j] for j in chosen]
+        return names, [True] * len(names), lambda row: [figure(problem.features[row, j]) for j in chosen]
+    every = [str(name) for name in table.columns]
+    first = [name for j in read if (name := wording.feature(j).column) in every]
+    names = list(dict.fromkeys([*first, *every]))[:MOST_COLUMNS]
+    series = [table.iloc[:, every.index(name)] for name in names]
+    cells = [column.tolist() for column in series]
+    is_number = [column.dtype.kind in "iuf" for column in series]
+    return names, is_number, lambda row: [_cell(column[row]) for column in cells]
+
+
+def _cell(value: Any) -> str:
+    if pd.isna(value):
+        return "missing"
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return figure(float(value))
+    return short_name(value, LONGEST_CELL)

@@ -1,0 +1,185 @@
+"""What the data say about a tree beyond its file: a recount, the greedy tree, lower depths, samples held out."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.text import narrow_scope
+from octmip.interfaces.report.tree.words import percent
+from octmip.trees.certificate import Certificate, certify
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.problem import Problem
+from octmip.trees.proof import ProofReport
+from octmip.trees.run import Run
+from octmip.trees.solution import Limits, ProgressCallback, Solution
+from octmip.trees.solver import solve_run
+from octmip.trees.tradeoff.folds import part_of
+from octmip.trees.tradeoff.frontier import frontier_run
+from octmip.trees.tradeoff.held_out import Samples, held_out_rows
+from octmip.trees.tree import Node, predict
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldOut:
+    """Samples that no tree was trained on, and the trees that are judged by them.
+
+    Attributes
+    ----------
+    source
+        where they come from, for a sentence: "test.csv", or "25 % of the rows".
+    samples
+        the samples.
+    tree, greedy
+        the page's own trees where the samples were not among its data; else trees of the same settings, trained on
+        the other rows.
+    is_retrained
+        whether they are of the latter kind.
+    """
+
+    source: str
+    samples: Samples
+    tree: Node
+    greedy: Node
+    is_retrained: bool = False
+
+    @property
+    def n_samples(self) -> int:
+        """Number of samples."""
+        return len(self.samples.codes)
+
+    def confusion(self, tree: Node, n_classes: int) -> NDArray[np.int64]:
+        """Return samples by true and predicted class, shape (n_classes, n_classes)."""
+        counts = np.zeros((n_classes, n_classes), dtype=np.int64)
+        np.add.at(counts, (self.samples.codes, predict(tree, self.samples.features)), 1)
+        return counts
+
+
+@dataclass(frozen=True, slots=True)
+class DepthPoint:
+    """The best tree of one depth and its proven bound, and the greedy tree, None where it was not grown."""
+
+    depth: int
+    objective: float
+    bound: float
+    greedy_objective: float | None
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether no tree of this depth is better."""
+        return self.bound >= self.objective
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that is known of a tree with its data at hand.
+
+    Attributes
+    ----------
+    problem
+        the training samples, and what was asked.
+    certificate
+        what was recounted.
+    greedy, greedy_certificate
+        the greedy tree of the same settings.
+    depths
+        depths from 1 on; empty where that was left out.
+    seconds
+        time limit of each shallower depth [s].
+    held_out
+        None without any.
+    proof
+        the checked log, None without one.
+    table
+        the rows as they stand in the user's table, its index their place there from 0; None where the features are all
+        there is.
+    """
+
+    problem: Problem
+    certificate: Certificate
+    greedy: Solution
+    greedy_certificate: Certificate
+    depths: tuple[DepthPoint, ...] = ()
+    seconds: float = 0.0
+    held_out: HeldOut | None = None
+    proof: ProofReport | None = None
+    table: pd.DataFrame | None = None
+
+
+def gather(
+    file: TreeFile,
+    problem: Problem,
+    *,
+    seconds: float = 10.0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Evidence:
+    """Return the evidence of a tree file and its training samples.
+
+    Parameters
+    ----------
+    file
+        the tree and its claims.
+    problem
+        its training samples.
+    seconds
+        time for trees of lower depth, all together [s]; 0 leaves them out.
+    n_jobs, progress
+        as in `solve`.
+
+    Raises
+    ------
+    CertificateError
+        the tree is not what its file claims.
+    """
+    greedy = greedy_tree(problem, seed=file.solution.seed)
+    out = Evidence(problem, certify(problem, file.solution), greedy, certify(problem, greedy))
+    if seconds <= 0:
+        return out
+    each = seconds / max(1, problem.depth - 1)
+    run = Run(limits=Limits(seconds=each), seed=file.solution.seed, n_jobs=n_jobs, progress=progress)
+    return replace(out, depths=_depths(file, problem, greedy, run), seconds=each)
+
+
+def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tuple[DepthPoint, ...]:
+    """Return a point for each depth; the deepest is the tree of the file, and its bound holds for the others too."""
+    shallower = range(1, problem.depth)
+    points = frontier_run(problem, "depth", shallower, run) if shallower else []
+    solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
+    bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
+    found = []
+    for one, solution in solved:
+        other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None
+        proven = solution.objective if solution.is_optimal else max(solution.bound, bound)
+        found.append(DepthPoint(one.depth, solution.objective, proven, other))
+    own = file.solution
+    last = DepthPoint(problem.depth, own.objective, own.objective if own.is_optimal else own.bound, greedy.objective)
+    return (*found, last)
+
+
+def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str) -> Evidence:
+    """Return the evidence with samples that the page's own trees have not seen."""
+    assert evidence.greedy.tree is not None
+    return replace(evidence, held_out=HeldOut(source, samples, file.tree, evidence.greedy.tree))
+
+
+def with_share_held_out(evidence: Evidence, share: float, run: Run) -> Evidence:
+    """Return the evidence with a random share of the samples, and trees of the same settings from the other samples.
+
+    Raises
+    ------
+    ProblemError
+        the share is not between 0 and 1, or holds out no sample.
+    """
+    problem = evidence.problem
+    held = held_out_rows(problem.codes, share, run.seed)
+    rest = part_of(problem, np.flatnonzero(~held), "the samples to train on")
+    tree, greedy = solve_run(rest, run).tree, greedy_tree(rest, seed=run.seed).tree
+    assert tree is not None  # a leaf alone is a tree of every problem
+    assert greedy is not None
+    samples = Samples(problem.features[held], problem.codes[held], problem.weights[held])
+    source = f"{percent(share)} of the rows, drawn at random with seed {run.seed}"
+    return replace(evidence, held_out=HeldOut(source, samples, tree, greedy, is_retrained=True))

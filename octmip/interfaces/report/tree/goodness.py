@@ -1,0 +1,153 @@
+"""How good the tree is: beside the greedy tree, on samples held out, and against trees of lower depth."""
+
+from typing import Any
+
+from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
+from octmip.interfaces.report.tree.measure import Measure, errors_of
+from octmip.interfaces.report.tree.words import Wording, counted, figure, percent
+from octmip.trees.tradeoff.held_out import score
+from octmip.trees.tree import Node, depth, features_used, n_splits
+
+
+def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list[str]:
+    """Return what the figures below mean."""
+    if evidence is None:
+        return [
+            "This page was made from the tree file alone. Given the data too, it also shows the greedy tree, trees of "
+            "lower depth, and the samples in each leaf."
+        ]
+    sentences = [
+        "A greedy tree (CART) chooses each split by itself and never looks back; it is what most software grows."
+    ]
+    if file.settings["split"] == "hyperplane":
+        sentences.append("The greedy tree has one feature in each split; this one may weigh several.")
+    held = evidence.held_out
+    if held is None:
+        sentences.append(
+            "Errors on training samples flatter every tree. How it does on new samples was not measured for this page."
+        )
+    elif held.is_retrained:
+        sentences.append(
+            f"To measure the error on new samples, {counted(held.n_samples, 'sample')} were held out ({held.source}), "
+            "and both kinds of tree were trained again, with the same settings, on the others only."
+        )
+    else:
+        sentences.append(
+            f"The error on new samples was measured on {counted(held.n_samples, 'sample')} of {held.source}."
+        )
+    if held is not None and held.n_samples < 100:
+        low, high = _wilson(*_held_wrong(evidence, held.tree))
+        sentences.append(
+            f"So few samples say little: an error rate from {percent(low)} to {percent(high)} agrees with them (95 %)."
+        )
+    return sentences
+
+
+def _held_wrong(evidence: Evidence, tree: Node) -> tuple[int, int]:
+    held = evidence.held_out
+    assert held is not None
+    return held.n_samples - int(held.confusion(tree, evidence.problem.n_classes).trace()), held.n_samples
+
+
+def _wilson(wrong: int, n: int, z: float = 1.96) -> tuple[float, float]:
+    """Return the interval of an error rate. Source: Wilson (1927)."""
+    share, width = wrong / n, 1 + z * z / n
+    middle = (share + z * z / (2 * n)) / width
+    half = z / width * (share * (1 - share) / n + z * z / (4 * n * n)) ** 0.5
+    return max(0.0, middle - half), min(1.0, middle + half)
+
+
+def comparison(file: TreeFile, evidence: Evidence | None, measure: Measure, wording: Wording) -> dict[str, Any]:
+    """Return the table of this tree beside the greedy one."""
+    if evidence is None:
+        rows = [
+            ["wrong on training samples", f"{errors_of(file):,}"],
+            ["splits", n_splits(file.tree)],
+            ["depth", depth(file.tree)],
+        ]
+        return {"head": ["", "this tree"], "rows": rows}
+    greedy = evidence.greedy.tree
+    assert greedy is not None
+    wrong, other = errors_of(file), evidence.greedy_certificate.errors
+    rows = [["wrong on training samples", wrong, other, _difference(other - wrong)]]
+    if not measure.is_errors:
+        mine, its = file.solution.objective, evidence.greedy.objective
+        rows.append(["cost", figure(mine), figure(its), _difference(its - mine)])
+    rows += _held_rows(evidence, measure)
+    for name, count in (("splits", n_splits), ("depth", depth)):
+        rows.append([name, count(file.tree), count(greedy), ""])
+    rows.append(["columns read", _n_columns(file.tree, wording), _n_columns(greedy, wording), ""])
+    if file.settings["sensor_budget"] is not None or any(cost != 1 for cost in evidence.problem.sensor_costs):
+        costs = [evidence.problem.sensor_cost_of(tree) for tree in (file.tree, greedy)]
+        rows.append(["cost of the sensors read", *(figure(cost) for cost in costs), _difference(costs[1] - costs[0])])
+    return {"head": ["", "this tree", "greedy tree", "greedy loses"], "rows": rows}
+
+
+def _held_rows(evidence: Evidence, measure: Measure) -> list[list[Any]]:
+    held = evidence.held_out
+    if held is None:
+        return []
+    counts = [_held_wrong(evidence, tree)[0] for tree in (held.tree, held.greedy)]
+    shares = [f"{count:,} ({percent(count / held.n_samples)})" for count in counts]
+    rows = [["wrong on samples held out", *shares, _difference(counts[1] - counts[0])]]
+    if not measure.is_errors:
+        costs = [score(evidence.problem, tree, held.samples).cost / held.n_samples for tree in (held.tree, held.greedy)]
+        rows.append(
+            ["cost per held-out sample", *(figure(cost, 4) for cost in costs), _difference(costs[1] - costs[0])]
+        )
+    return rows
+
+
+def _difference(value: float) -> str:
+    return "nothing" if value == 0 else f"{figure(value, 4)}" if value > 0 else f"{figure(value, 4)} (better)"
+
+
+def _n_columns(tree: Node, wording: Wording) -> int:
+    return len({wording.feature(j).column for j in features_used(tree)})
+
+
+def depth_words(evidence: Evidence, measure: Measure) -> dict[str, Any]:
+    """Return the sentences and the table beside the curve of depths."""
+    points = evidence.depths
+    head = ["depth", f"{measure.noun}, best tree", "proven at least", f"{measure.noun}, greedy"]
+    rows = [[p.depth, figure(p.objective), _bound(p, measure), figure(p.greedy_objective)] for p in points]
+    caption = f"Training {measure.noun} of the best tree found and of the greedy tree, by depth."
+    if any(not p.is_proven for p in points):
+        caption += " A line below a point shows how far a better tree is not ruled out."
+    caption += f" Each lower depth had at most {figure(evidence.seconds, 2)} s."
+    if any(p.greedy_objective is None for p in points):
+        caption += f" The greedy tree, {figure(evidence.greedy.seconds, 2)} s each, was not grown for every depth."
+    return {
+        "depth_sentence": _depth_sentence(evidence, measure),
+        "depth_table": {"head": head, "rows": rows},
+        "curve_caption": caption,
+    }
+
+
+def _bound(point: DepthPoint, measure: Measure) -> str:
+    return "the same: proven" if point.is_proven else figure(point.bound)
+
+
+def _depth_sentence(evidence: Evidence, measure: Measure) -> str:
+    points = evidence.depths
+    last = points[-1]
+    better = next((p for p in points if p.objective < last.objective), None)
+    if better is not None:
+        return (
+            f"A tree of depth {better.depth} that was found for this page is better than this one of depth "
+            f"{last.depth}: let the solver run for longer."
+        )
+    same = next(p for p in points if p.objective == last.objective)
+    if same.depth < last.depth:
+        amount = measure.amount(same.objective)
+        return f"No: a tree of depth {same.depth} is as good on the training samples, with {amount}."
+    before = points[-2]
+    loss = measure.is_worse(before.objective - last.objective)
+    catch = next((p.depth for p in points if p.objective <= evidence.greedy.objective), last.depth)
+    shallow = (
+        f" The best tree of depth {catch} is no worse than the greedy tree of depth {last.depth}."
+        if catch < last.depth
+        else ""
+    )
+    return f"Depth {last.depth} pays on the training samples: the best tree of depth {before.depth} {loss}.{shallow}"

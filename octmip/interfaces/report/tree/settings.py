@@ -1,0 +1,126 @@
+"""What the tree reads, what errors cost, and how it was made, as rows of tables."""
+
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+from octmip.formats.names import shown
+from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.text import narrow_scope
+from octmip.interfaces.report.tree.evidence import Evidence
+from octmip.interfaces.report.tree.words import Wording, counted, figure, percent, short_name
+from octmip.trees.solution import Stop
+from octmip.trees.tree import splits
+
+STOPS = {
+    Stop.OPTIMAL: "the proof was complete",
+    Stop.FINISHED: "the method had done all it does",
+    Stop.GAP: "the gap asked for was reached",
+    Stop.TIME: "the time was over",
+    Stop.NODES: "the number of search nodes was reached",
+    Stop.MEMORY: "the memory was full",
+    Stop.NUMERICS: "arithmetic allowed no further proof",
+    Stop.INTERRUPTED: "it was interrupted",
+}
+MOST_CLASSES = 12
+
+
+def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
+    """Return the columns that the tree reads, with the sensors they come from where that matters."""
+    asked = Counter(wording.feature(j).column for split in splits(file.tree) for j in split.features)
+    if not asked:
+        return {"sentence": "The tree asks nothing: one answer for every sample.", "rows": []}
+    sensor_of = dict(
+        zip(
+            (wording.feature(j).column for j in range(len(file.feature_names))),
+            file.settings["sensor_of_feature"],
+            strict=True,
+        )
+    )
+    cost = file.settings["sensor_cost"] or {}
+    has_sensors = any(sensor_of[column] != column for column in asked) or any(value != 1 for value in cost.values())
+    total = sum(cost.get(sensor, 1.0) for sensor in {sensor_of[column] for column in asked})
+    budget = file.settings["sensor_budget"]
+    of = len({wording.feature(j).column for j in range(len(file.feature_names))})
+    sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}."
+    if has_sensors or budget is not None:
+        limit = f", of a budget of {figure(budget)}" if budget is not None else ""
+        sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often it is asked."
+    if not has_sensors:
+        rows = [[short_name(column), times] for column, times in asked.most_common()]
+        return {"sentence": sentence, "head": ["column", "splits that read it"], "rows": rows, "right": (1,)}
+    rows = [
+        [shown(c), times, shown(sensor_of[c]), figure(cost.get(sensor_of[c], 1.0))] for c, times in asked.most_common()
+    ]
+    head = ["column", "splits that read it", "sensor", "its cost"]
+    return {"sentence": sentence, "head": head, "rows": rows, "right": (1, 3)}
+
+
+def risk(file: TreeFile, evidence: Evidence | None) -> dict[str, Any]:
+    """Return how errors are weighed, where that is not all alike."""
+    sentences = []
+    if file.weights_column:
+        sentences.append(
+            f"Every sample counts by its risk weight, column {short_name(file.weights_column)}{_range(evidence)}."
+        )
+    if file.settings["leaf_penalty"]:
+        sentences.append(f"Each feature in a split is charged {figure(file.settings['leaf_penalty'])}.")
+    costs = np.array(file.settings["loss"]["costs"])
+    if (costs == 1 - np.eye(len(costs))).all():
+        return {"sentences": sentences, "rows": []}
+    sentences.append("Errors do not cost the same:")
+    names = [short_name(name, 40) for name in file.class_names]
+    if len(names) > MOST_CLASSES:
+        words = f"costs from {figure(float(costs.min()))} to {figure(float(costs.max()))}, by true class and answer"
+        return {"sentences": [*sentences[:-1], f"Errors do not cost the same: {words}."], "rows": []}
+    rows = [[name, *(figure(cost) for cost in row)] for name, row in zip(names, costs.tolist(), strict=True)]
+    caption = "Cost of an answer: true class in rows, answer in columns"
+    table = {"head": ["true class", *names], "rows": rows, "right": range(1, len(names) + 1), "caption": caption}
+    return {"sentences": sentences, **table}
+
+
+def _range(evidence: Evidence | None) -> str:
+    if evidence is None:
+        return ""
+    weights = evidence.problem.weights
+    return f", from {figure(float(weights.min()))} to {figure(float(weights.max()))}"
+
+
+def settings_rows(file: TreeFile) -> list[list[str]]:
+    """Return the settings that were asked for, and how the solver fared."""
+    asked, solution = file.settings, file.solution
+    kinds = {"axis": "one feature in each split", "hyperplane": "weighted sums of features"}
+    rows: list[tuple[str, str | None]] = [
+        ("depth", f"at most {asked['depth']}"),
+        ("kind of split", kinds[asked["split"]]),
+        ("features in one split", _at_most(asked["split_size"]) if asked["split"] == "hyperplane" else None),
+        ("samples in a leaf", f"at least {asked['leaf_size']:,}"),
+        ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
+        ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
+        ("features that may meet", _groups(asked["allowed_splits"])),
+        ("coefficients", _integers(asked["integer_normals"])),
+        ("column of the class", short_name(file.target_column) if file.target_column else None),
+        ("column of the weights", short_name(file.weights_column) if file.weights_column else None),
+        ("objective", figure(solution.objective)),
+        ("bound", figure(solution.bound)),
+        ("gap", percent(solution.gap)),
+        ("bound holds for", short_name(narrow_scope(solution)) if narrow_scope(solution) else None),
+        ("solver", f"{shown(solution.solver)}, version {shown(solution.version)}, seed {solution.seed}"),
+        ("ended because", STOPS[solution.stop]),
+        ("time", f"{figure(solution.seconds, 3)} s"),
+        ("search nodes", f"{solution.n_nodes:,}"),
+    ]
+    return [[name, value] for name, value in rows if value is not None]
+
+
+def _at_most(value: int | None) -> str:
+    return "no limit" if value is None else f"at most {value:,}"
+
+
+def _groups(groups: Any) -> str | None:
+    return None if groups is None else counted(len(groups), "group")
+
+
+def _integers(most: int | None) -> str | None:
+    return None if most is None else f"whole numbers up to {most:,}"

@@ -1,0 +1,148 @@
+"""The top of the page: what the tree decides, how good it is, whether that is proven, what the greedy tree loses."""
+
+import math
+from typing import Any
+
+from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.text import narrow_scope
+from octmip.interfaces.report.tree.evidence import Evidence
+from octmip.interfaces.report.tree.measure import Measure, errors_of
+from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
+from octmip.trees.tree import depth, features_used
+
+Card = tuple[Any, ...]
+
+
+def title(file: TreeFile) -> str:
+    """Return the heading."""
+    return f"A decision tree for {short_name(file.target_column, 60)}" if file.target_column else "A decision tree"
+
+
+def subtitle(file: TreeFile, wording: Wording) -> str:
+    """Return what the tree decides from what."""
+    answers = listed([short_name(name, 40) for name in file.class_names], 6)
+    levels = depth(file.tree)
+    if not levels:
+        return f"One of {len(file.class_names)} classes ({answers}); this tree always gives the same answer."
+    asked = f"at most {counted(levels, 'question')}"
+    return f"One of {len(file.class_names)} classes ({answers}), by {asked} about {_columns_read(file, wording)}."
+
+
+def columns_read(file: TreeFile, wording: Wording) -> list[str]:
+    """Return the columns of the table that the tree reads, in the order of the table."""
+    return list(dict.fromkeys(wording.feature(j).column for j in features_used(file.tree)))
+
+
+def _columns_read(file: TreeFile, wording: Wording) -> str:
+    return listed([short_name(name, 40) for name in columns_read(file, wording)], 5)
+
+
+def trees_meant(file: TreeFile) -> str:
+    """Return the trees over which the bound speaks."""
+    scope = narrow_scope(file.solution)
+    return (
+        f"among {short_name(scope)}, no tree"
+        if scope
+        else f"no tree of depth {file.settings['depth']} with these settings"
+    )
+
+
+def verdict(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
+    """Return the answer in two or three sentences."""
+    n, wrong = file.n_samples, errors_of(file)
+    right = f"The tree gets {n - wrong:,} of {counted(n, 'sample')} right ({percent((n - wrong) / n)})"
+    cost = "" if measure.is_errors else f", at {measure.amount(file.solution.objective)}"
+    return " ".join(
+        filter(None, [f"{right}{cost}.", _proof_sentence(file, measure), _greedy_sentence(evidence, measure, file)])
+    )
+
+
+def _proof_sentence(file: TreeFile, measure: Measure) -> str:
+    solution = file.solution
+    if solution.is_optimal and solution.objective == 0:
+        return "No tree can do better on them."
+    if solution.is_optimal:
+        return f"Proven: {trees_meant(file)} {measure.fewer()}."
+    if not math.isfinite(solution.bound):
+        return "Whether a better tree exists is not known: the method that found it gives no proof."
+    least = math.ceil(solution.bound - 1e-9) if measure.is_errors else solution.bound
+    if least <= 0:
+        return "Not proven to be the best: nothing is ruled out yet, so let the solver run for longer."
+    return (
+        f"Not proven to be the best: {trees_meant(file)} is below {measure.amount(least)}, "
+        f"so a gap of {percent(solution.gap)} stays open."
+    )
+
+
+def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile) -> str:
+    if evidence is None:
+        return ""
+    loss = evidence.greedy.objective - file.solution.objective
+    if loss > 0:
+        return (
+            f"The usual greedy tree (CART) {measure.is_worse(loss)}."
+            if measure.is_errors
+            else f"The usual greedy tree (CART) costs {figure(loss)} more."
+        )
+    if loss < 0:
+        return "The usual greedy tree (CART) is better than this one: let the solver run for longer."
+    return f"The usual greedy tree (CART) happens to be as good: {measure.amount(evidence.greedy.objective)} too."
+
+
+def figures(file: TreeFile, evidence: Evidence | None, measure: Measure, wording: Wording) -> list[Card]:
+    """Return the key figures."""
+    wrong, n = errors_of(file), file.n_samples
+    cards: list[Card] = [("Wrong in training", f"{wrong:,}", f"of {n:,} ({percent(wrong / n)})")]
+    if not measure.is_errors:
+        cards.append(("Cost", figure(file.solution.objective), "errors weighed, splits charged"))
+    if evidence is not None:
+        cards += [_held_card(evidence), _greedy_card(file, evidence, measure)]
+    return [*cards, _proof_card(file, measure), _reads_card(file, wording)]
+
+
+def _held_card(evidence: Evidence) -> Card:
+    held = evidence.held_out
+    if held is None:
+        return ("Wrong on new samples", "unknown", "none were held out")
+    wrong = held.n_samples - int(held.confusion(held.tree, evidence.problem.n_classes).trace())
+    return ("Wrong on new samples", percent(wrong / held.n_samples), f"{wrong:,} of {held.n_samples:,} held out")
+
+
+def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
+    loss = evidence.greedy.objective - file.solution.objective
+    both = f"{figure(evidence.greedy.objective)} instead of {figure(file.solution.objective)}"
+    if loss > 0:
+        unit = f" {'error' if loss == 1 else 'errors'}" if measure.is_errors else ""
+        return ("Greedy tree loses", f"{figure(loss)}{unit}", both)
+    if loss < 0:
+        return ("Greedy tree", "is better", both, "warn")
+    return ("Greedy tree loses", "nothing", f"{measure.amount(evidence.greedy.objective)} too")
+
+
+def _proof_card(file: TreeFile, measure: Measure) -> Card:
+    solution = file.solution
+    if solution.is_optimal:
+        return (
+            "Proven best",
+            "yes",
+            f"among {short_name(scope)}" if (scope := narrow_scope(solution)) else f"of depth {file.settings['depth']}",
+            "good",
+        )
+    if not math.isfinite(solution.bound):
+        return ("Proven best", "no", "no bound is known", "warn")
+    return (
+        "Proven best",
+        "not yet",
+        f"gap {percent(solution.gap)}" if solution.bound > 0 else "nothing is ruled out yet",
+        "warn",
+    )
+
+
+def _reads_card(file: TreeFile, wording: Wording) -> Card:
+    read = columns_read(file, wording)
+    of = len({wording.feature(j).column for j in range(len(file.feature_names))})
+    return (
+        "Columns to read",
+        f"{len(read):,}",
+        f"of {of:,}: {listed([short_name(name, 24) for name in read], 3)}" if read else f"of {of:,}",
+    )

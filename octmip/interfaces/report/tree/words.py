@@ -1,0 +1,154 @@
+"""The words of a tree for readers: numbers, names, and each split as a question that is answered by yes or no."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from octmip.formats.columns import Columns, Feature
+from octmip.formats.names import shown
+from octmip.trees.tree import HyperplaneSplit, Split
+
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+MINUS, TIMES, DASH = "\u2212", "\u00d7", "\u2013"
+DIGITS = 6
+LONGEST_NAME = 80
+"""Characters of a name on the page; the tree in words has it whole."""
+
+
+def figure(value: float | None, digits: int = DIGITS) -> str:
+    """Return a number for readers: so many digits at most, thousands apart, powers of ten as such, a dash for none."""
+    if value is None or not math.isfinite(value):
+        return DASH
+    if value == 0:
+        return "0"
+    size = abs(value)
+    if 1e-4 <= size < 1e15:
+        whole = round(value)
+        is_whole = value == whole or size >= 10**digits
+        text = f"{whole:,}" if is_whole else _without_exponent(value, digits)
+        return text.replace("-", MINUS)
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    short = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+    return f"{short} {TIMES} 10{str(int(exponent)).translate(SUPERSCRIPT)}".replace("-", MINUS)
+
+
+def _without_exponent(value: float, digits: int) -> str:
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    text = f"{value:,.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def percent(share: float) -> str:
+    """Return a share as percent, to a tenth where it is 1 % or more; a dash where there is none."""
+    value = 100 * share
+    if not math.isfinite(value):
+        return DASH
+    return f"{figure(round(value, 1), 4) if value >= 1 else figure(value, 2)} %"
+
+
+def counted(value: int, noun: str, nouns: str = "") -> str:
+    """Return a number with its noun: 1 error, 2 errors, 1,000 samples."""
+    return f"{value:,} {noun if value == 1 else nouns or noun + 's'}"
+
+
+def listed(words: Sequence[str], most: int = 8) -> str:
+    """Return words in a sentence: a, b and c; those beyond `most` are counted."""
+    kept = list(words) if len(words) <= most else [*words[: most - 1], f"{len(words) - most + 1} more"]
+    return kept[0] if len(kept) == 1 else f"{', '.join(kept[:-1])} and {kept[-1]}" if kept else "nothing"
+
+
+def short_name(name: object, longest: int = LONGEST_NAME) -> str:
+    """Return a name as it stands in a sentence, its end left out where it is very long."""
+    text = str(name)
+    return shown(text if len(text) <= longest else f"{text[: longest - 1]}…")
+
+
+@dataclass(frozen=True, slots=True)
+class Wording:
+    """Names that the words of a tree are made of.
+
+    Attributes
+    ----------
+    features, classes
+        names of the problem.
+    columns
+        how columns of the table became the features; None where every feature is its column.
+    units
+        of the columns' values, by column.
+    """
+
+    features: Sequence[str]
+    classes: Sequence[Any]
+    columns: Columns | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def feature(self, index: int) -> Feature:
+        """Return a feature: what it reads of which column."""
+        if self.columns is not None:
+            return self.columns.features[index]
+        return Feature(self.features[index], self.features[index], "number")
+
+    def unit(self, column: str) -> str:
+        """Return the unit of a column behind a number, its blank included; nothing where none is known."""
+        return f" {shown(self.units[column])}" if self.units.get(column) else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """A split as a question.
+
+    Attributes
+    ----------
+    lines
+        of the drawing: what is read, and the comparison.
+    text
+        the question on one line, without a question mark.
+    yes_is_left
+        whether "yes" means the left side.
+    """
+
+    lines: tuple[str, ...]
+    text: str
+    yes_is_left: bool = True
+
+
+def question(split: Split | HyperplaneSplit, wording: Wording) -> Question:
+    """Return the question that a split asks.
+
+    A value of a text column is asked for as such, "colour is red", though yes then means right.
+    """
+    if isinstance(split, HyperplaneSplit):
+        return _weighted(split, wording)
+    item = wording.feature(split.feature)
+    if wording.columns is None or item.kind == "number":
+        name = shown(item.column)
+        if split.threshold is None:
+            words = f"is {'' if split.missing == 'left' else 'not '}missing"
+            return Question((name, f"{words}?"), f"{short_name(item.column)} {words}")
+        or_missing = " or missing" if split.missing == "left" else ""
+        cut = f"≤ {figure(split.threshold)}{wording.unit(item.column)}{or_missing}"
+        return Question((name, f"{cut}?"), f"{short_name(item.column)} {cut}")
+    if item.kind in ("is", "is-missing"):
+        value = shown(item.value) if item.kind == "is" else "missing"
+        return Question(
+            (shown(item.column), f"is {value}?"), f"{short_name(item.column)} is {short_name(value)}", False
+        )
+    words = wording.columns.left_words(split, figure)
+    rest = words.removeprefix(item.column).strip().replace("<=", "≤")
+    if wording.unit(item.column) and "≤" in rest:
+        cut, _, missing = rest.partition(" or missing")
+        rest = f"{cut}{wording.unit(item.column)}{' or missing' if ' or missing' in rest and not missing else ''}"
+    return Question((shown(item.column), f"{shown(rest)}?"), f"{short_name(item.column)} {shown(rest)}")
+
+
+def _weighted(split: HyperplaneSplit, wording: Wording) -> Question:
+    terms: list[tuple[str, str, str]] = []
+    for feature, coefficient in zip(split.features, split.coefficients, strict=True):
+        sign = f"{MINUS} " if coefficient < 0 else "+ " if terms else ""
+        size = "" if abs(coefficient) == 1 else f"{figure(abs(coefficient), 4)} "
+        terms.append((sign, size, wording.features[feature]))
+    cut = f"≤ {figure(split.offset)}"
+    lines = [f"{sign}{size}{shown(name)}" for sign, size, name in terms]
+    words = " ".join(f"{sign}{size}{short_name(name, 24)}" for sign, size, name in terms)
+    return Question((*lines, f"{cut}?"), f"{words} {cut}")

@@ -1,0 +1,188 @@
+"""Certificates: a solution's claims, recomputed from problem and tree alone. Imports no solver."""
+
+import dataclasses
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.messages import several
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop, is_tolerable
+from octmip.trees.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """The figures of a tree, recounted sample by sample from the tree alone.
+
+    Attributes
+    ----------
+    objective
+        recomputed objective.
+    normalised_objective
+        cost divided by the baseline's, plus alpha * complexity with alpha = leaf_penalty / baseline; NaN where the
+        baseline is 0. Source: Bertsimas & Dunn (2017), eq. 21.
+    measures
+        what people judge predictions by (`Loss.measures`): of classes "errors", the misclassified samples,
+        unweighted; of numbers "mae" and "rmse", weighted, whichever the loss was.
+    n_splits, depth
+        of the tree.
+    sensors, sensor_cost
+        that it reads.
+    bound, gap
+        the solution's bound, consistent with the objective; whether it is a true bound is its solver's
+        claim, or its proof log's (`octmip certify --proof`).
+    """
+
+    objective: float
+    normalised_objective: float
+    measures: Mapping[str, float]
+    n_splits: int
+    depth: int
+    sensors: tuple[str, ...]
+    sensor_cost: float
+    bound: float
+    gap: float
+
+    @property
+    def errors(self) -> int:
+        """Misclassified samples, unweighted, of a tree of classes."""
+        return int(self.measures["errors"])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the figures by their names, what JSON has no number for as None."""
+        fields = dataclasses.asdict(self)
+        figures = {**fields.pop("measures"), **fields}
+        return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in figures.items()}
+
+
+def certify(problem: Problem, solution: Solution) -> Certificate:
+    """Recompute what a solution claims and return it as a Certificate.
+
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit of the problem, or objective, bound or stop are not what they say.
+    """
+    tree = solution.tree
+    if tree is None:
+        raise CertificateError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to certify")
+    checked_leaf_index(problem, tree)
+    predicted = problem.predictions(tree)
+    objective = problem.objective_of(tree, predicted)
+    if math.isinf(objective):
+        raise CertificateError(
+            f"the tree of {solution.solver} costs more on the {problem.n_samples} samples than float64 holds; expected "
+            "predictions near the targets; tree and data do not belong together or one was changed"
+        )
+    _check_claims(problem, solution, objective)
+    baseline = problem.baseline
+    return Certificate(
+        objective=objective,
+        normalised_objective=objective / baseline if baseline > 0 else math.nan,
+        measures=problem.loss.measures(problem.weights, problem.codes, predicted),
+        n_splits=n_splits(tree),
+        depth=depth(tree),
+        sensors=problem.sensors_used(tree),
+        sensor_cost=problem.sensor_cost_of(tree),
+        bound=solution.bound,
+        gap=solution.gap,
+    )
+
+
+def checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:
+    """Return the incumbent's tree; None where there is no incumbent.
+
+    Raises
+    ------
+    ProblemError
+        it is no tree of the problem.
+    """
+    tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
+    if tree is not None:
+        try:
+            checked_leaf_index(problem, tree)
+        except CertificateError as error:
+            raise ProblemError(f"the incumbent is no tree of this problem: {error}; leave it out") from error
+    return tree
+
+
+def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
+    """Return the leaf that each sample reaches, numbered from the left, shape (n_samples,).
+
+    Raises
+    ------
+    CertificateError
+        the tree breaks a limit of the problem.
+    """
+    _check_tree(problem, tree)
+    leaf = leaf_index(tree, problem.features)
+    _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
+    return leaf
+
+
+def _check_tree(problem: Problem, tree: Node) -> None:
+    if depth(tree) > problem.depth:
+        raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {problem.depth}")
+    forbidden = problem.first_forbidden_split(tree)
+    if forbidden:
+        raise CertificateError(forbidden)
+    if problem.sensor_cost_of(tree) > problem.sensor_limit:
+        sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)
+        raise CertificateError(
+            f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {problem.sensor_budget:g}"
+        )
+
+
+def _check_leaf_sizes(problem: Problem, tree: Node, sizes: NDArray[np.int64]) -> None:
+    smallest = int(sizes.argmin())
+    if not isinstance(tree, Leaf) and sizes[smallest] < problem.leaf_size:
+        raise CertificateError(
+            f"leaf {smallest} (from the left) holds {sizes[smallest]} samples but leaf_size is {problem.leaf_size}"
+        )
+
+
+def _leaf_objective(problem: Problem, bound: float) -> float:
+    """Return the objective of the best leaf, summed with care only where a bound comes near it: it takes far longer."""
+    if problem.has_integer_costs or problem.loss.predicts == "number" or bound < 0.999 * problem.baseline:
+        return problem.baseline
+    every = np.ones(problem.n_samples, dtype=np.int64)
+    return min(problem.objective_of(Leaf(k), k * every) for k in range(problem.n_classes))
+
+
+def _check_claims(problem: Problem, solution: Solution, objective: float) -> None:
+    # Objectives of numbers and of whole costs are exact but for one rounding, so they must agree exactly; others (fsum,
+    # and the prices) to a few units in the last place, as no term is negative.
+    is_exact = problem.has_integer_costs or problem.loss.predicts == "number"
+    slack = 0.0 if is_exact else 1e-12 * abs(objective)
+    if abs(solution.objective - objective) > slack:
+        raise CertificateError(
+            f"{solution.solver} claims objective {solution.objective} but the tree's own, recounted over "
+            f"{problem.n_samples} samples, is {objective}; tree and data do not belong together or one was changed"
+        )
+    most = solution.tolerance if problem.loss.predicts == "class" else 0.0
+    if solution.bound > objective + slack + most:
+        raise CertificateError(
+            f"{solution.solver} claims that no tree is below {solution.bound} but its own tree has {objective}"
+        )
+    # A tree without a split is feasible in every problem, so no true bound lies above it.
+    leaf = _leaf_objective(problem, solution.bound)
+    if solution.bound > leaf + (0.0 if is_exact else 1e-12 * leaf) + most:
+        raise CertificateError(f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {leaf}")
+    if not (math.isinf(solution.bound) or problem.is_provable):
+        raise CertificateError(f"{solution.solver} claims a bound of trees that no solver here has a proof for")
+    if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
+        raise CertificateError(
+            f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {objective}"
+        )
+    least = problem.least_saving_from(objective)
+    if not is_tolerable(solution.tolerance, least):
+        raise CertificateError(
+            f"{solution.solver} claims the tolerance {solution.tolerance}, too wide to call anything proven; "
+            f"expected 0 or less than {least}, {problem.words_of_saving}"
+        )

@@ -1,0 +1,243 @@
+"""Weights, costs and penalty on a grid: rounded down, and cut off where nothing can be won.
+
+Bounds proven on the grid hold for the true costs, as no number is above the true one. What no prediction avoids is
+counted apart (`base`), and a cost above that of a known tree is lowered to just above it, as no tree that pays it is
+wanted; what is left decides between trees, and gets all the digits. Lemma and proof: docs/theory/exact.md.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.encoding.costs import IntegerCosts, whole_costs
+from octmip.trees.encoding.numbers import MOST, exact_sum, floors, power_of_two, whole_exponent
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Node, complexity, predict
+
+CAPACITY = 2.0**60  # rounded numbers need more digits than float64 has; sums of two of them still fit 63 bits
+# Rows of costs for single samples, at most: finer than products of a weight and a cost can be, but each is a kind of
+# sample to the core, which is fast where kinds are few.
+MOST_OWN_ROWS = 64
+# Costs that are multiples of one number but for this share of them, up to so many times it, are counted in that number:
+# 0.2, 0.4 and 0.6 are in truth, and float64 holds none of them.
+ALIKE, MOST_STEPS, MOST_DISTINCT = 1e-12, 2**20, 256
+LOWERED = 1 + 1e-9  # a known cost summed in float64 is at most this times too low
+
+
+def integer_costs(problem: Problem, known: Node | None = None) -> IntegerCosts:
+    """Return the weights, costs and penalty of a problem as whole numbers, rounded down where they are not whole.
+
+    The smallest powers of two that make dyadic numbers (0.5, 2.25) whole; where none below `CAPACITY` does, all costs
+    above the best tree known (`known`, or one leaf) are lowered to just above it, and the others fill
+    `CAPACITY`. The cheaper that tree, the finer the grid.
+    """
+    return whole_costs(problem) or _rounded_costs(problem, known)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Excess:
+    """Excess costs: predictions above the cheapest of their samples, scaled by a power of two to below 1.
+
+    Attributes
+    ----------
+    weights
+        (n_samples,) float64, below 1.
+    exact
+        (n_classes, n_classes) costs less the cheapest of their row, as they are.
+    costs
+        the same in float64, below 1.
+    scale
+        weight times cost is ``2**scale`` times these.
+    most
+        what the best known tree costs, or a little more: costs above need not be distinguished.
+    """
+
+    weights: NDArray[np.float64]
+    exact: tuple[tuple[Fraction, ...], ...]
+    costs: NDArray[np.float64]
+    scale: int
+    most: float
+
+    @classmethod
+    def of(cls, problem: Problem, known: Node | None) -> "_Excess":
+        table = [[Fraction(cost) for cost in row] for row in problem.costs.tolist()]
+        exact = tuple(tuple(cost - min(row) for cost in row) for row in table)
+        scales = [int(np.frexp(top)[1]) for top in (problem.weights.max(), float(max(map(max, exact))))]
+        weights = np.ldexp(problem.weights, -scales[0])
+        costs = np.array([[float(cost * power_of_two(-scales[1])) for cost in row] for row in exact])
+        most = float((np.bincount(problem.codes, weights, problem.n_classes) @ costs).min())
+        if known is not None:
+            penalty = complexity(known) * Fraction(problem.leaf_penalty) * power_of_two(-sum(scales))
+            if penalty < most:
+                paid = math.fsum(weights * costs[problem.codes, predict(known, problem.features)])
+                most = min(most, paid + float(penalty))
+        return cls(weights, exact, costs, sum(scales), most * LOWERED)
+
+
+def _rounded_costs(problem: Problem, known: Node | None) -> IntegerCosts:
+    excess = _Excess.of(problem, known)
+    highest = excess.weights * excess.costs.max(axis=1)[problem.codes]
+    total = float(np.minimum(highest, 4 * excess.most).sum()) or 1.0
+    exponent = math.floor(math.log2(CAPACITY) - math.log2(total)) - excess.scale
+    exact = whole_exponent(problem.weights) + whole_exponent(problem.costs)
+    exponent = min(exponent, max(exact, whole_exponent(np.array([problem.leaf_penalty]))))
+    while (grid := _Grid(problem, excess, exponent)).total > CAPACITY:
+        exponent -= 1
+    return grid.costs()
+
+
+class _Grid:
+    """The excess costs of a problem on a grid of ``2**-exponent``, rounded down, those above the cap lowered to it.
+
+    Where costs are multiples of one number but for rounding, the numbers of the grid are so exactly (`step`): the
+    native core counts in the largest number that all are multiples of, and is fastest where that leaves small ones.
+
+    A class with one price for every wrong answer counts it in its weights. Where there are more prices, samples of few
+    different weights get rows of their own, as their costs are then rounded one by one. Many share the row of their
+    class: weight and cost are rounded each for itself, and where a cost of a sample is above the cap, it takes a row
+    that is cut off between the cap and four times it, together with samples of weights like its own.
+    """
+
+    def __init__(self, problem: Problem, excess: _Excess, exponent: int) -> None:
+        self.problem, self.excess, self.exponent = problem, excess, exponent
+        above = int(Fraction(excess.most) * power_of_two(excess.scale + exponent)) + 1
+        self.step = _common_step(problem, excess, exponent, above)
+        self.cap = -(-above // self.step) * self.step
+        self.weights = np.zeros(problem.n_samples, dtype=np.int64)
+        self.rows = problem.codes.copy()
+        self.table: list[list[int] | None] = [None] * problem.n_classes
+        self.loss = 0.0  # in units of 2**-exponent
+        members = [np.flatnonzero((problem.codes == c) & (problem.weights > 0)) for c in range(problem.n_classes)]
+        many = [c for c, prices in enumerate(excess.exact) if len({price for price in prices if price}) > 1]
+        n_own = sum(len(np.unique(problem.weights[members[c]])) for c in many)
+        for c in range(problem.n_classes):
+            if c not in many:
+                self._add_single(c, members[c])
+            elif n_own <= MOST_OWN_ROWS:
+                self._add_own(c, members[c])
+            else:
+                self._add_products(c, members[c])
+
+    @property
+    def total(self) -> float:
+        """Sum of the largest cost of each sample."""
+        highest = np.array([float(max(row or [0])) for row in self.table])
+        return float((self.weights.astype(float) * highest[self.rows]).sum())
+
+    def _add(self, c: int, row: list[int], members: NDArray[np.int64], weights: NDArray[np.int64]) -> None:
+        """Give some samples of class c this row: the class's own, if nobody has it yet, else one more."""
+        place = c if self.table[c] is None else len(self.table)
+        self.table[place : place + 1] = [row]
+        self.rows[members], self.weights[members] = place, weights
+
+    def _add_single(self, c: int, members: NDArray[np.int64]) -> None:
+        price = max(self.excess.exact[c])
+        weights = floors(self.problem.weights[members], price * power_of_two(self.exponent), self.cap)
+        past = weights % self.step
+        self._add(c, [int(cost > 0) for cost in self.excess.exact[c]], members, weights - past)
+        self.loss += len(members) + float(past.sum(dtype=float))
+
+    def _add_own(self, c: int, members: NDArray[np.int64]) -> None:
+        for weight in np.unique(self.problem.weights[members]).tolist():
+            scaled = Fraction(weight) * power_of_two(self.exponent)
+            row = [min(self.cap, int(scaled * price)) for price in self.excess.exact[c]]
+            past = [cost % self.step for cost in row]
+            equal = members[self.problem.weights[members] == weight]
+            row = [cost - more for cost, more in zip(row, past, strict=True)]
+            self._add(c, row, equal, np.ones(len(equal), dtype=np.int64))
+            self.loss += len(equal) * (1.0 + max(past))
+
+    def _add_products(self, c: int, members: NDArray[np.int64]) -> None:
+        """Rows in which prices are cut off at a power of two, the least that costs a sample twice the cap or more."""
+        prices = self.excess.exact[c]
+        places = [price.numerator.bit_length() - price.denominator.bit_length() for price in prices if price]
+        doubled = math.log2(max(2 * self.excess.most, 1e-300)) + self.excess.scale
+        powers = np.ceil(doubled - np.log2(self.problem.weights[members]))
+        # Above all prices nothing is cut off, below the least one everything is.
+        powers = np.clip(powers, min(places) - 1, max(places) + 1)
+        for power in np.unique(powers).tolist():
+            cut = [min(price, power_of_two(int(power))) for price in prices]
+            self._add_product(c, cut, members[powers == power])
+
+    def _add_product(self, c: int, prices: list[Fraction], members: NDArray[np.int64]) -> None:
+        """Add a row for some samples, weights and prices rounded at the powers of two that lose least."""
+        weights, highest = self.problem.weights[members], max(prices)
+        # A weight loses up to 2^-a of the highest price, a price up to 2^-b of the sum of the weights: best when equal.
+        place = highest.numerator.bit_length() - highest.denominator.bit_length()
+        equal = (self.exponent + round(math.log2(float(weights.mean()))) - place) // 2
+        whole = max(price.denominator for price in prices).bit_length() - 1
+        choices = {equal, whole, self.exponent - whole_exponent(weights)}
+        loss, row, rounded = min(
+            (self._product(prices, weights, b) for b in sorted(choices)), key=lambda entry: entry[0]
+        )
+        self._add(c, row, members, rounded)
+        self.loss += loss
+
+    def _product(
+        self, prices: list[Fraction], weights: NDArray[np.float64], digits: int
+    ) -> tuple[float, list[int], NDArray[np.int64]]:
+        """Return what rounding may lose on the grid, prices and weights, with so many binary digits for the prices."""
+        row = [int(price * power_of_two(digits)) for price in prices]
+        if not any(row):  # nothing is left of the prices, so all that the samples cost is lost
+            everything = float(max(prices) * power_of_two(self.exponent)) * float(weights.sum())
+            return everything, row, np.zeros(len(weights), dtype=np.int64)
+        most = min(MOST, 4 * self.cap // max(row) + 1)
+        rounded = floors(weights, power_of_two(self.exponent - digits), most)
+        short = max(price * power_of_two(digits) - cost for price, cost in zip(prices, row, strict=True))
+        n_short = 0 if self.exponent - digits >= whole_exponent(weights) else len(weights)
+        lost = float(short) * float(rounded.sum(dtype=float)) + float(max(prices) * power_of_two(digits)) * n_short
+        return lost, row, rounded
+
+    def costs(self) -> IntegerCosts:
+        """Return the costs on the grid."""
+        problem, table = self.problem, [row or [0] * self.problem.n_classes for row in self.table]
+        costs = np.array([row + [max(row)] * (len(table) - problem.n_classes) for row in table], dtype=np.int64)
+        price = Fraction(problem.leaf_penalty) * power_of_two(self.exponent)
+        n_prices = min(2.0**problem.depth - 1, problem.n_samples) * problem.max_split_size
+        penalty = min(int(price), self.cap)
+        penalty -= penalty % self.step
+        loss = self.loss + (float(price - penalty) * n_prices if price < self.cap else 0)
+        is_exact = self.exponent >= whole_exponent(problem.weights) + whole_exponent(problem.costs)
+        if is_exact and self.step == 1 and (price.denominator == 1 or price > self.cap):
+            loss = 0.0
+        return IntegerCosts(
+            self.weights,
+            self.rows,
+            costs,
+            penalty,
+            self.exponent,
+            0,
+            self._base(),
+            True,
+            math.ldexp(loss, -self.exponent),
+        )
+
+    def _base(self) -> Fraction:
+        """Return what the cheapest answers cost together."""
+        base = Fraction(0)
+        for c, cheapest in enumerate(self.problem.costs.min(axis=1).tolist()):
+            if cheapest:
+                base += exact_sum(self.problem.weights[self.problem.codes == c]) * Fraction(cheapest)
+        return base
+
+
+def _common_step(problem: Problem, excess: _Excess, exponent: int, above: int) -> int:
+    """Return the number on the grid that costs and penalty up to `above` are multiples of but for rounding, else 1."""
+    if len(np.unique(problem.weights)) > MOST_DISTINCT:
+        return 1
+    counted = [np.unique(problem.weights[problem.codes == c]).tolist() for c in range(problem.n_classes)]
+    pairs = zip(counted, excess.exact, strict=True)
+    values = {Fraction(weight) * price for weights, row in pairs for weight in weights for price in set(row)}
+    scaled = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)})
+    scaled = [value for value in scaled if 0 < value <= above]  # what is more is lowered to the cap
+    if not scaled or len(scaled) > MOST_DISTINCT or scaled[-1] > MOST_STEPS * scaled[0]:
+        return 1
+    numbers = np.array([float(value / scaled[0]) for value in scaled])
+    for part in range(1, 33):
+        steps = np.rint(numbers * part)
+        if (np.abs(numbers * part - steps) <= ALIKE * steps).all():
+            return max(1, min(int(value / int(n)) for value, n in zip(scaled, steps, strict=True)))
+    return 1

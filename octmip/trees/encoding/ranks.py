@@ -1,0 +1,204 @@
+"""Features as dense ranks, and a problem as the native core holds it.
+
+Ranks, not values, enter the core. Feature values of float64 become dense ranks 0, 1, ...; a cut "rank <= k" comes back
+as the guarded midpoint of the k-th and (k+1)-th distinct value, so no float64 value is ever compared after rounding:
+
+    values       0.5  0.5  1.5  4.0  4.0
+    ranks          0    0    1    2    2
+    cut 1 means   rank <= 1, threshold midpoint(1.5, 4.0) = 2.75
+
+A feature that lacks readings is two columns of ranks, one after the other. In the first a missing reading ranks below
+every other, so it goes left at every cut, and the lowest cut asks "is it missing?"; in the second it ranks above:
+
+    values       0.5  NaN  1.5  4.0  NaN
+    below          1    0    2    3    0        cut 1: 0.5 and missing left     cut 0: missing left
+    above          0    3    1    2    3        cut 0: 0.5 left                 cut 2: missing right
+
+A tree over the columns is a tree in which each split has a side for missing readings, and the other way round:
+docs/theory/missing.md. All that searches, counts and proves does so over columns; `octmip.trees.encoding.rows`
+translates.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees import _native
+from octmip.trees.encoding.costs import IntegerCosts
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.tree import SIDES, Side
+
+
+@dataclass(slots=True, eq=False)
+class DistinctValues(Sequence[NDArray[np.float64]]):
+    """The distinct values of each column, ascending, made when first asked for: a tree asks for few columns.
+
+    Attributes
+    ----------
+    columns
+        (n_samples, n_columns) what was ranked.
+    table
+        its dense ranks.
+    n_values
+        (n_columns,) how many distinct values each column has.
+    """
+
+    columns: NDArray[np.float64]
+    table: _native.RankTable
+    n_values: tuple[int, ...]
+    _made: dict[int, NDArray[np.float64]] = field(default_factory=dict, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.n_values)
+
+    @overload
+    def __getitem__(self, column: int) -> NDArray[np.float64]: ...
+    @overload
+    def __getitem__(self, column: slice) -> Sequence[NDArray[np.float64]]: ...
+    def __getitem__(self, column: int | slice) -> NDArray[np.float64] | Sequence[NDArray[np.float64]]:
+        if isinstance(column, slice):
+            return [self[k] for k in range(len(self))[column]]
+        column = range(len(self))[column]
+        if column not in self._made:
+            values = np.empty(self.n_values[column])
+            values[self.table.column(column)] = self.columns[:, column]
+            self._made[column] = values + 0.0  # of 0.0 and -0.0, which are equal, the first
+        return self._made[column]
+
+    def __iter__(self) -> Iterator[NDArray[np.float64]]:
+        return (self[column] for column in range(len(self)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranks:
+    """Dense ranks of each column, and the distinct values behind them.
+
+    Attributes
+    ----------
+    table
+        the ranks as the native core holds them.
+    values
+        for each column its distinct values, ascending: ``features[i, j] == values[j][ranks[j, i]]``; what stands for
+        missing readings is -inf in a column that ranks them below, inf in one that ranks them above.
+    feature_of
+        (n_columns,) the feature that each column reads; None: column j is feature j.
+    missing
+        (n_columns,) the side to which every cut of a column sends missing readings, None where none is missing.
+    """
+
+    table: _native.RankTable
+    values: DistinctValues
+    feature_of: tuple[int, ...] | None = None
+    missing: tuple[Side | None, ...] | None = None
+
+    @classmethod
+    def of(
+        cls,
+        columns: NDArray[np.float64],
+        feature_of: tuple[int, ...] | None = None,
+        missing: tuple[Side | None, ...] | None = None,
+    ) -> "Ranks":
+        """Return the dense ranks of columns (n_samples, n_columns) without gaps."""
+        table, n_values = _native.dense_ranks(columns)
+        return cls(table, DistinctValues(columns, table, tuple(n_values)), feature_of, missing)
+
+    @property
+    def ranks(self) -> NDArray[np.uint32]:
+        """All ranks (n_columns, n_samples) uint32: a copy of the core's each time; `column` copies less."""
+        return self.table.array()
+
+    def column(self, column: int) -> NDArray[np.uint32]:
+        """Return the ranks of one column (n_samples,)."""
+        return self.table.column(column)
+
+    @property
+    def n_columns(self) -> int:
+        """Number of columns."""
+        return len(self.values)
+
+    @property
+    def n_values(self) -> tuple[int, ...]:
+        """Number of distinct values of each column (n_columns,)."""
+        return self.values.n_values
+
+    def feature(self, column: int) -> int:
+        """Return the feature that a column reads."""
+        return column if self.feature_of is None else self.feature_of[column]
+
+    def side(self, column: int) -> Side | None:
+        """Return where the cuts of a column send missing readings; None where its feature lacks none."""
+        return None if self.missing is None else self.missing[column]
+
+    def columns_of(self, feature: int) -> tuple[int, ...]:
+        """Return the columns that read a feature: itself, or one that ranks missing readings below and one above."""
+        if self.feature_of is None:
+            return (feature,)
+        return tuple(column for column, read in enumerate(self.feature_of) if read == feature)
+
+
+def rank_features(problem: Problem) -> Ranks:
+    """Return the dense ranks of every feature of a problem, two columns for each that lacks readings."""
+    with_gaps = problem.features_with_gaps if problem.gaps else ()
+    if not with_gaps:
+        return Ranks.of(problem.features)
+    n_columns = [2 if feature in with_gaps else 1 for feature in range(problem.n_features)]
+    feature_of = tuple(np.repeat(np.arange(problem.n_features), n_columns).tolist())
+    missing = tuple(side for count in n_columns for side in (SIDES if count == 2 else (None,)))
+    columns = problem.features[:, feature_of]
+    for column, side in enumerate(missing):
+        if side is not None:
+            columns[np.isnan(columns[:, column]), column] = -np.inf if side == "left" else np.inf
+    return Ranks.of(columns, feature_of, missing)
+
+
+def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _native.Problem:
+    """Return the problem as the native core holds it, its features the columns of the ranks.
+
+    Raises
+    ------
+    ProblemError
+        splits are hyperplanes and readings are missing, of which the core knows nothing.
+    """
+    return _native.Problem(*native_arguments(problem, ranks, costs))
+
+
+def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tuple[Any, ...]:
+    """Return what the native core's problem is made of, as it can be sent to another process.
+
+    Raises
+    ------
+    ProblemError
+        splits are hyperplanes and readings are missing, of which the core knows nothing.
+    """
+    feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
+    return (
+        ranks.table,
+        list(ranks.n_values),
+        costs.rows.astype(np.uint32),
+        costs.weights,
+        costs.costs,
+        costs.penalty,
+        problem.depth,
+        problem.leaf_size,
+        problem.sensor_index[feature_of].tolist(),
+        problem.sensor_costs.tolist(),
+        problem.sensor_limit,
+        [problem.is_allowed((feature,)) for feature in feature_of],
+        _planes(problem),
+    )
+
+
+def _planes(
+    problem: Problem,
+) -> tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None:
+    """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
+    if problem.max_split_size == 1:
+        return None
+    refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+    groups = problem.allowed_splits
+    members = None if groups is None else [[int(feature) for feature in group] for group in groups]
+    return np.ascontiguousarray(problem.features), problem.max_split_size, members, problem.integer_normals

@@ -1,0 +1,180 @@
+"""CART, the greedy tree of Breiman, Friedman, Olshen & Stone (1984), by scikit-learn, as a Solution.
+
+It is the yardstick of every heuristic and a first incumbent of every proof. What it minimises at a node is the Gini
+impurity of its two sides, weighted; the objective of the Problem enters afterwards, when leaves take the label of least
+cost and splits that do not pay their penalty are cut away from the bottom up.
+
+scikit-learn compares in float32. It is therefore trained on dense ranks, which float32 holds exactly up to 2^24
+distinct values; thresholds come back as midpoints of the float64 values on both sides of the cut, as it would set them
+itself. A separable column 900 + 1e-6 i is separated.
+
+Missing readings stay missing: scikit-learn sends them to the side of its choice at each split.
+"""
+
+import math
+import time
+import warnings
+from dataclasses import dataclass, replace
+
+import numpy as np
+import sklearn
+from numpy.typing import NDArray
+from sklearn.tree import DecisionTreeClassifier
+
+from octmip.trees.encoding import Ranks, rank_features
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.tree import SIDES, Leaf, Node, Split, complexity, midpoint
+
+
+def greedy_tree(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+) -> Solution:
+    """Return scikit-learn's CART for a problem, without a bound.
+
+    Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
+    budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
+    addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits only `seconds` is looked at,
+    between the sensors of that choice; `incumbent`, `n_jobs` and `progress` are there because every solver has them.
+
+    Raises
+    ------
+    ProblemError
+        from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
+    """
+    start = time.perf_counter()
+    builder = _GreedyBuilder(problem, rank_features(problem), seed)
+    tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
+    if problem.sensor_cost_of(tree) > problem.sensor_limit:
+        tree, stop = _within_budget(builder, start + limits.seconds)
+    tree = problem.with_sides(tree)
+    return Solution(
+        tree=tree,
+        objective=problem.objective(tree),
+        bound=-math.inf,
+        stop=stop,
+        seconds=time.perf_counter() - start,
+        n_nodes=0,
+        solver="cart",
+        version=f"scikit-learn {sklearn.__version__}",
+        seed=seed,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _GreedyBuilder:
+    """Grows one CART on any subset of the features of a problem."""
+
+    problem: Problem
+    ranks: Ranks
+    seed: int
+
+    def usable_features(self) -> NDArray[np.int64]:
+        """Return the features that may be split on at all: allowed, and not constant."""
+        usable = [
+            j
+            for j in range(self.problem.n_features)
+            if self.problem.is_allowed((j,)) and self.ranks.n_values[self.column(j)] > 1
+        ]
+        return np.array(usable, dtype=np.int64)
+
+    def column(self, feature: int) -> int:
+        """Return the column of ranks that reads a feature, missing readings ranked above all others."""
+        return self.ranks.columns_of(feature)[-1]
+
+    def lacks(self, feature: int, rows: NDArray[np.int64] | slice = slice(None)) -> NDArray[np.bool_]:
+        """Return which of the rows lack the reading of a feature."""
+        return np.isnan(self.problem.features[rows, feature])
+
+    def build(self, features: NDArray[np.int64]) -> Node:
+        """Return CART on these features, its leaves and splits judged by the objective of the problem."""
+        problem = self.problem
+        if len(features) == 0:
+            return Leaf(int(problem.class_costs().argmin()))
+        classifier = DecisionTreeClassifier(
+            max_depth=problem.depth, min_samples_leaf=problem.leaf_size, random_state=self.seed
+        )
+        columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
+        for k, feature in enumerate(features.tolist()):
+            columns[:, k] = self.ranks.column(self.column(feature))
+            if problem.gaps:
+                columns[np.isnan(problem.features[:, feature]), k] = np.nan
+        with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
+            warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
+            classifier.fit(columns, problem.codes, sample_weight=problem.weights)
+        return self._pruned(classifier.tree_, 0, features, np.arange(problem.n_samples))[0]
+
+    def _pruned(
+        self, grown: sklearn.tree._tree.Tree, node: int, features: NDArray[np.int64], rows: NDArray[np.int64]
+    ) -> tuple[Node, float]:
+        """Return the subtree of scikit-learn's `node` over `rows` and its cost, as a leaf where that costs no more."""
+        costs = self.problem.class_costs(rows)
+        leaf = Leaf(int(costs.argmin()))
+        if grown.children_left[node] < 0:
+            return leaf, float(costs[leaf.label])
+        feature = int(features[grown.feature[node]])
+        split, left = self._split(grown, node, feature, rows)
+        if split is None:
+            return leaf, float(costs[leaf.label])
+        left_tree, left_cost = self._pruned(grown, grown.children_left[node], features, rows[left])
+        right_tree, right_cost = self._pruned(grown, grown.children_right[node], features, rows[~left])
+        cost = left_cost + right_cost + self.problem.leaf_penalty
+        if cost >= costs[leaf.label]:
+            return leaf, float(costs[leaf.label])
+        return replace(split, left=left_tree, right=right_tree), cost
+
+    def _split(
+        self, grown: sklearn.tree._tree.Tree, node: int, feature: int, rows: NDArray[np.int64]
+    ) -> tuple[Split | None, NDArray[np.bool_]]:
+        """Return scikit-learn's split of some rows with leaves below, and which go left; None where a side is small."""
+        ranks, values = self.ranks.column(self.column(feature))[rows], self.ranks.values[self.column(feature)]
+        is_missing, missing = self.lacks(feature, rows), None
+        left = ranks <= grown.threshold[node]
+        if is_missing.any():
+            missing = SIDES[0] if grown.missing_go_to_left[node] else SIDES[1]
+            left[is_missing] = missing == "left"
+        if min(int(left.sum()), int((~left).sum())) < self.problem.leaf_size:
+            return None, left
+        below, above = ranks[left & ~is_missing], ranks[~left & ~is_missing]
+        if not len(below) or not len(above):
+            return Split(feature, None, Leaf(0), Leaf(0), missing=missing), left
+        threshold = midpoint(float(values[below.max()]), float(values[above.min()]))
+        return Split(feature, threshold, Leaf(0), Leaf(0), missing=missing), left
+
+
+def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop]:
+    """Return the best of the trees grown while sensors are added one by one, and why that ended."""
+    problem = builder.problem
+    usable = builder.usable_features()
+    sensor_of_usable = problem.sensor_index[usable]
+    chosen = set(np.flatnonzero(problem.sensor_costs == 0).tolist())
+    best = builder.build(usable[np.isin(sensor_of_usable, list(chosen))])
+    best_rank = _rank(problem, best)
+    while affordable := _affordable(problem, chosen, set(sensor_of_usable.tolist())):
+        trials = []
+        for sensor in affordable:
+            if time.perf_counter() > deadline:
+                return best, Stop.TIME
+            tree = builder.build(usable[np.isin(sensor_of_usable, [*chosen, sensor])])
+            trials.append((_rank(problem, tree), sensor, tree))
+        rank, sensor, tree = min(trials, key=lambda trial: trial[:2])
+        chosen.add(sensor)
+        if rank < best_rank:
+            best, best_rank = tree, rank
+    return best, Stop.FINISHED
+
+
+def _affordable(problem: Problem, chosen: set[int], useful: set[int]) -> list[int]:
+    spent = math.fsum(problem.sensor_costs[sensor] for sensor in chosen)
+    return [s for s in sorted(useful - chosen) if spent + problem.sensor_costs[s] <= problem.sensor_limit]
+
+
+def _rank(problem: Problem, tree: Node) -> tuple[float, int]:
+    """Return what trees are ranked by: objective, then complexity."""
+    return problem.objective(tree), complexity(tree)

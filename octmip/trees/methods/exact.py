@@ -1,0 +1,299 @@
+"""Branch and bound over thresholds: provably optimal axis-aligned trees. A thin wrapper of the native core.
+
+The core counts ranks and integers (see `octmip.trees.encoding`); the algorithm, its bounds and their proofs are in
+docs/theory/exact.md. Categorical features: one column of 0/1 for each category, all columns reading one sensor
+(`sensor_of_feature`), so that a split asks "is it this category?" and the sensor is paid for once.
+"""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from octmip.errors import ProblemError
+from octmip.formats.files import check_writable
+from octmip.trees import _native
+from octmip.trees.cluster import Cluster, Future, opened
+from octmip.trees.encoding import (
+    IntegerCosts,
+    Ranks,
+    integer_costs,
+    native_arguments,
+    native_problem,
+    rank_features,
+    rows_from_tree,
+    tree_from_rows,
+)
+from octmip.trees.methods.checkpoint.envelope import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
+from octmip.trees.methods.checkpoint.exact_keeper import Found, Keeper
+from octmip.trees.methods.checkpoint.exact_state import KnownRow
+from octmip.trees.methods.native_call import (
+    feasible_incumbent,
+    logged,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
+from octmip.trees.methods.shared_work import submitter
+from octmip.trees.methods.ties import UNBROKEN, Effort, break_ties
+from octmip.trees.problem import Problem
+from octmip.trees.proof import log_header
+from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
+from octmip.trees.tree import Node, centred
+
+SOLVER = "exact"
+
+
+def branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
+    checkpoint: str | Path | None = None,
+    every: float | None = None,
+    break_ties: bool = False,
+    cluster: Any = None,
+) -> Solution:
+    """Return the best axis-aligned tree of a problem and the proof's bound.
+
+    Parameters
+    ----------
+    problem
+        with ``split="axis"``; any weights, costs, depth, leaf size, penalty.
+    limits
+        seconds, relative gap, nodes (evaluated cuts), bytes of the core's own tables.
+    incumbent
+        a feasible tree to start from; a good one shortens the proof (`octmip.trees.solver.solve` looks for one).
+    seed
+        of the start's random choices.
+    n_jobs
+        threads. Cost, bound and tree of a finished search do not depend on it.
+    progress
+        called with a `Progress` about every 50 ms.
+    proof
+        file for a log that `octmip.trees.proof.check_proof` verifies; it takes a second search, about as long.
+    checkpoint
+        file in which what is proven is kept, and at the end; where it exists the search goes on from it, and the
+        bound rests on it (`details["resumed_from"]`). From depth 3 on: what is kept are solved cuts of the root.
+    every
+        seconds between two checkpoints, 0 or more; None: `CHECKPOINT_SECONDS`.
+    break_ties
+        among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
+        more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+    cluster
+        processes that solve the root's cuts, from depth 3 on: "local" (`n_jobs` of them), the address of a Dask
+        scheduler, a Dask client or an open `octmip.trees.cluster.Cluster`. Tree, bound and evaluated cuts are those of
+        one machine.
+
+    Raises
+    ------
+    ProblemError
+        the problem asks for hyperplanes, or the incumbent is not one of its trees.
+    ProofError
+        the proof was interrupted before it could be written, or the log cannot be written: the error holds the
+        solution.
+    DataError
+        the checkpoint cannot be read, is damaged, or belongs to another search.
+    """
+    started = time.perf_counter()
+    _check(problem, n_jobs)
+    every = checked_every(every)
+    start = feasible_incumbent(problem, incumbent)
+    if proof is not None:
+        check_writable(proof)
+    ranks = rank_features(problem)
+    keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
+    if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
+        search.off = [*search.off, "level_below", "label_sets", "cancelling"]
+    with ExitStack() as stack:
+        search.cluster = stack.enter_context(opened({"cluster": cluster}, n_jobs))["cluster"]
+        search.search(start)
+        ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
+        if proof is not None:
+            with logged(proof, search.stop, lambda: search.solution(seed, ties)):
+                search.bound = search.write_proof(Path(proof))
+    return search.solution(seed, ties)
+
+
+@dataclass(slots=True)
+class _Search:
+    """A search, and again on a finer grid while rounding alone keeps the bound from the tree."""
+
+    problem: Problem
+    limits: Limits
+    n_jobs: int
+    progress: ProgressCallback | None
+    started: float
+    ranks: Ranks
+    keeper: Keeper | None
+    every: float = CHECKPOINT_SECONDS
+    off: list[str] = field(default_factory=switched_off)
+    tree: Node | None = None
+    objective: float = math.inf
+    bound: float = -math.inf
+    stop: Stop = Stop.INTERRUPTED
+    tolerance: float = 0.0
+    n_nodes: int = 0
+    proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
+    grid: Node | None = None  # the tree from which the costs on the grid were made
+    known: KnownRow | None = None  # what was last kept of this grid
+    cluster: Cluster | None = None
+
+    def search(self, start: Node | None) -> None:
+        """Search until the bound meets the tree, or no grid of whole numbers is finer."""
+        self._keep(start)
+        self.grid = self.tree
+        self._resume()
+        costs = integer_costs(self.problem, self.grid)
+        while True:
+            self.stop = self._search_grid(costs)
+            self._save(costs, self.known)
+            if self.stop is not Stop.OPTIMAL or self._is_proven(costs):
+                return
+            finer = integer_costs(self.problem, self.tree)
+            if finer.exponent <= costs.exponent:
+                self.stop = Stop.NUMERICS
+                return
+            costs, self.grid, self.known = finer, self.tree, None
+
+    def solution(self, seed: int, ties: dict[str, str]) -> Solution:
+        """Return what was found and proven."""
+        assert self.tree is not None
+        return Solution(
+            tree=self.problem.with_sides(self.tree),
+            objective=self.objective,
+            bound=self.bound,
+            stop=self.stop,
+            seconds=time.perf_counter() - self.started,
+            n_nodes=self.n_nodes,
+            solver=SOLVER,
+            version=_native.__version__,
+            seed=seed,
+            tolerance=self.tolerance,
+            details={"ties_broken": ties} | self.resumed_from,
+        )
+
+    def _resume(self) -> None:
+        """Take up what a checkpoint holds, if there is one."""
+        found = None if self.keeper is None else self.keeper.read()
+        if self.keeper is None or found is None:
+            return
+        self._keep(found.tree)
+        self.grid, self.known, self.bound = found.grid, found.known, found.bound
+        if self.bound > self.objective:
+            raise unusable(self.keeper.path, f"claims the bound {self.bound} above its tree's {self.objective}")
+
+    @property
+    def resumed_from(self) -> dict[str, object]:
+        """What earlier searches have spent, for the details of a solution."""
+        spent = None if self.keeper is None else self.keeper.spent
+        return {} if spent is None else resumed_from(spent.seconds, spent.n_nodes)
+
+    def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
+        """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
+        if self.keeper is not None:
+            self.known = known
+            self.keeper.write(costs, Found(self.tree, self.grid, known, self.bound), self.n_nodes)
+
+    def _search_grid(self, costs: IntegerCosts) -> Stop:
+        native = native_problem(self.problem, self.ranks, costs)
+        submit = self._submit(costs, self.off)
+        now = time.perf_counter()
+        began = self.started if self.n_nodes else now
+        before = Progress(now - began, self.objective, self.bound, self.n_nodes)
+        first = None
+        if self.tree is not None:
+            first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
+        saving = (self.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
+        try:
+            rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+                native,
+                first,
+                remaining(self.limits, began, self.n_nodes),
+                self.n_jobs,
+                self.off,
+                native_progress(self.progress, costs, before),
+                checkpoint=None if self.keeper is None else saving,
+                submit=submit,
+            )
+        except ValueError as error:
+            if self.keeper is None or not str(error).startswith("known: "):
+                raise
+            raise unusable(self.keeper.path, f"holds what cannot be proven: {error}") from error
+        self.n_nodes += n_nodes
+        lower = costs.value(bound)
+        if self.proven is None or lower > self.bound:
+            self.proven = (native, costs, bound)
+        self.bound = max(self.bound, lower)
+        found = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(found)
+        if costs.is_rounded:
+            # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
+            self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
+        return Stop(stop)
+
+    def _keep(self, tree: Node | None, least: float = 0.0) -> None:
+        """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""
+        if tree is None:
+            return
+        objective = self.problem.objective(tree)
+        if math.isinf(self.objective) or self.objective - objective >= least:
+            self.tree, self.objective = tree, objective
+
+    def _is_proven(self, costs: IntegerCosts) -> bool:
+        """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
+        if not costs.is_rounded:
+            return True
+        tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
+        self.tolerance = max(0.0, tolerance)
+        return tolerance >= 0
+
+    def smaller(self) -> dict[str, str]:
+        """Replace the tree by a smaller one that costs the same, and return what is proven of it."""
+        assert self.tree is not None
+        assert self.proven is not None
+        _, costs, _ = self.proven
+        effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
+        rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
+        smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        self._keep(smaller)
+        return ties if self.tree is smaller else dict(UNBROKEN)
+
+    def _submit(
+        self, costs: IntegerCosts, off: Sequence[str], *, is_logged: bool = False
+    ) -> tuple[Callable[[int, Any], Future], int] | None:
+        """Return what submits cuts of the root to a cluster's workers, and how many at once; None without one."""
+        if self.cluster is None:
+            return None
+        arguments = native_arguments(self.problem, self.ranks, costs)
+        return submitter(self.cluster, arguments, off, is_logged=is_logged), self.cluster.round_size
+
+    def write_proof(self, path: Path) -> float:
+        """Write a log that proves the best bound of this search, and return that bound."""
+        assert self.proven is not None
+        native, costs, claim = self.proven
+        body = _native.prove(native, claim, self.n_jobs, submit=self._submit(costs, [], is_logged=True))
+        if body is None:
+            raise KeyboardInterrupt
+        write_log(path, log_header(self.problem, costs, claim) + body + "end\n")
+        return costs.value(claim)
+
+
+def _check(problem: Problem, n_jobs: int) -> None:
+    if problem.split != "axis":
+        raise ProblemError(
+            "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")

@@ -1,0 +1,166 @@
+"""Local search: good trees of any depth and either kind of split, without a proof; a thin wrapper of the native core.
+
+    minimise  the objective of the Problem
+    by        restarts from greedy trees; at one node after the other, in random order, the best new split with the rest
+              of the tree fixed, a leaf in its place, or one of its children in its place; exact subtrees of up to
+              three levels at the bottom; perturbations of local optima, kept when they are no worse
+    planes    lines of hyperplanes, each swept exactly; logistic fits to the sides that the samples prefer; all planes
+              of a subtree moved together as a soft tree; see docs/theory/search.md
+
+Every restart draws from its own random stream, given by the seed and the restart's number, so one seed gives one tree
+for any number of threads unless time runs out. The first restart begins at the greedy tree, not randomised, looks ahead
+with exact subtrees, and is what a hyperplane tree starts from too, so that it is never worse than the axis-aligned one.
+What is searched is the problem of `merging.py`, so rows repeated and rows weighed give one tree, whatever their order.
+Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Lens, ch. 8, for the moves at one node.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from octmip.errors import ProblemError
+from octmip.trees import _native
+from octmip.trees.cluster import Cluster, opened
+from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
+from octmip.trees.methods.checkpoint.envelope import checked_every, resumed_from
+from octmip.trees.methods.checkpoint.search_keeper import FinishedTurns, SearchKeeper
+from octmip.trees.methods.merging import merged
+from octmip.trees.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
+from octmip.trees.methods.polish import polished
+from octmip.trees.methods.shared_work import turn_submitter
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.tree import Node, centred, simplify, without_empty_sides
+
+# Restarts, and perturbations in a row without a better tree that end one: hyperplanes profit from longer restarts, and
+# small axis-aligned problems from both more and longer ones, for which there is time.
+EFFORT = {"axis": (9, 16), "hyperplane": (6, 60)}
+MOST_EFFORT = (36, 48)
+SMALL = (300_000, 200_000)  # samples x features x restarts, and x perturbations, up to which there are more
+GRACE = 0.3
+"""Seconds beyond the limit within which planes are still polished."""
+
+
+def local_search(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    restarts: int | None = None,
+    perturbations: int | None = None,
+    checkpoint: str | Path | None = None,
+    every: float | None = None,
+    cluster: Any = None,
+) -> Solution:
+    """Return the best tree that a local search finds.
+
+    Args:
+        problem: the problem.
+        limits: wall seconds and nodes (visits to a node of the tree); a proof's limits do not apply.
+        incumbent: a tree of this problem; the first restart begins there, so the result is never worse.
+        seed: of the restarts' random streams.
+        n_jobs: threads.
+        progress: called every few hundredths of a second.
+        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
+        perturbations: a restart ends after so many perturbations in a row without a better tree (before the better
+            restarts are chosen a quarter of that with hyperplanes, none without; twice that for the last); by default
+            as `restarts`. With `restarts=1, perturbations=0` the answer is quick: one descent and exact blocks of two
+            levels.
+        checkpoint: file in which finished turns of restarts are kept, and at the end; where it exists the search goes
+            on from it, and ends with the tree of one that never stopped (unless time or nodes are limited).
+        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
+        cluster: processes that take the restarts' turns: "local" (`n_jobs` of them), the address of a Dask scheduler,
+            a Dask client or an open `octmip.trees.cluster.Cluster`. The tree is that of one machine. Ctrl-C returns the
+            best of the turns that are finished.
+
+    Returns
+    -------
+    The solution; its bound is -inf, or the objective where no cost at all is left (`Stop.OPTIMAL`).
+
+    Raises
+    ------
+    ProblemError
+        `restarts` or `n_jobs` is below 1, `perturbations` or `every` below 0, or the incumbent is no tree of this
+        problem.
+    DataError
+        the checkpoint cannot be read or written, or belongs to another search.
+    """
+    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("perturbations", perturbations, 0)):
+        if value is not None and value < least:
+            raise ProblemError(f"{name} is {value}; expected {least} or more")
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    searched, ranks = merged(problem)
+    effort, costs = _effort(searched), integer_costs(searched)
+    first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
+    n_restarts = effort[0] if restarts is None else restarts
+    n_perturbations = effort[1] if perturbations is None else perturbations
+    keeper = None
+    if checkpoint is not None:
+        effort_of = seed % 2**64, n_restarts, n_perturbations, first
+        keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), effort_of, start)
+    turns = None if keeper is None else keeper.read()
+    before = 0 if turns is None else turns.n_visits
+    with opened({"cluster": cluster}, n_jobs) as options:
+        shared: Cluster | None = options["cluster"]
+        arguments = native_arguments(searched, ranks, costs)
+        turn = first, seed % 2**64, (n_restarts, n_perturbations)
+        rows, _, _, stop, n_nodes = _native.search(
+            _native.Problem(*arguments),
+            first,
+            # What was spent on ranks counts, too.
+            remaining(replace(limits, nodes=limits.nodes + before), start),
+            n_jobs,
+            seed % 2**64,
+            native_progress(progress, costs),
+            n_restarts=n_restarts,
+            n_perturbations=n_perturbations,
+            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(FinishedTurns(*row)), turns),
+            submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
+        )
+    latest = start + limits.seconds + GRACE
+    tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
+    tree, objective = better(problem, problem.with_sides(tree), known)
+    return Solution(
+        tree=tree,
+        objective=objective,
+        bound=0.0 if objective == 0 else -math.inf,
+        stop=_stop(stop, objective),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes - before,
+        solver="search",
+        version=_native.__version__,
+        seed=seed,
+        details={} if turns is None or keeper is None else resumed_from(keeper.spent, before),
+    )
+
+
+def _effort(problem: Problem) -> tuple[int, int]:
+    """Return restarts and perturbations where the caller names none."""
+    least = EFFORT[problem.split]
+    if problem.split != "axis":
+        return least
+    restarts, perturbations = (
+        max(few, min(many, small // problem.features.size))
+        for few, many, small in zip(least, MOST_EFFORT, SMALL, strict=True)
+    )
+    return restarts, perturbations
+
+
+def _stop(name: str, objective: float) -> Stop:
+    """Return the stop as a Solution means it: the core calls a tree optimal when its rounded costs are 0."""
+    stop = Stop(name)
+    if objective == 0 and stop is not Stop.INTERRUPTED:
+        return Stop.OPTIMAL
+    return Stop.FINISHED if stop is Stop.OPTIMAL else stop
+
+
+def _finished(problem: Problem, tree: Node, goes_on: Callable[[], bool]) -> Node:
+    """Return the tree with leaves labelled by the true costs, no idle splits, thresholds in mid-gap, simple planes."""
+    simple = simplify(relabelled(problem, tree))
+    return polished(problem, centred(simple, problem.features), goes_on)

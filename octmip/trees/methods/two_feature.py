@@ -1,0 +1,295 @@
+"""Optimal trees whose splits use one or two features, proven by branch and bound: a wrapper of the native core.
+
+    minimise  the objective of the Problem
+    over      trees of depth 1 or 2 whose splits are lines  a x_f + b x_g = c  or thresholds  x_f = c
+
+The bound holds for every tree whose lines are taken in exact arithmetic over the float64 values as given: nothing is
+rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-42 clear of a line; the few others are
+parted in whole numbers of as many bits as it takes. A dichotomy that no float64 line makes with that much room is
+numerically undecided: it counts for the bound but is not returned, and `Stop.NUMERICS` and
+`Solution.details["numerically_undecided"]` report it. See docs/theory/two-feature.md.
+
+Trees of depth 3 are not searched: the best tree of depth 2 is, and what it costs bounds them.
+"""
+
+import math
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.files import check_writable
+from octmip.trees import _native
+from octmip.trees.encoding import (
+    IntegerCosts,
+    integer_costs,
+    native_problem,
+    rank_features,
+    tree_from_rows,
+)
+from octmip.trees.methods.checkpoint.envelope import checked_every, resumed_from, unusable
+from octmip.trees.methods.checkpoint.two_feature_keeper import Nodes, TwoFeatureKeeper
+from octmip.trees.methods.native_call import (
+    better,
+    feasible_incumbent,
+    logged,
+    native_progress,
+    relabelled,
+    remaining,
+    switched_off,
+    whole_cost,
+    write_log,
+)
+from octmip.trees.problem import Problem
+from octmip.trees.proof import check_proof, log_header
+from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
+
+MOST_DEPTH = 2
+MOST_BOUNDED_DEPTH = 3
+MOST_FEATURES = 2
+
+
+def two_feature_branch_and_bound(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    proof: str | Path | None = None,
+    check_log: bool = True,
+    whole_coefficients: int | None = None,
+    checkpoint: str | Path | None = None,
+    every: float | None = None,
+) -> Solution:
+    """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
+
+    Args:
+        problem: of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features). Of
+            depth 3, the result is the better of the incumbent and the best tree of depth 2, with the bound that follows
+            from this one's.
+        limits: when to stop early.
+        incumbent: a tree of this problem; the result is never worse.
+        seed: has no effect on the optimum; kept in the solution.
+        n_jobs: threads; the result does not depend on them.
+        progress: called every few hundredths of a second.
+        proof: file for a log that `octmip.trees.proof.check_proof` verifies; it takes a second search, about as long.
+        check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
+            written unchecked.
+        whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
+            samples alike. A wish; `Problem.integer_normals` is a condition.
+        checkpoint: file in which the open nodes of a proof of depth 2 are kept, and at the end; where it exists the
+            search goes on from it, and the bound rests on it (`details["resumed_from"]`).
+        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
+
+    Raises
+    ------
+    ProblemError
+        the problem is deeper, allows more features in a split, or the incumbent is none of its trees.
+    ProofError
+        the proof was interrupted, rounding leaves no room for it, or the log cannot be written; the error holds
+        the solution.
+    DataError
+        the checkpoint cannot be read, or belongs to another search.
+    """
+    _check(problem, n_jobs, checkpoint)
+    if problem.depth > MOST_DEPTH and (proof is not None or checkpoint is not None):
+        raise ProblemError(
+            f"depth is {problem.depth} but proof logs and checkpoints of two-feature trees end at depth {MOST_DEPTH}; "
+            "leave them out"
+        )
+    if proof is not None:
+        check_writable(proof)
+    start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
+    if problem.depth > MOST_DEPTH:
+        return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
+    ranks, keeper, nodes, first = rank_features(problem), None, None, known
+    if checkpoint is not None:
+        options = seed % 2**64, whole_coefficients, *sorted(switched_off())
+        keeper = TwoFeatureKeeper(problem, ranks, checkpoint, checked_every(every), options, start, known)
+        nodes = keeper.read()
+        first = keeper.incumbent
+    before = 0 if nodes is None else nodes.n_nodes
+    costs = integer_costs(problem, first)
+    native = native_problem(problem, ranks, costs)
+    call = (
+        native,
+        None if first is None else whole_cost(problem, costs, first),
+        # What was spent on ranks counts, too.
+        remaining(replace(limits, nodes=limits.nodes + before), start),
+        n_jobs,
+        seed % 2**64,
+        switched_off(),
+        native_progress(progress, costs),
+    )
+    try:
+        rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+            *call,
+            whole_coefficients=whole_coefficients,
+            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(costs, Nodes(*row)), nodes),
+        )
+    except ValueError as error:
+        if keeper is None or not str(error).startswith("known: "):
+            raise
+        raise unusable(keeper.path, f"holds {str(error).removeprefix('known: ')}") from error
+    found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
+    tree, objective = better(problem, better(problem, found, first)[0], known)
+    lower = costs.value(bound)
+    # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
+    tolerance = max(0.0, closing_tolerance(objective, lower, problem.least_saving)) if stop == Stop.OPTIMAL else 0.0
+    met = lower >= objective - tolerance
+    solution = Solution(
+        tree=tree,
+        objective=objective,
+        bound=lower,
+        stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
+        seconds=time.perf_counter() - start,
+        n_nodes=n_nodes - before,
+        solver="two-feature exact",
+        version=_native.__version__,
+        seed=seed,
+        tolerance=tolerance,
+        details=_details(problem, is_open=not met and stop == "finished")
+        | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, before)),
+    )
+    if proof is not None:
+        with logged(proof, Stop(stop), lambda: solution):
+            _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+        return replace(solution, seconds=time.perf_counter() - start)
+    return solution
+
+
+def _bounded(
+    problem: Problem, known: Node | None, start: float, progress: ProgressCallback | None, run: tuple[Limits, int, int]
+) -> Solution:
+    """Return the better of a known tree and the best of a level fewer, with the bound that follows from this one's."""
+    level = replace(problem, depth=problem.depth - 1)
+    objective = math.inf if known is None else problem.objective(known)
+
+    def deeper(state: Progress) -> None:
+        if progress is not None:
+            bound = _one_level_deeper(problem, state.bound)
+            progress(replace(state, bound=bound, objective=min(objective, state.objective)))
+
+    limits, seed, n_jobs = run
+    shallower = two_feature_branch_and_bound(level, limits=limits, seed=seed, n_jobs=n_jobs, progress=deeper)
+    assert shallower.tree is not None
+    tree, objective = better(problem, shallower.tree, known)
+    bound = _one_level_deeper(problem, shallower.bound)
+    open_stop = Stop.FINISHED if shallower.is_optimal else shallower.stop
+    return replace(
+        shallower,
+        tree=tree,
+        objective=objective,
+        bound=bound,
+        stop=Stop.OPTIMAL if bound >= objective else open_stop,
+        seconds=time.perf_counter() - start,
+        tolerance=0.0,
+        details={**shallower.details, "bound": "from the trees of one level fewer"},
+    )
+
+
+def _one_level_deeper(problem: Problem, bound: float) -> float:
+    """Return a bound of the problem's trees from one of the trees of a level fewer.
+
+    Proof. Let M be the sum of w_i max_k c_ik, what all samples cost at most, and call M - cost what the leaves of a
+    tree save; every leaf saves 0 or more. Put the better leaf in the place of each split of the last level, with its
+    label: it keeps what it saved, which is half of what the two saved together, or more; all other leaves keep theirs;
+    no leaf has shrunk, no feature or sensor is new. So a tree of one level fewer saves half as much at least, and costs
+    e <= M - saved / 2 + P, P the price of its splits. The deeper tree pays these splits too: it costs
+    M - saved + P >= 2 e - M - P, and P is at most that of 2^level - 1 lines.
+    """
+    highest = problem.weights * problem.costs.max(axis=1)[problem.codes]
+    n_splits: int = 2 ** (problem.depth - 1) - 1
+    most = math.fsum(highest) + 2 * problem.leaf_penalty * n_splits
+    # Numbers that are not whole, or too large, are rounded: each by half a unit in the last place of the largest.
+    parts = (problem.weights, problem.costs, np.array([problem.leaf_penalty, bound]))
+    is_exact = 2 * most < 2**53 and all((part == np.floor(part)).all() for part in parts)
+    rounding = 0.0 if is_exact else 3 * math.ulp(2 * most)
+    return max(0.0, 2 * bound - most - rounding)
+
+
+def _open_stop(problem: Problem, stop: str) -> Stop:
+    """Return why a search that did not meet its bound ended: a limit, or all nodes done and rounding in the way."""
+    if stop not in ("optimal", "finished"):
+        return Stop(stop)
+    return Stop.NUMERICS if problem.integer_normals is None else Stop.FINISHED
+
+
+def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
+    details: dict[str, object] = {"arithmetic": "float64 as given"}
+    if problem.integer_normals is not None:
+        # Trees of real coefficients include those of whole ones: their bound holds, but need not be met.
+        return details | {"coefficients": "whole; the bound is that of real ones"}
+    return details | {"numerically_undecided": is_open}
+
+
+def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None:
+    if problem.depth > MOST_BOUNDED_DEPTH:
+        raise ProblemError(
+            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH} and bounded to depth "
+            f"{MOST_BOUNDED_DEPTH}; take method='search'"
+        )
+    if problem.max_split_size > MOST_FEATURES:
+        raise ProblemError(
+            f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
+        )
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    if checkpoint is not None and problem.depth < 2:
+        raise ProblemError(
+            "a two-feature proof of depth 1 is one scan, of which nothing can be kept; leave checkpoint out"
+        )
+
+
+def _write_proof(
+    problem: Problem,
+    native: _native.Problem,
+    costs: IntegerCosts,
+    claim: int,
+    given: tuple[Solution, int, bool],
+    path: Path,
+) -> None:
+    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
+    solution, n_jobs, check_log = given
+    body = _native.prove_two_feature(native, claim, n_jobs)
+    if body is None:
+        raise _no_log(
+            path, "it was interrupted, the budget allows too many sets of sensors, or rounding decides", solution
+        )
+    header = log_header(problem, costs, claim)
+
+    def check(draft: Path) -> None:
+        check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
+
+    try:
+        write_log(path, header + body + "end\n", check if check_log else None)
+    except CertificateError as error:
+        raise _no_log(path, f"the checker refuses it ({error})", solution) from error
+
+
+def _no_log(path: Path, reason: str, solution: Solution) -> ProofError:
+    return ProofError(
+        f"{path} is not written: expected a log of the bound {solution.bound}, but {reason}; tree and bound stand "
+        "without it: leave the proof out, or round values that differ by less than 1e-12 of their range",
+        solution,
+    )
+
+
+def _centred(tree: Node, features: NDArray[np.float64]) -> Node:
+    """Return the tree with planes over one feature as thresholds, and those midway between the node's own samples."""
+    if isinstance(tree, Leaf):
+        return tree
+    left = goes_left(tree, features)
+    below, above = _centred(tree.left, features[left]), _centred(tree.right, features[~left])
+    if isinstance(tree, HyperplaneSplit) and len(tree.features) == 2:
+        return replace(tree, left=below, right=above)
+    values = features[:, tree.features[0]]
+    if isinstance(tree, HyperplaneSplit) and tree.coefficients[0] < 0:
+        below, above, left = above, below, ~left
+    return Split(tree.features[0], midpoint(float(values[left].max()), float(values[~left].min())), below, above)

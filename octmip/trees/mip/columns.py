@@ -1,0 +1,73 @@
+"""A problem that lacks readings, to the mixed-integer methods: one of complete columns of ranks.
+
+A feature that lacks readings is two columns, and a tree over the columns is a tree with a side for missing readings at
+each split: `octmip.trees.encoding.ranks`, docs/theory/missing.md.
+"""
+
+import functools
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from octmip.trees.encoding import Ranks, rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Node, without_empty_sides
+
+
+def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:
+    """Return a solver of complete problems as one of problems that lack readings, too.
+
+    It refuses hyperplanes where readings are missing, and trees that a search hands over while it runs.
+    """
+
+    @functools.wraps(solver)
+    def solve(problem: Problem, *, incumbent: Node | None = None, **settings: Any) -> Solution:
+        if not problem.n_missing:
+            solution = solver(problem, incumbent=incumbent, **settings)
+            return solution if solution.tree is None else replace(solution, tree=problem.with_sides(solution.tree))
+        _check(problem, settings)
+        ranks = rank_features(problem)
+        complete = column_problem(problem, ranks)
+        of_complete = rank_features(complete)
+        start = None if incumbent is None else without_empty_sides(incumbent, problem.features)
+        start = None if start is None else tree_from_rows(rows_from_tree(start, ranks), of_complete)
+        solution = solver(complete, incumbent=start, **settings)
+        if solution.tree is None:
+            return solution
+        rows = rows_from_tree(without_empty_sides(solution.tree, complete.features), of_complete)
+        return replace(solution, tree=problem.with_sides(tree_from_rows(rows, ranks)))
+
+    return solve
+
+
+def _check(problem: Problem, settings: dict[str, Any]) -> None:
+    if problem.split != "axis":
+        refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+    if settings.get("inject") is not None:
+        why = "assist 'search' hands over trees of features while the model is one of columns"
+        refuse_gaps(problem.n_missing, why, "leave 'search' out of assist, or fill them in")
+
+
+def column_problem(problem: Problem, ranks: Ranks) -> Problem:
+    """Return the problem of complete columns, their ranks as features; sensors and permissions are the features'."""
+    feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
+    ends = {"left": " (missing below)", "right": " (missing above)", None: ""}
+    names = [problem.feature_names[j] + ends[ranks.side(column)] for column, j in enumerate(feature_of)]
+    groups = None
+    if problem.allowed_splits is not None:
+        groups = [[column] for column, j in enumerate(feature_of) if problem.is_allowed((j,))]
+    sensors = problem.sensor_of_feature or ()
+    return replace(
+        problem,
+        features=np.ascontiguousarray(ranks.ranks.T.astype(np.float64)),
+        gaps=False,
+        # A feature may be called like another one's column.
+        feature_names=tuple(f"{column} {name}" for column, name in enumerate(names)),
+        sensor_of_feature=[sensors[j] for j in feature_of],
+        sensor_cost=dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True)),
+        allowed_splits=groups,
+    )

@@ -1,0 +1,69 @@
+//! `octmip.trees._native.drift`: trees of least worst case while gauges are off.
+
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::drift::{Bands, search, solve};
+use crate::python::problem::PyProblem;
+use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
+use crate::python::run::{Found, LimitValues, found, limits, stop_name, supervised};
+
+/// Ranks of the lowest and highest readings (p, n), most sensors off, number of labels.
+pub(crate) type BandRow<'py> = (PyReadonlyArray2<'py, u32>, PyReadonlyArray2<'py, u32>, usize, usize);
+
+/// The bands, checked against their problem.
+pub(crate) fn bands(problem: &PyProblem, row: BandRow<'_>) -> PyResult<Bands> {
+    let (low, high, n_off, n_labels) = row;
+    let shape = [problem.inner.p, problem.inner.n];
+    if low.shape() != shape || high.shape() != shape {
+        return Err(PyValueError::new_err(format!("bands have shape {:?}, expected {shape:?}", low.shape())));
+    }
+    let bands = Bands { low: low.as_slice()?.to_vec(), high: high.as_slice()?.to_vec(), n_off, n_labels };
+    bands.complaint(&problem.inner).map_or(Ok(bands), |complaint| Err(PyValueError::new_err(complaint)))
+}
+
+/// The tree of least worst case to depth 2, and a bound. `floor` is a bound known beforehand.
+#[pyfunction]
+#[pyo3(signature = (problem, band_row, incumbent, floor, limit_values, n_threads, progress=None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn drift(
+    py: Python<'_>,
+    problem: &PyProblem,
+    band_row: BandRow<'_>,
+    incumbent: Option<(i64, Vec<NodeRow>)>,
+    floor: i64,
+    limit_values: LimitValues,
+    n_threads: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Found> {
+    if problem.inner.depth > 2 {
+        return Err(PyValueError::new_err(format!("depth is {}, expected at most 2", problem.inner.depth)));
+    }
+    let bands = bands(problem, band_row)?;
+    let first = incumbent.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
+    let outcome = supervised(py, progress.as_ref(), |keep_going| {
+        solve(&problem.inner, &bands, first, floor, limits(limit_values), n_threads, keep_going)
+    })?;
+    Ok(found(&outcome))
+}
+
+/// The best tree that changes of single nodes lead to from some starts (with their costs), its cost, and stop.
+#[pyfunction]
+#[pyo3(signature = (problem, band_row, starts, n_rounds, seed, limit_values))]
+pub(crate) fn drift_search(
+    py: Python<'_>,
+    problem: &PyProblem,
+    band_row: BandRow<'_>,
+    starts: Vec<(i64, Vec<NodeRow>)>,
+    n_rounds: usize,
+    seed: u64,
+    limit_values: LimitValues,
+) -> PyResult<(Vec<NodeRow>, i64, &'static str)> {
+    let bands = bands(problem, band_row)?;
+    let starts = starts.into_iter().map(|(_, rows)| tree_from_rows(rows)).collect::<PyResult<Vec<_>>>()?;
+    let (tree, cost, stop) = supervised(py, None, |keep_going| {
+        search(&problem.inner, &bands, &starts, n_rounds, seed, limits(limit_values), keep_going)
+    })?;
+    Ok((rows_from_tree(&tree), cost, stop_name(stop)))
+}

@@ -1,0 +1,251 @@
+"""The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeGuard
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from octmip.errors import ProblemError
+
+
+def names_of_columns(features: object) -> tuple[str, ...] | None:
+    """Return the names of the columns of a data frame; None for an array, or where the columns are only numbered."""
+    columns = getattr(features, "columns", None)
+    if columns is None or all(isinstance(name, int | np.integer) for name in columns):
+        return None
+    return tuple(str(name) for name in columns)
+
+
+BLOCK = 1 << 20
+"""Numbers of a block."""
+
+KEPT = (np.float64, np.float32)
+"""Types of a table of readings that nobody can write to which a problem of axis-aligned trees keeps as it is.
+
+A float32 table stands for its values as float64, of which every one is exact: whoever adds readings, or takes a
+midpoint, makes float64 of a column first (`octmip.trees.tree` compares without).
+"""
+
+
+def features_of(
+    values: ArrayLike, *, gaps: bool = False, kept: tuple[type[np.floating[Any]], ...] = KEPT[:1]
+) -> NDArray[np.float64]:
+    """Return the features (n_samples, n_features) of an array or a data frame as float64.
+
+    With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern. An array
+    that nobody can write to stays as it is where it is of a type of `kept`.
+
+    Raises
+    ------
+    ProblemError
+        some value is no number, infinite, or (without `gaps`) missing; of a data frame, its columns are named.
+    """
+    names = names_of_columns(values)
+    if names is None:
+        return numbers_of(values, "features", 2, gaps=gaps, kept=kept)
+    columns = [_numbers_of_column(values, j) for j in range(len(names))]
+    wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, gaps)]
+    if wrong:
+        shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
+        what = (
+            ("text or infinite values", "numbers") if gaps else ("text, missing or infinite values", "finite numbers")
+        )
+        raise ProblemError(
+            f"features holds {what[0]} in {shown}; expected {what[1]}; drop or encode "
+            "these columns (octmip.OptimalTreeClassifier and octmip.formats.columns do so)"
+        )
+    found = [column for column in columns if column is not None]
+    return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, gaps=gaps)
+
+
+def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
+    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else."""
+    column = frame.iloc[:, position]
+    try:
+        if column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype):
+            return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+        return np.asarray(column, dtype=np.float64)
+    except (TypeError, ValueError):
+        return None
+
+
+def _are_usable(numbers: NDArray[np.float64] | None, gaps: bool) -> bool:
+    return numbers is not None and not (np.isinf(numbers) if gaps else ~np.isfinite(numbers)).any()
+
+
+def refuse_gaps(n_missing: int, why: str, cure: str) -> None:
+    """Raise if readings are missing where all are needed.
+
+    Raises
+    ------
+    ProblemError
+        some are; the sentence says `why` that cannot be and ends with the `cure`.
+    """
+    if n_missing:
+        what = f"{n_missing} readings are" if n_missing > 1 else "1 reading is"
+        raise ProblemError(f"{what} missing (NaN), and {why}; expected every reading; {cure}")
+
+
+def labels_of(values: ArrayLike) -> NDArray[Any]:
+    """Return a copy of the labels of an array or a series.
+
+    Raises
+    ------
+    ProblemError
+        a label is missing or infinite.
+    """
+    labels = np.array(values)
+    is_absent = np.zeros(labels.shape, dtype=bool)
+    if labels.dtype.kind == "f":
+        is_absent = ~np.isfinite(labels)
+    elif labels.dtype.kind in "mM":
+        is_absent = np.isnat(labels)
+    elif labels.dtype == np.dtype(object):
+        is_absent = np.array([_is_missing(value) for value in labels.ravel()], dtype=bool).reshape(labels.shape)
+    if is_absent.any():
+        row = ", ".join(str(int(i)) for i in np.argwhere(is_absent)[0])
+        first = labels[is_absent][0]
+        raise ProblemError(
+            f"labels[{row}] is {first}; {int(is_absent.sum())} of {labels.size} labels are missing or infinite; "
+            "expected a class for each sample; drop the others or give their labels"
+        )
+    return labels
+
+
+def _is_missing(label: Any) -> bool:
+    """Whether a label is None, a NaN of any kind or the NA of pandas, which compares to nothing."""
+    return label is None or type(label).__name__ == "NAType" or bool(label != label)
+
+
+def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
+    """Return the distinct labels in ascending order and the index of each sample's label among them."""
+    if labels.dtype != np.dtype(object):
+        distinct, inverse = np.unique(labels, return_inverse=True)
+        return distinct.tolist(), inverse.astype(np.int64)
+    values = labels.tolist()
+    present = sorted(set(values), key=lambda value: (type(value).__name__, value))
+    position = {value: k for k, value in enumerate(present)}
+    return present, np.array([position[value] for value in values], dtype=np.int64)
+
+
+def numbers_of(
+    values: ArrayLike,
+    name: str,
+    n_dimensions: int,
+    *,
+    gaps: bool = False,
+    kept: tuple[type[np.floating[Any]], ...] = KEPT[:1],
+) -> NDArray[np.float64]:
+    """Return finite numbers as float64; with `gaps` some may be missing, NaN of one bit pattern.
+
+    A copy, but of an array of a type of `kept` that nobody can write to (`array.flags.writeable` False, its memory its
+    own): a table of 10^6 rows is then held once.
+
+    Raises
+    ------
+    ProblemError
+        some value is no finite number (nor, with `gaps`, missing), or the number of dimensions is another.
+    """
+    try:
+        array = values if _is_settled(values, kept) else np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
+    if array.ndim != n_dimensions:
+        raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
+    if all(np.isfinite(block).all() for block in in_blocks(array)):
+        return array
+    is_wrong = ~np.isfinite(array)
+    is_missing = np.isnan(array)
+    is_wrong = is_wrong & ~is_missing if gaps else is_wrong
+    if is_wrong.any():
+        place = ", ".join(str(int(i)) for i in np.argwhere(is_wrong)[0])
+        what = (
+            ("infinite", "finite numbers, or NaN where a reading is missing")
+            if gaps
+            else ("not finite", "finite numbers")
+        )
+        raise ProblemError(
+            f"{name}[{place}] is {what[0]} ({int(is_wrong.sum())} in all); expected {what[1]}; drop or fill them"
+        )
+    if not array.flags.writeable:
+        missing = array[is_missing]
+        if missing.tobytes() == np.full_like(missing, np.nan).tobytes():
+            return array
+        array = array.copy()
+    array[is_missing] = np.nan
+    return array
+
+
+def in_blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    """Yield an array in blocks of rows: what is made of a table need not be as large as the table."""
+    rows = max(1, BLOCK // max(1, array[:1].size))
+    return (array[start : start + rows] for start in range(0, len(array), rows))
+
+
+def _is_settled(values: object, kept: tuple[type[np.floating[Any]], ...]) -> TypeGuard[NDArray[np.float64]]:
+    """Return whether values are of a type of `kept`, in memory of their own that nobody can write to."""
+    if type(values) is not np.ndarray or values.dtype not in kept:
+        return False
+    return not values.flags.writeable and values.flags.owndata
+
+
+def number_of(value: float, name: str) -> float:
+    """Return a finite number of 0 or more.
+
+    Raises
+    ------
+    ProblemError
+        it is none.
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not np.isfinite(value) or value < 0:
+        raise ProblemError(f"{name} is {value!r}; expected a finite number of 0 or more")
+    return float(value)
+
+
+def whole_of(value: int, name: str, low: int, high: int | None) -> int:
+    """Return a whole number from `low` to `high` (None: no upper end).
+
+    Raises
+    ------
+    ProblemError
+        it is none, or lies outside.
+    """
+    is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if not is_whole or value < low or (high is not None and value > high):
+        most = "" if high is None else f" to {high}"
+        raise ProblemError(f"{name} is {value!r}; expected a whole number from {low}{most or ' on'}")
+    return int(value)
+
+
+def sensor_costs_of(
+    given: Mapping[str, float] | Sequence[float] | None, sensors: tuple[str, ...]
+) -> NDArray[np.float64]:
+    """Return the cost of every sensor (n_sensors,); 1 each where nothing is given.
+
+    Raises
+    ------
+    ProblemError
+        a sensor has no cost, an unknown one has, or a cost is negative.
+    """
+    if given is None:
+        return np.ones(len(sensors))
+    if isinstance(given, Mapping):
+        missing = [name for name in sensors if name not in given]
+        unknown = [name for name in given if name not in sensors]
+        if missing or unknown:
+            raise ProblemError(
+                f"sensor_cost has {len(given)} entries but sensor_of_feature names {len(sensors)} sensors "
+                f"(missing: {missing}, unknown: {unknown}); give one cost per sensor"
+            )
+        given = [given[name] for name in sensors]
+    costs = numbers_of(given, "sensor_cost", 1)
+    if len(costs) != len(sensors):
+        raise ProblemError(
+            f"sensor_cost has {len(costs)} entries but sensor_of_feature names {len(sensors)} sensors "
+            f"(missing: {list(sensors[len(costs) :])}); give one cost per sensor"
+        )
+    if (costs < 0).any():
+        worst = int(np.argmin(costs))
+        raise ProblemError(f"sensor_cost of {sensors[worst]!r} is {costs[worst]}; expected 0 or more")
+    return costs

@@ -1,0 +1,116 @@
+"""The map: which solver answers which pair of loss and split, by method. A new loss or method is a line here."""
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol, cast
+
+from octmip.errors import SolverError
+from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.problem import Problem
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.solution import Limits, ProgressCallback, Solution
+from octmip.trees.tree import Node
+
+
+class Solver(Protocol):
+    """The call that every solver answers."""
+
+    def __call__(
+        self,
+        problem: Problem,
+        *,
+        limits: Limits,
+        incumbent: Node | None,
+        seed: int,
+        n_jobs: int,
+        progress: ProgressCallback | None,
+        **options: Any,
+    ) -> Solution:
+        """Return the best tree found within the limits and the bound proven for it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """A method's solver: module and function, whether it proves (and so wants an incumbent first), whether by HiGHS."""
+
+    module: str
+    function: str
+    proves: bool
+    is_mixed_integer: bool = False
+    alone_to_depth: int = 0
+    """To this depth its own start finds the optimum early, and a search first would take as long as many a proof."""
+
+    cannot: tuple[str, ...] = ()
+    """Settings of a Problem that it does not know: asked for, they are refused in one sentence."""
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Return the first setting of a problem that the solver does not know, None where it knows all."""
+        asked = {name: getattr(problem, name) for name in self.cannot}
+        return next((name for name, value in asked.items() if value not in (None, False, "constant")), None)
+
+    def load(self) -> Solver:
+        """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
+
+        Raises
+        ------
+        SolverError
+            the module, or a package that it needs, is not installed.
+        """
+        try:
+            module = importlib.import_module(self.module)
+        except ModuleNotFoundError as error:
+            raise SolverError(
+                f"solver {self.module} needs the module {error.name}, which is not installed; choose another method"
+            ) from error
+        return cast(Solver, getattr(module, self.function))
+
+
+CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
+SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False)
+EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4)
+TWO_FEATURE = Registration("octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True)
+OCT = Registration("octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True)
+OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
+FLOW = Registration("octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
+BENDERS = Registration("octmip.trees.mip.benders.solver", "solve_benders", proves=True)
+NUMBERS = Registration(
+    "octmip.trees.regression.exact",
+    "exact_regression",
+    proves=True,
+    alone_to_depth=MAX_DEPTH,
+    cannot=("gaps", "leaf_model"),
+)
+NUMBERS_SEARCH = Registration(
+    "octmip.trees.regression.search", "search_regression", proves=False, cannot=("gaps", "integer_normals")
+)
+
+REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
+    ("classes", "axis"): {
+        "cart": CART,
+        "search": SEARCH,
+        "exact": EXACT,
+        "oct": OCT,
+        "oct_h": OCT_H,
+        "flow": FLOW,
+        "benders": BENDERS,
+    },
+    ("classes", "hyperplane"): {
+        "cart": CART,
+        "search": SEARCH,
+        "exact": TWO_FEATURE,
+        "oct": OCT,
+        "oct_h": OCT_H,
+        "flow": FLOW,
+        "benders": BENDERS,
+    },
+    **{(loss, "axis"): {"search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
+    **{(loss, "hyperplane"): {"search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},
+}
+"""Which solver answers which pair of loss and split, by method: the one table that a new loss or method enters."""
+METHODS = ("auto", "cart", "search", "exact", "oct", "oct_h", "flow", "benders")
+
+
+def solvers_of(problem: Problem) -> Mapping[str, Registration]:
+    """Return the solvers that answer a problem's loss and split, by method."""
+    return REGISTRY[problem.loss.name, problem.split]

@@ -1,0 +1,78 @@
+"""What a leaf predicts for its samples: one number, or a ridge regression over some features."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Node, ValueLeaf, predict_values
+
+Floats = NDArray[np.float64]
+Rows = NDArray[np.int64]
+LARGEST = 1e300
+"""Sum of errors that is told from a larger one."""
+
+
+def errors(problem: Problem, node: Node, rows: Rows) -> Floats:
+    """Return the weighted error of each of some samples under a subtree, shape (n_rows,)."""
+    misses = problem.targets[rows] - predict_values(node, problem.features[rows])
+    with np.errstate(over="ignore"):
+        weighted: Floats = problem.weights[rows] * problem.number_loss.of_misses(misses)
+    # Sums stay finite: beyond that size a tree is worse than any other, and how much worse does not matter.
+    return np.minimum(weighted, LARGEST / max(1, len(rows)))
+
+
+def fitted_leaf(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf:
+    """Return the leaf for some samples: by least error its number, or a ridge over `usable` where that is better."""
+    constant = ValueLeaf(constant_of(problem, rows))
+    if problem.leaf_model == "constant":
+        return constant
+    linear = _ridge(problem, rows, usable)
+    is_better = linear is not None and errors(problem, linear, rows).sum() < errors(problem, constant, rows).sum()
+    return linear if linear is not None and is_better else constant
+
+
+def constant_of(problem: Problem, rows: Rows) -> float:
+    """Return the weighted mean or median of the targets of some samples, in float64."""
+    weights, targets = problem.weights[rows], problem.targets[rows]
+    if not weights.any():
+        weights = np.ones(len(rows))
+    if problem.loss.name == "squared":
+        return float(np.average(targets, weights=weights))
+    return weighted_median(targets, weights)
+
+
+def weighted_median(values: Floats, weights: Floats) -> float:
+    """Return the lowest weighted median."""
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(weights[order])
+    return float(values[order[int(np.searchsorted(below, below[-1] / 2))]])
+
+
+def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
+    """Return a ridge regression of the samples over the features that vary, None where none does.
+
+    Minimises ``sum_i w_i (y_i - a - sum_j b_j x_ij)^2 + ridge * W * sum_j var_j b_j^2``, W the sum of the weights and
+    var_j the variance of feature j in the leaf; the number `a` is not shrunk. Source: Hoerl & Kennard (1970), eq. 2.1.
+    For absolute errors `a` becomes the median of what is left.
+    """
+    weights = problem.weights[rows]
+    if not weights.any():
+        return None
+    weights = weights / weights.sum()
+    values = problem.features[np.ix_(rows, usable)]
+    centre = weights @ values
+    spread = np.sqrt(weights @ (values - centre) ** 2)
+    varies = spread > 1e-9 * np.abs(values).max(axis=0)
+    if not varies.any():
+        return None
+    scaled = (values[:, varies] - centre[varies]) / spread[varies]
+    target = problem.targets[rows] - weights @ problem.targets[rows]
+    gram = scaled.T @ (weights[:, None] * scaled) + max(problem.ridge, 1e-12) * np.eye(int(varies.sum()))
+    slopes = np.linalg.solve(gram, scaled.T @ (weights * target)) / spread[varies]
+    kept = slopes != 0
+    features, slopes = usable[varies][kept], slopes[kept]
+    if not len(features) or not np.isfinite(slopes).all():
+        return None
+    left = problem.targets[rows] - problem.features[np.ix_(rows, features)] @ slopes
+    value = float(weights @ left) if problem.loss.name == "squared" else weighted_median(left, weights)
+    return ValueLeaf(value, tuple(features.tolist()), tuple(slopes.tolist()))

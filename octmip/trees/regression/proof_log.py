@@ -1,0 +1,81 @@
+"""Proof logs of axis-aligned regression trees: written by a search in whole numbers, bound to one problem.
+
+Header and body are checked by `octmip_check::regression`, which knows no solver and puts targets and weights on the
+grid of the header by itself. Format, inequalities and what rounding costs: docs/theory/regression.md.
+"""
+
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from octmip.errors import SolverError
+from octmip.formats.files import write_bytes
+from octmip.trees import _native
+from octmip.trees.encoding.numbers import power_of_two, whole_exponent
+from octmip.trees.problem import Problem
+from octmip.trees.regression.far_targets import FARTHEST, reach
+
+FORMAT = "octmip-proof 3 regression"
+"""First words of a log; the loss stands behind them."""
+SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
+"""Sums of weighted targets, costs and sums of weights that are not whole stay below 2 to the power of so many."""
+
+
+def checker_question(problem: Problem) -> _native.RegressionQuestion:
+    """Return the problem as the checker reads it: values, targets and weights as they were given."""
+    return _native.RegressionQuestion(
+        np.ascontiguousarray(problem.features),
+        np.ascontiguousarray(problem.targets),
+        np.ascontiguousarray(problem.weights),
+        (problem.loss.name == "absolute", problem.depth, problem.leaf_size, problem.leaf_penalty),
+        (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
+    )
+
+
+def write_proof(path: str | Path, problem: Problem, wanted: Fraction) -> float:
+    """Write a log that proves that trees cost `wanted`, or what the best one costs; return the bound it proves.
+
+    Raises
+    ------
+    SolverError
+        writing was interrupted.
+    DataError
+        the file cannot be written.
+    """
+    question, scale = checker_question(problem), log_scale(problem, float(wanted))
+    power = 1 if problem.loss.name == "absolute" else 2
+    unit = power_of_two(scale[0] + power * scale[1] - scale[2])
+    found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
+    if found is None:
+        raise SolverError(f"the proof of {float(wanted)} was interrupted; {path} is not written")
+    claim, body, bound = found
+    data, asked = question.digests()
+    grid = " ".join(map(str, scale))
+    header = f"{FORMAT} {problem.loss.name}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
+    write_bytes(path, (header + body + "end\n").encode("ascii"))
+    return bound
+
+
+def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
+    """Return the exponents of weights, targets, costs and reach: as fine a grid as the checker has room for."""
+    exponent = whole_exponent(problem.weights)
+    total = _bits(problem.weights, exponent)
+    if total > WEIGHT_BITS:
+        exponent -= total - WEIGHT_BITS
+        total = WEIGHT_BITS
+    farthest = reach(problem, wanted)
+    gaps = np.minimum(np.diff(np.unique(problem.targets)), math.ldexp(1.0, min(farthest, 1000)))
+    if not len(gaps):
+        return exponent, 0, 0, FARTHEST
+    # Gaps and their sum are rounded.
+    finest = SUM_BITS - total - math.frexp(math.fsum(gaps) * (1 + 1e-12))[1]
+    if problem.loss.name == "absolute":
+        return exponent, finest, 0, farthest
+    return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest
+
+
+def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: int) -> int:
+    """Return b with the sum of the weights, times 2**exponent, below 2**b."""
+    return math.frexp(math.fsum(weights))[1] + exponent + 1

@@ -1,0 +1,218 @@
+"""Local search for regression trees: axis-aligned or hyperplane splits, numbers or ridge regressions in the leaves.
+
+Trees are built from the root and improved node by node until nothing gets better: both subtrees of a node given, the
+question that sends each sample where it costs less; or a new subtree in place of the old. Each restart has its own
+features (within the sensor budget) and its own random weights at the start. No bound is proven.
+"""
+
+import math
+import time
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees import _native
+from octmip.trees.certificate import checked_incumbent
+from octmip.trees.problem import Problem
+from octmip.trees.regression.leaf_models import constant_of, errors, fitted_leaf
+from octmip.trees.regression.questions import Samples, by_means, by_sides, parts
+from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.trees.tree import Leaf, Node, complexity, without_empty_sides
+
+SOLVER = "search"
+MOST_SWEEPS = 20
+LEAST_GAIN = 1e-12
+"""Of the error of the best leaf: what is less is rounding."""
+Rows = NDArray[np.int64]
+
+
+def search_regression(
+    problem: Problem,
+    *,
+    limits: Limits = Limits(),  # noqa: B008 - frozen
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    restarts: int = 10,
+) -> Solution:
+    """Return the best tree that a local search finds, without a bound.
+
+    Parameters
+    ----------
+    problem
+        any regression problem.
+    limits
+        seconds; nodes are improved nodes.
+    incumbent
+        a tree of the problem to improve first.
+    seed
+        of the features and weights that restarts begin with.
+    n_jobs
+        without effect: the search takes one thread.
+    progress
+        called with a `Progress` after each sweep over a tree.
+    restarts
+        trees that are built and improved.
+
+    Raises
+    ------
+    ProblemError
+        the incumbent is not one of the problem's trees.
+    """
+    search = _Search(problem, limits, progress, np.random.default_rng(seed))
+    start = checked_incumbent(problem, incumbent)
+    stop = Stop.FINISHED
+    try:
+        search.keep(problem.best_leaf())
+        if start is not None:
+            search.usable = np.unique([j for j in range(problem.n_features) if search.is_affordable(start, j)])
+            search.improve_tree(without_empty_sides(start, problem.features))
+        for turn in range(restarts):
+            if search.is_over():
+                break
+            search.restart(turn)
+    except KeyboardInterrupt:
+        stop = Stop.INTERRUPTED
+    else:
+        stop = search.stop
+    return search.solution(stop, seed)
+
+
+@dataclass(slots=True)
+class _Search:
+    """A search: the best tree so far, the features of this restart, what was spent."""
+
+    problem: Problem
+    limits: Limits
+    progress: ProgressCallback | None
+    rng: np.random.Generator
+    started: float = field(default_factory=time.perf_counter)
+    tree: Node | None = None
+    cost: float = math.inf
+    n_nodes: int = 0
+    stop: Stop = Stop.FINISHED
+    usable: Rows = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    @property
+    def rows(self) -> Rows:
+        """All samples."""
+        return np.arange(self.problem.n_samples)
+
+    def is_over(self) -> bool:
+        """Whether a limit is reached."""
+        if time.perf_counter() - self.started >= self.limits.seconds:
+            self.stop = Stop.TIME
+        elif self.n_nodes >= self.limits.nodes:
+            self.stop = Stop.NODES
+        return self.stop is not Stop.FINISHED
+
+    def is_affordable(self, tree: Node, feature: int) -> bool:
+        """Whether a tree may read one feature more."""
+        sensor = self.problem.sensors[self.problem.sensor_index[feature]]
+        extra = (
+            0.0
+            if sensor in self.problem.sensors_used(tree)
+            else self.problem.sensor_costs[self.problem.sensor_index[feature]]
+        )
+        free = self.problem.sensor_limit - self.problem.sensor_cost_of(tree)
+        return bool(extra == 0.0 or (math.isinf(self.problem.sensor_limit) and free > 0))
+
+    def restart(self, turn: int) -> None:
+        """Build a tree over features of its own and improve it."""
+        self.usable = self._features(turn)
+        weights = np.ones(self.problem.n_samples) if turn == 0 else self.rng.exponential(size=self.problem.n_samples)
+        self.improve_tree(self.build(self.rows, self.problem.depth, weights))
+
+    def _features(self, turn: int) -> Rows:
+        """Return the features of a restart: of random sensors within the budget, all of them at first without one."""
+        problem = self.problem
+        left, kept = problem.sensor_limit, set()
+        for sensor in self.rng.permutation(len(problem.sensors)).tolist():
+            is_left_out = turn > 0 and math.isinf(problem.sensor_limit) and self.rng.random() < 0.3
+            if problem.sensor_costs[sensor] <= left and not is_left_out:
+                kept.add(sensor)
+                left -= problem.sensor_costs[sensor]
+        usable = [s in kept and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
+        groups = problem.allowed_splits
+        if groups is None or problem.split == "axis":
+            return np.flatnonzero(usable)
+        group = groups[int(self.rng.integers(len(groups)))]  # whose features may meet in every split
+        return np.intersect1d(np.flatnonzero(usable), np.array(group, dtype=np.int64))
+
+    def build(self, rows: Rows, depth: int, tilt: NDArray[np.float64] | None = None) -> Node:
+        """Return a tree for some samples, built from the root; `tilt` (n_samples,) multiplies their weights."""
+        problem = self.problem
+        leaf = fitted_leaf(problem, rows, self.usable)
+        if depth == 0 or len(rows) < max(2, 2 * problem.leaf_size) or not len(self.usable):
+            return leaf
+        weights, targets = problem.weights[rows] * (1.0 if tilt is None else tilt[rows]), problem.targets[rows]
+        targets = targets - constant_of(problem, rows)
+        question = Samples(problem, rows, self.usable).best(by_means(weights, targets), weights * targets)
+        if question is None:
+            return leaf
+        left, right = (self.build(part, depth - 1, tilt) for part in parts(question, problem.features, rows))
+        return self._better(leaf, replace(question, left=left, right=right), rows)
+
+    def _cost(self, node: Node, rows: Rows) -> float:
+        return float(errors(self.problem, node, rows).sum()) + self.problem.leaf_penalty * complexity(node)
+
+    def _better(self, known: Node, other: Node, rows: Rows) -> Node:
+        """Return the other subtree if it is better by more than rounding."""
+        least = self._cost(known, rows)
+        return other if self._cost(other, rows) < least - LEAST_GAIN * abs(least) else known
+
+    def improve_tree(self, tree: Node) -> None:
+        """Improve the nodes of a tree until none gets better, and keep the tree."""
+        before = math.inf
+        for _ in range(MOST_SWEEPS):
+            tree = self._improved(tree, self.rows, self.problem.depth)
+            cost = self._cost(tree, self.rows)
+            self.keep(tree)
+            if cost >= before * (1 - 1e-9) or self.is_over():
+                return
+            before = cost
+
+    def _improved(self, node: Node, rows: Rows, depth: int) -> Node:
+        self.n_nodes += 1
+        if isinstance(node, Leaf):
+            fitted = self._better(node, fitted_leaf(self.problem, rows, self.usable), rows)
+            return self._better(fitted, self.build(rows, depth), rows)
+        left, right = parts(node, self.problem.features, rows)
+        node = replace(
+            node, left=self._improved(node.left, left, depth - 1), right=self._improved(node.right, right, depth - 1)
+        )
+        if self.is_over():
+            return node
+        costs = [errors(self.problem, side, rows) for side in (node.left, node.right)]
+        question = Samples(self.problem, rows, self.usable).best(by_sides(*costs), costs[0] - costs[1])
+        if question is not None:
+            other = self._refitted(replace(question, left=node.left, right=node.right), rows)
+            node = node if other is None else self._better(node, other, rows)
+        return self._better(node, self.build(rows, depth), rows)
+
+    def _refitted(self, node: Node, rows: Rows) -> Node | None:
+        """Return a subtree with new leaves for the samples that reach them now; None where a leaf is too small."""
+        if isinstance(node, Leaf):
+            return None if len(rows) < self.problem.leaf_size else fitted_leaf(self.problem, rows, self.usable)
+        sides = zip((node.left, node.right), parts(node, self.problem.features, rows), strict=True)
+        left, right = (self._refitted(side, part) for side, part in sides)
+        return None if left is None or right is None else replace(node, left=left, right=right)
+
+    def keep(self, tree: Node) -> None:
+        """Take up a tree that is better than the best so far."""
+        cost = self._cost(tree, self.rows)
+        if cost < self.cost:
+            self.tree, self.cost = tree, cost
+        if self.progress is not None:
+            self.progress(Progress(time.perf_counter() - self.started, self.cost, -math.inf, self.n_nodes))
+
+    def solution(self, stop: Stop, seed: int) -> Solution:
+        """Return the best tree, constants rounded once, its objective recounted."""
+        assert self.tree is not None
+        problem = self.problem
+        tree = problem.with_best_leaves(self.tree) if problem.leaf_model == "constant" else self.tree
+        seconds, objective = time.perf_counter() - self.started, problem.objective(tree)
+        version = _native.__version__
+        return Solution(tree, objective, -math.inf, stop, seconds, self.n_nodes, SOLVER, version, seed)

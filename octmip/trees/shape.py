@@ -1,0 +1,170 @@
+"""Shape: which trees a Problem allows, whatever they predict.
+
+Trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples, at most `split_size` features
+per split, total sensor cost at most `sensor_budget`.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import ProblemError
+from octmip.trees.problem_values import number_of, sensor_costs_of, whole_of
+from octmip.trees.tree import HyperplaneSplit, Node, features_used
+
+MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
+
+
+def set_field(noun: object, name: str, value: object) -> None:
+    """Set a field of a frozen dataclass while it is made; an array can be written to no more."""
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    object.__setattr__(noun, name, value)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False, kw_only=True)
+class Shape:
+    """Which trees are allowed.
+
+    Attributes
+    ----------
+    depth
+        levels of splits, 1 or more.
+    split
+        "axis" (one feature and a threshold) or "hyperplane".
+    split_size
+        at most so many features in one split; None: no limit (1 for "axis").
+    leaf_size
+        at least so many samples in every leaf.
+    leaf_penalty
+        price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
+    sensor_of_feature
+        (n_features,) name of the sensor that a feature is read from; None: one sensor per feature,
+        named like the feature.
+    sensor_cost
+        cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
+    sensor_budget
+        at most so much sensor cost in the whole tree; None: no limit.
+    allowed_splits
+        groups of features (names or indices) that may meet in one split; None: any may. A feature in
+        no group is not used at all.
+    leaf_model
+        "constant": one class or number in a leaf; "linear": a ridge regression of its samples (numbers, by search).
+    ridge
+        share of the leaf's own variance that the ridge of a linear leaf adds to every feature's.
+    integer_normals
+        the coefficients of a hyperplane are integers of at most this size; None: real.
+    Derived:
+        sensors: names of the sensors in the order of their first feature.
+        sensor_index: (n_features,) int64, index in `sensors`.
+        sensor_costs: (n_sensors,) float64.
+    """
+
+    depth: int
+    split: Literal["axis", "hyperplane"] = "axis"
+    split_size: int | None = None
+    leaf_size: int = 1
+    leaf_penalty: float = 0.0
+    sensor_of_feature: Sequence[str] | None = None
+    sensor_cost: Mapping[str, float] | Sequence[float] | None = None
+    sensor_budget: float | None = None
+    allowed_splits: Sequence[Sequence[str | int]] | None = None
+    leaf_model: Literal["constant", "linear"] = "constant"
+    ridge: float = 1e-3
+    integer_normals: int | None = None
+    sensors: tuple[str, ...] = field(init=False, repr=False)
+    sensor_index: NDArray[np.int64] = field(init=False, repr=False)
+    sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
+
+    def _settle(self, feature_names: tuple[str, ...], n_samples: int) -> None:
+        """Check what was given, for samples of so many rows and these columns, and fill in what is derived."""
+        self._set_sensors(feature_names)
+        self._check_sizes(n_samples)
+        self._set_allowed_splits(feature_names)
+
+    def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
+        names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
+        of_feature = tuple(str(name) for name in names)
+        if len(of_feature) != len(feature_names):
+            raise ProblemError(
+                f"sensor_of_feature has {len(of_feature)} entries but there are {len(feature_names)} features; "
+                "give one each"
+            )
+        sensors = tuple(dict.fromkeys(of_feature))
+        position = {name: s for s, name in enumerate(sensors)}
+        set_field(self, "sensor_of_feature", of_feature)
+        set_field(self, "sensors", sensors)
+        set_field(self, "sensor_index", np.array([position[name] for name in of_feature], dtype=np.int64))
+        set_field(self, "sensor_costs", sensor_costs_of(self.sensor_cost, sensors))
+        if self.sensor_budget is not None:
+            set_field(self, "sensor_budget", number_of(self.sensor_budget, "sensor_budget"))
+
+    def _check_sizes(self, n_samples: int) -> None:
+        set_field(self, "depth", whole_of(self.depth, "depth", 1, MAX_DEPTH))
+        set_field(self, "leaf_size", whole_of(self.leaf_size, "leaf_size", 1, n_samples))
+        set_field(self, "leaf_penalty", number_of(self.leaf_penalty, "leaf_penalty"))
+        set_field(self, "ridge", number_of(self.ridge, "ridge"))
+        for name, known in (("split", ("axis", "hyperplane")), ("leaf_model", ("constant", "linear"))):
+            if getattr(self, name) not in known:
+                raise ProblemError(f"{name} is {getattr(self, name)!r}; expected {known[0]!r} or {known[1]!r}")
+        if self.split == "axis" and self.split_size not in (None, 1):
+            raise ProblemError(f"split_size is {self.split_size} but split is 'axis'; say split='hyperplane' for more")
+        if self.split_size is not None:
+            set_field(self, "split_size", whole_of(self.split_size, "split_size", 1, None))
+        if self.integer_normals is not None:
+            set_field(self, "integer_normals", whole_of(self.integer_normals, "integer_normals", 1, 2**53))
+
+    def _set_allowed_splits(self, feature_names: tuple[str, ...]) -> None:
+        if self.allowed_splits is None:
+            return
+        position = {name: j for j, name in enumerate(feature_names)}
+        groups = []
+        for group in self.allowed_splits:
+            indices = {position.get(entry, entry) if isinstance(entry, str) else entry for entry in group}
+            wrong = [e for e in indices if isinstance(e, str) or not 0 <= e < self.n_features]
+            if wrong or not indices:
+                raise ProblemError(
+                    f"allowed_splits names {wrong or 'an empty group'}; expected features by name or index"
+                )
+            groups.append(tuple(sorted(int(e) for e in indices)))
+        set_field(self, "allowed_splits", tuple(groups))
+
+    @property
+    def n_features(self) -> int:
+        """Number of features."""
+        return len(self.sensor_index)
+
+    @property
+    def max_split_size(self) -> int:
+        """Most features that one split may have."""
+        return 1 if self.split == "axis" else min(self.split_size or self.n_features, self.n_features)
+
+    def sensors_used(self, tree: Node) -> tuple[str, ...]:
+        """Return the names of the sensors that a tree reads, in the order of `sensors`."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return tuple(self.sensors[s] for s in sorted(used))
+
+    def sensor_cost_of(self, tree: Node) -> float:
+        """Return the total cost of the sensors that a tree reads, each paid once."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return math.fsum(self.sensor_costs[s] for s in used)
+
+    @property
+    def sensor_limit(self) -> float:
+        """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
+        return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
+
+    def is_allowed(self, features: tuple[int, ...]) -> bool:
+        """Whether these features may meet in one split."""
+        if len(features) > self.max_split_size:
+            return False
+        return self.allowed_splits is None or any(set(features) <= set(group) for group in self.allowed_splits)
+
+    def is_integral(self, split: HyperplaneSplit) -> bool:
+        """Whether a hyperplane's coefficients are whole numbers where that is asked for."""
+        most = self.integer_normals
+        return most is None or all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)

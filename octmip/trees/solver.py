@@ -1,0 +1,321 @@
+"""One door to every solver: an incumbent from search, a proof from exact or mip, a certificate before it is returned.
+
+method    solver                                    tree found by        bound from
+cart      scikit-learn's CART                       greedy               none
+search    local search                              search               none
+exact     branch and bound over thresholds          exact (search first  exact
+                                                    from depth 5 on)
+          hyperplanes of at most two features to    exact (best axis-    exact
+          depth 2: boxes of lines                   aligned tree first)
+oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
+oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
+flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
+benders   Benders on HiGHS: axis-aligned trees      search, HiGHS        HiGHS
+auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
+
+HiGHS works alone unless it is given assistance (`options={"assist": ("exact", "search")}`): the exact core's bound
+becomes a row of its model, or trees of further local searches are handed to it while it runs.
+"""
+
+import importlib
+import math
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.formats.solves_file import SolvesFile, key_of
+from octmip.trees.certificate import certify, checked_incumbent
+from octmip.trees.cluster import opened
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.problem import Problem
+from octmip.trees.registry import METHODS, TWO_FEATURE, solvers_of
+from octmip.trees.run import ASSISTANTS as ASSISTANTS
+from octmip.trees.run import NO_OPTIONS, Run, check_options, options_of, until_interrupted
+from octmip.trees.run import Method as Method
+from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.trees.tree import Node, complexity
+
+# An incumbent may take this share of the time when time is limited: what remains is the proof's.
+SEARCH_SHARE = 0.2
+# And it makes fewer restarts than a search by itself: after the first few a proof gains more from the time.
+FIRST_RESTARTS = 4
+TURN_SECONDS = 5.0
+"""A search that assists takes so long at most, so that it ends soon after HiGHS."""
+
+
+def solve(
+    problem: Problem,
+    method: Method = "auto",
+    limits: Limits = Limits(),  # noqa: B008 (frozen)
+    incumbent: Node | Solution | None = None,
+    seed: int = 0,
+    n_jobs: int = 1,
+    progress: ProgressCallback | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> Solution:
+    """Return the best tree that a method finds within the limits, and the bound that it proves.
+
+    Methods that prove begin with a local search for at most a fifth of the time limit, unless an incumbent is given or
+    the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree
+    so far (`Stop.INTERRUPTED`).
+
+    Parameters
+    ----------
+    problem
+        the problem; which methods answer it, `REGISTRY` says by its loss and split.
+    method
+        see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
+    limits
+        wall seconds, relative gap, nodes, memory; reaching one is no error.
+    incumbent
+        a tree of this problem to start from.
+    seed
+        of all random choices.
+    n_jobs
+        threads; the tree is the same for any number, unless time runs out.
+    progress
+        called now and then with the state of the solver.
+    options
+        what the method's own solver takes beyond all this, for instance ``restarts`` of the search, or ``cluster``
+        of the search and of exact axis-aligned proofs: other processes that do their work (`octmip.trees.cluster`). The
+        mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
+        time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
+        its own and hands over better trees, so which of several optimal trees comes back may vary. Every method takes
+        ``solves``, the name of a file: a solve that stands there is not made again, others are added when they are
+        finished, so that a study of many solves goes on where it was killed.
+
+    Raises
+    ------
+    ProblemError
+        the method or an option is unknown, or the incumbent is no tree of this problem.
+    SolverError
+        the solver failed, or its solution fails its certificate.
+    """
+    run = Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress)
+    return solve_run(problem, run, incumbent)
+
+
+def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:
+    """Return what `solve` returns for the method, limits, seed, threads, options and progress of a run.
+
+    Raises
+    ------
+    ProblemError, SolverError
+        as `solve`.
+    DataError
+        the file of the option ``solves`` cannot be read or written.
+    """
+    if "solves" in run.options:
+        return _kept_solve(problem, run, incumbent)
+    name = chosen_method(problem, run.method)
+    # Loaded before the clock starts: its import is not the solver's time.
+    check_options(f"method {name!r}", _options_of(problem, name), run.options)
+    first = _known(problem, incumbent, run)
+    start = time.perf_counter()
+
+    def result() -> Solution:
+        with opened(run.options, run.n_jobs) as options:
+            return _result(_Call(problem, replace(run, options=options), start), name, first)
+
+    solution = until_interrupted(problem, result, name, None if first is None else first.tree)
+    return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
+
+
+def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -> Solution:
+    """Return the solution that a file of solves has, or make it and add it there."""
+    asked = replace(run, options={name: value for name, value in run.options.items() if name != "solves"})
+    version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
+    kept, key = SolvesFile(run.options["solves"], version), key_of(problem, asked, incumbent)
+    found = kept.find(problem, key)
+    if found is not None:
+        return _checked(problem, found, asked.options)
+    solution = solve_run(problem, asked, incumbent)
+    if solution.stop is not Stop.INTERRUPTED:
+        kept.keep(problem, key, solution)
+    return solution
+
+
+def chosen_method(problem: Problem, method: str) -> str:
+    """Return the name of the solver that a method means for a problem.
+
+    Raises
+    ------
+    ProblemError
+        there is no such method, or none for this loss and split.
+    """
+    known = solvers_of(problem)
+    if method not in METHODS:
+        raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
+    if method not in ("auto", *known):
+        raise ProblemError(
+            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
+            f"{', '.join(('auto', *known))}"
+        )
+    is_exact = problem.split == "axis" and problem.is_provable
+    chosen = method if method != "auto" else "exact" if is_exact else "search"
+    if (setting := known[chosen].refusal(problem)) is not None:
+        others = [f"use method {name!r}" for name, solver in known.items() if solver.refusal(problem) is None]
+        fill = ["fill missing readings, or let an estimator or the command encode them"] if setting == "gaps" else []
+        raise ProblemError(
+            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {setting}; "
+            + " or ".join([*others, *fill, f"leave {setting} out"])
+        )
+    return chosen
+
+
+def _wants_incumbent(problem: Problem, name: str) -> bool:
+    """Whether a local search first shortens the proof."""
+    solver = solvers_of(problem)[name]
+    return solver.proves and problem.depth > solver.alone_to_depth
+
+
+@dataclass(frozen=True, slots=True)
+class _Call:
+    """The call that all solvers of one `solve` share."""
+
+    problem: Problem
+    run: Run
+    start: float
+
+    def solve(
+        self,
+        name: str,
+        tree: Node | None,
+        *,
+        share: float = 1.0,
+        turn: int = 0,
+        options: Mapping[str, Any] = NO_OPTIONS,
+    ) -> Solution:
+        """Return the solution of one solver within `share` of the seconds that are left; another turn, another seed."""
+        run, spent = self.run, time.perf_counter() - self.start
+        seconds = share * max(0.0, run.limits.seconds - spent)
+        limits = replace(run.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
+        solution = solvers_of(self.problem)[name].load()(
+            self.problem,
+            limits=limits,
+            incumbent=tree,
+            seed=run.seed + turn,
+            n_jobs=run.n_jobs if turn == 0 else 1,
+            progress=self._shifted_progress(spent) if turn == 0 else None,
+            **options,
+        )
+        return _fitting(self.problem, solution, run.options)
+
+    def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
+        progress = self.run.progress
+        if progress is None:
+            return None
+        return lambda state: progress(replace(state, seconds=state.seconds + spent))
+
+
+def _options_of(problem: Problem, name: str) -> set[str]:
+    solver = solvers_of(problem)[name]
+    if not solver.is_mixed_integer:
+        return options_of(solver.load())
+    from octmip.trees.mip.engine import Request
+
+    return options_of(solver.load(), Request)
+
+
+def _fitting(problem: Problem, solution: Solution, options: Mapping[str, Any]) -> Solution:
+    """Return a solution whose tree has as many splits as the options allow: the best pruning where it has more."""
+    if options.get("max_splits") is None or solution.tree is None:
+        return solution
+    from octmip.trees.mip.incumbent import pruned
+
+    tree = pruned(problem, solution.tree, options["max_splits"])
+    if tree is solution.tree:
+        return solution
+    stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
+    return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
+
+
+def _result(call: _Call, name: str, first: Solution | None) -> Solution:
+    """Return the solution of a method that starts from `first`, or from a search where that helps."""
+    if first is None and _wants_incumbent(call.problem, name):
+        first = _first_tree(call, name)
+        if first.stop is Stop.INTERRUPTED:
+            return first
+    # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
+    solution = _checked(call.problem, _solved(call, name, first), call.run.options)
+    return _with_better_tree(solution, first) if solvers_of(call.problem)[name].proves else solution
+
+
+def _first_tree(call: _Call, name: str) -> Solution:
+    """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
+    if solvers_of(call.problem)[name] is TWO_FEATURE:
+        # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
+        axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
+        return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
+    shared = {key: value for key, value in call.run.options.items() if key == "cluster"}
+    return call.solve("search", None, share=SEARCH_SHARE, options=shared | {"restarts": FIRST_RESTARTS})
+
+
+def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
+    """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
+    try:
+        if "assist" in call.run.options:
+            return _assisted(call, name, first)
+        return call.solve(name, first.tree if first else None, options=call.run.options)
+    except KeyboardInterrupt:
+        if first is None:
+            raise
+        return replace(first, stop=Stop.INTERRUPTED)
+
+
+def _assisted(call: _Call, name: str, first: Solution | None) -> Solution:
+    """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
+    assistants = call.run.options["assist"]
+    own = {key: value for key, value in call.run.options.items() if key != "assist"}
+    tree = first.tree if first else None
+    if "exact" in assistants:
+        proven = _checked(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
+        if proven.stop is Stop.INTERRUPTED:
+            return replace(proven, solver=name)
+        tree, own["lower_bound"] = proven.tree, proven.bound
+    if "search" not in assistants:
+        return call.solve(name, tree, options=own)
+    from octmip.trees.mip.highs.injector import IncumbentInjector
+
+    def searched(turn: int) -> Node | None:
+        return call.solve("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree
+
+    with IncumbentInjector(searched) as injector:
+        return call.solve(name, tree, options=own | {"inject": injector})
+
+
+def _known(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
+    """Return the incumbent as a solution without a bound, once it is a tree of the problem."""
+    tree = checked_incumbent(problem, incumbent)
+    if tree is None:
+        return None
+    objective = problem.objective(tree)
+    if math.isinf(objective):  # no float64: worse than any tree that a solver begins with
+        return None
+    given = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
+    return _fitting(problem, given, run.options)
+
+
+def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
+    if first is None or first.objective >= solution.objective:
+        return solution
+    better = replace(solution, tree=first.tree, objective=first.objective)
+    if better.is_optimal and better.stop is not Stop.INTERRUPTED:
+        better = replace(better, stop=Stop.OPTIMAL)
+    return better
+
+
+def _checked(problem: Problem, solution: Solution, options: Mapping[str, Any] = NO_OPTIONS) -> Solution:
+    if solution.tree is None:
+        return solution
+    most, read = options.get("max_splits"), complexity(solution.tree)
+    if most is not None and read > most:
+        raise SolverError(f"{solution.solver} returned {read} features in splits; expected max_splits={most} at most")
+    try:
+        with held_back():  # what hours have found is not lost to a signal in these moments
+            certify(problem, solution)
+    except CertificateError as error:
+        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    return solution

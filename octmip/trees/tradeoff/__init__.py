@@ -1,0 +1,41 @@
+"""Tradeoffs: error against depth, sensors and simplicity, and the depth and leaf penalty that hold on unseen samples.
+
+frontier   the least cost against depth, sensor budget or leaf penalty, each point with its bound
+path       for every leaf penalty the best tree: all the trees that are best for some penalty
+risk       missed critical states against false alarms, over the cost of a failure
+held_out   rows kept from training, and what a tree and CART lose there
+leaf_shares  leaf probabilities, corrected by rows held out of refits
+choice     depth and leaf penalty by cross-validation over those paths
+"""
+
+from octmip.trees.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
+from octmip.trees.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
+from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score
+from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
+from octmip.trees.tradeoff.path import PathTree, PenaltyPath, trace_path
+from octmip.trees.tradeoff.risk import RiskPoint, trace_risk_frontier
+
+__all__ = [
+    "OVERS",
+    "RULES",
+    "Choice",
+    "Comparison",
+    "Over",
+    "PathTree",
+    "PenaltyPath",
+    "Point",
+    "RiskPoint",
+    "Rule",
+    "Samples",
+    "Score",
+    "Step",
+    "beside_cart",
+    "choose_tree",
+    "default_values",
+    "held_out_rows",
+    "leaves_on_fresh_rows",
+    "score",
+    "trace_frontier",
+    "trace_path",
+    "trace_risk_frontier",
+]

@@ -1,0 +1,125 @@
+"""Held-out samples: rows kept from training, and what a tree and CART lose on both parts.
+
+Which rows are held out follows from the labels, a share and a seed alone, by the raw stream of PCG64, which NumPy
+promises to keep: a tree file names share and seed, and its training rows are found again years later.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import ProblemError
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import distinct_labels
+from octmip.trees.tree import Node, predict, predict_values
+
+
+def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.bool_]:
+    """Return which rows are held out, shape (n_rows,): of each class its share, rounded, but never its last row.
+
+    Raises
+    ------
+    ProblemError
+        the share is not between 0 and 1, or so small that no row is held out.
+    """
+    if not 0.0 < share < 1.0:
+        raise ProblemError(f"the share held out is {share}; expected more than 0 and less than 1, such as 0.25")
+    _, codes = distinct_labels(labels)
+    order = np.lexsort((np.random.PCG64(seed).random_raw(len(codes)), codes))
+    is_held = np.zeros(len(codes), dtype=np.bool_)
+    for rows in np.split(order, np.cumsum(np.bincount(codes))[:-1]):
+        is_held[rows[: min(len(rows) - 1, int(share * len(rows) + 0.5))]] = True
+    if not is_held.any():
+        raise ProblemError(
+            f"a share of {share:g} of {len(codes)} rows holds none out, as each class keeps a row; give a larger share"
+        )
+    return is_held
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """Samples that a tree is judged by.
+
+    Attributes
+    ----------
+    features
+        (n_samples, n_features) numbers.
+    codes
+        (n_samples,) target of each as in `Problem.codes`: an index of the problem's `class_names`, or a number.
+    weights
+        (n_samples,) risk weights.
+    """
+
+    features: NDArray[np.float64]
+    codes: NDArray[Any]
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What a tree loses on some samples: what it is judged by (`Loss.measures`), and the cost (no leaf penalty)."""
+
+    n_samples: int
+    measures: Mapping[str, float]
+    cost: float
+
+    @property
+    def errors(self) -> int:
+        """How many of the samples are wrong, of a tree of classes."""
+        return int(self.measures["errors"])
+
+    @property
+    def error_rate(self) -> float:
+        """Share of the samples that are wrong."""
+        return self.errors / self.n_samples
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A tree beside CART of the same problem, on the training samples and on those held out (None: there are none).
+
+    CART is one of classes; of numbers its scores and tree are None.
+    """
+
+    training: Score
+    held_out: Score | None
+    cart_training: Score | None
+    cart_held_out: Score | None
+    cart_tree: Node | None
+
+
+def score(problem: Problem, tree: Node, samples: Samples | None = None) -> Score:
+    """Return what a tree loses on samples; on those of the problem if none are given."""
+    samples = samples or Samples(problem.features, problem.codes, problem.weights)
+    how = predict if problem.loss.predicts == "class" else predict_values
+    judged = samples.weights, samples.codes, how(tree, samples.features)
+    return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
+
+
+def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, seed: int = 0) -> Comparison:
+    """Return what a tree and CART, trained on the same samples, lose there and on those held out.
+
+    Parameters
+    ----------
+    problem
+        the tree's problem, over the training samples.
+    tree
+        the tree.
+    held_out
+        samples that neither saw.
+    seed
+        of CART.
+    """
+    cart = greedy_tree(problem, seed=seed).tree if problem.loss.predicts == "class" else None
+    return Comparison(
+        training=score(problem, tree),
+        held_out=None if held_out is None else score(problem, tree, held_out),
+        cart_training=None if cart is None else score(problem, cart),
+        cart_held_out=None if cart is None or held_out is None else score(problem, cart, held_out),
+        cart_tree=cart,
+    )
