@@ -1,11 +1,4 @@
-"""Run every method on one table, each within the same time limit, and show them side by side.
-
-Each has its own gap, and the gap to the best bound that any of them proved: the most by which it can miss the optimum.
-Beside it, how many seconds it took until its own tree and bound were within 10 %, 1 % and 0 % of each other.
-The methods by HiGHS start from CART's tree, so that what they find beyond it is their own.
-
-A method that cannot answer the problem is listed with the reason.
-"""
+"""Run every method on one table: `octmip.interfaces.cli.options.compare` says how the command is called."""
 
 import argparse
 from typing import Any
@@ -14,9 +7,8 @@ from octmip.errors import DataError, ProblemError, SolverError
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
-from octmip.interfaces.cli.samples.options import add_held_out_arguments
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import narrow_scope
@@ -37,21 +29,6 @@ DEFAULTS = {
     "two features": ("cart", "search", "exact", "flow", "oct_h"),
 }
 BY_HIGHS = ("benders", "flow", "oct", "oct_h")
-
-EXAMPLES = """\
-  octmip compare iris.csv --label species --depth 3
-  octmip compare iris.csv --label species --depth 2 --holdout 0.25
-  octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
-"""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip compare`."""
-    group = add_everyday_arguments(parser, seconds=60.0)
-    add_held_out_arguments(group)
-    group.add_argument("--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)")
-    add_problem_arguments(parser)
-    add_run_arguments(parser, with_method=False)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,38 +1,25 @@
-"""Print the script that lets a shell complete octmip's commands, options and file names.
-
-shtab makes it from the parsers themselves, so it knows every option of this version.
-"""
+"""Print the script for a shell: `octmip.interfaces.cli.options.completion` says how the command is called."""
 
 import argparse
-import importlib
 
 import shtab
 
 from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import use_of
 
-EXAMPLES = """\
-  octmip completion bash > ~/.local/share/bash-completion/completions/octmip
-  octmip completion zsh > ~/.zfunc/_octmip
-  octmip completion tcsh > ~/.octmip.completion.csh
-"""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip completion`."""
-    parser.add_argument("shell", choices=shtab.SUPPORTED_SHELLS, help="the shell")
-
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the script."""
-    from octmip.interfaces.cli.program import COMMANDS, MODULES  # which imports this module by name when it is called
+    from octmip.interfaces.cli.program import (  # which imports this module by name when it is called
+        COMMANDS,
+        options_of,
+    )
 
     whole = argparse.ArgumentParser(prog="octmip", description="optimal classification trees, with their proofs")
     commands = whole.add_subparsers(parser_class=_CommandParser)
     for name, summary in COMMANDS.items():
-        command = importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(name, name)}")
         parser = commands.add_parser(name, help=summary)
-        command.add_arguments(parser)
+        options_of(name).add_arguments(parser)
         _complete_files(parser.finish())
     print(shtab.complete(whole, arguments.shell))
     return 0

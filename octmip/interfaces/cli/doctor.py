@@ -1,8 +1,4 @@
-"""Check this installation: versions, the native core at work on a tiny problem, extras, threads and memory.
-
-Exit code 0: the core works, and an extra that is absent is named with what it would give. 1: something that every
-command needs does not work.
-"""
+"""Check this installation: `octmip.interfaces.cli.options.doctor` says how the command is called."""
 
 import argparse
 import importlib
@@ -19,13 +15,8 @@ from types import MappingProxyType
 from typing import Any
 
 from octmip.formats.names import visible
-from octmip.interfaces.cli.arguments import add_json_argument
 from octmip.trees.methods.interruption import is_heard
 
-EXAMPLES = """\
-  octmip doctor
-  octmip doctor --json
-"""
 NEEDED: Mapping[str, str] = MappingProxyType(
     {name: name for name in ("numpy", "scipy", "pandas", "joblib", "highspy", "shtab")} | {"scikit-learn": "sklearn"}
 )
@@ -59,11 +50,6 @@ class Finding:
     is_good: bool
     says: str
     is_needed: bool = True
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip doctor`."""
-    add_json_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

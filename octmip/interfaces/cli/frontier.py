@@ -1,9 +1,4 @@
-"""Show the least cost against depth, sensor budget or leaf penalty: one row per value, each with its bound.
-
-The limits apply to each value separately. Each value starts from the tree of the one before, and bounds proven under
-wider limits are used for the tighter ones. With --folds each depth or penalty also shows its cost on samples held out,
-per unit of weight, and the best pair of depth and penalty is chosen.
-"""
+"""Show the least cost against a setting: `octmip.interfaces.cli.options.frontier` says how the command is called."""
 
 import argparse
 import contextlib
@@ -20,52 +15,18 @@ from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes, then_written
 from octmip.interfaces.cli.arguments import (
-    add_cluster_argument,
-    add_everyday_arguments,
-    add_problem_arguments,
-    add_run_arguments,
     cluster_of,
     limits_of,
 )
-from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.options.frontier import PICTURES
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits
-from octmip.trees.tradeoff import OVERS, Choice, Point, choose_tree, trace_frontier
+from octmip.trees.tradeoff import Choice, Point, choose_tree, trace_frontier
 from octmip.trees.tree import n_splits
-
-PICTURES = (".svg", ".png", ".pdf")
-
-EXAMPLES = """\
-  octmip frontier iris.csv --label species --over depth --depth 4
-  octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg
-  octmip frontier iris.csv --label species --over penalty --depth 3 --folds 5
-"""
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip frontier`."""
-    group = add_everyday_arguments(parser, seconds=60.0)
-    group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
-    group.add_argument(
-        "--values",
-        metavar="A,B,...",
-        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
-    )
-    group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
-    out = group.add_argument("--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}")
-    kept = group.add_argument(
-        "--checkpoint",
-        metavar="FILE",
-        help="keep every finished solve in this file: the same command again makes only those that are missing",
-    )
-    writes(out), writes(kept)
-    add_problem_arguments(parser)
-    add_run_arguments(parser)
-    add_cluster_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

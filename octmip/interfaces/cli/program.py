@@ -1,7 +1,8 @@
 """The program: it runs one command, and says in a sentence what goes wrong.
 
-Each command is one module with `add_arguments(parser)` and `run(arguments)`, imported when it is called: `octmip
---help` does not wait for pandas. argparse of the standard library does all that is needed: no dependency is added.
+Each command is two modules: one in `octmip.interfaces.cli.options` says how it is called (`add_arguments(parser)`), and
+one with `run(arguments)` does the work. The second is imported once the words are right: help and errors of arguments
+wait for no pandas. argparse of the standard library does all that is needed: no dependency is added.
 
     exit code    0 done    1 refuted, a solver failed, or a file could not be written    2 bad input
                  130 interrupted without a result (Ctrl-C)    143 likewise by SIGTERM
@@ -12,6 +13,7 @@ import importlib
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
+from types import ModuleType
 
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError
 from octmip.formats.names import visible
@@ -37,6 +39,11 @@ COMMANDS = {
 MODULES = {"drift": "sets.drift", "near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
+
+
+def options_of(command: str) -> ModuleType:
+    """Return the module that says how a command is called."""
+    return importlib.import_module(f"octmip.interfaces.cli.options.{command.replace('-', '_')}")
 
 
 def run_words(words: Sequence[str] | None) -> int:
@@ -111,14 +118,15 @@ def _run(words: list[str]) -> int:
         near = difflib.get_close_matches(words[0], COMMANDS, n=1)
         hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
         raise DataError(f"there is no command {words[0]!r}{hint}")
-    command = importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(words[0], words[0])}")
-    parser = Parser(f"octmip {words[0]}", command.__doc__, getattr(command, "EXAMPLES", ""))
-    command.add_arguments(parser)
+    options = options_of(words[0])
+    parser = Parser(f"octmip {words[0]}", options.__doc__, getattr(options, "EXAMPLES", ""))
+    options.add_arguments(parser)
     try:
         arguments = parser.finish().parse_args(words[1:])
     except SystemExit:  # its help is shown
         return 0
     check_files(parser, arguments)
+    command = importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(words[0], words[0])}")
     code: int = command.run(arguments)
     return code
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from octmip import Problem, solve
-from octmip.interfaces.cli import solve as command
+from octmip.interfaces.cli.options import solve as options
 from octmip.interfaces.cli.samples.question import ask
 
 
@@ -18,7 +18,7 @@ def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
     path = tmp_path / "table.parquet"
     frame.assign(y=labels).to_parquet(path)
     parser = argparse.ArgumentParser()
-    command.add_arguments(parser)
+    options.add_arguments(parser)
     problem = ask(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
     assert problem.features.dtype == np.float32
     wide = Problem(features.astype(np.float64), labels, depth=2)

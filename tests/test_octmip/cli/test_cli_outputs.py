@@ -97,14 +97,12 @@ def test_names_that_do_not_exist_yet_are_compared_by_their_places(tmp_path: Path
 
 
 def test_every_argument_that_ends_like_a_file_says_what_is_done_with_it() -> None:
-    import importlib
-
     from octmip.interfaces.cli.arguments import Parser
-    from octmip.interfaces.cli.program import COMMANDS, MODULES
+    from octmip.interfaces.cli.program import COMMANDS, options_of
 
     for name in COMMANDS:
         parser = Parser(name, None)
-        importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(name, name)}").add_arguments(parser)
+        options_of(name).add_arguments(parser)
         for action in parser._actions:
             if isinstance(action.metavar, str) and ("." in action.metavar or action.metavar in ("FILE", "DATA", "LOG")):
                 is_list = action.metavar.endswith("...")

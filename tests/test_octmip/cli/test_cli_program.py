@@ -9,8 +9,10 @@ import pytest
 
 from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine
+from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
 from octmip.trees.solution import Progress
+from octmip.trees.tradeoff import OVERS
 
 
 def test_an_unknown_command_hints_at_the_near_one(run):
@@ -28,11 +30,22 @@ def test_help_names_every_command(run):
         assert main([name, "--help"]) == 0
 
 
-def test_help_does_not_wait_for_heavy_packages():
-    code = "import sys; from octmip.interfaces.cli import main; main(['--help']); print(*sys.modules, sep='\\n')"
+@pytest.mark.parametrize("word", ["--help", "--no-such-option"])
+def test_help_and_errors_of_arguments_wait_for_no_heavy_package(word):
+    asked = [[word], *([name, word] for name in COMMANDS)]
+    code = (
+        "import sys; from octmip.interfaces.cli import main\n"
+        f"for words in {asked}: main(words)\n"
+        "print(*sys.modules, sep='\\n')"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
-    assert "octmip.interfaces.cli" in out
-    assert not {"pandas", "sklearn", "matplotlib", "pyomo", "scipy"} & set(out.splitlines())
+    assert "octmip.interfaces.cli.options.solve" in out.splitlines()
+    heavy = {"pandas", "sklearn", "matplotlib", "pyomo", "scipy", "joblib", "highspy", "octmip.trees.tradeoff"}
+    assert not heavy & set(out.splitlines())
+
+
+def test_the_settings_of_a_frontier_are_those_of_the_library():
+    assert options.OVERS == OVERS
 
 
 def test_progress_shows_on_a_terminal_only(capsys, monkeypatch):

@@ -1,9 +1,4 @@
-"""Find the tree of least worst case while gauges are off by up to given amounts, and prove it to depth 2.
-
-In the worst case each reading of the gauges that are off is wrong by its own amount, so that samples inside the band
-around a cut count on both sides. Beyond depth 2 the tree comes from local search, with the bound of trees without
-drift. Reaching a limit is no error, nor is Ctrl-C: the best tree so far and its bound are shown and written.
-"""
+"""Find the tree of least worst case: `octmip.interfaces.cli.options.drift` says how the command is called."""
 
 import argparse
 from dataclasses import replace
@@ -16,8 +11,7 @@ from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none, record_tree, write_tree_file
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
-from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, tree_text
@@ -27,33 +21,8 @@ from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
 
-EXAMPLES = """\
-  octmip drift iris.csv --label species --depth 2 --off 0.3
-  octmip drift iris.csv --label species --depth 2 --off "petal width=0.2" --off "petal length=0.1:0.4"
-  octmip drift strains.csv --label state --depth 3 --off 21 --gauges-off 2 --seconds 60 --threads 2 --out tree.json
-"""
 FORMAT = "octmip drift"
 VERSION = 1
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip drift`."""
-    group = add_everyday_arguments(parser)
-    group.add_argument(
-        "--off",
-        metavar="[GAUGE=]AMOUNT",
-        action="append",
-        required=True,
-        help="most that readings of this column or sensor are off, of all without a name; or BELOW:ABOVE",
-    )
-    group.add_argument("--gauges-off", metavar="K", type=int, default=1, help="most gauges off at a time (default 1)")
-    writes(
-        group.add_argument(
-            "--out", metavar="TREE.json", help="write the tree to this file, with what it costs without drift"
-        )
-    )
-    add_problem_arguments(parser)
-    add_run_arguments(parser, with_method=False)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,8 +1,4 @@
-"""Count all trees near the optimum: by the column at their root, by cost, and by what they read.
-
-The count is exact and the trees are not written out; the best of them and uniform samples are shown on request.
-Reaching a limit is no error, nor is Ctrl-C: what is counted for certain is shown, and where trees may be that are not.
-"""
+"""Count all trees near the optimum: `octmip.interfaces.cli.options.near_optimal` says how the command is called."""
 
 import argparse
 from typing import Any
@@ -11,34 +7,18 @@ from octmip.errors import DataError
 from octmip.formats.names import shown
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
+from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.samples.question import Question, ask
-from octmip.interfaces.cli.sets.amount import add_amount, amount_of
+from octmip.interfaces.cli.sets.amount import amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.near_sets import NearOptimalSet, NearTree, RootInterval, near_optimal
 
-EXAMPLES = """\
-  octmip near-optimal iris.csv --label species --depth 2 --within 1
-  octmip near-optimal iris.csv --label species --depth 2 --within 10% --best 3
-  octmip near-optimal strains.csv --label state --depth 3 --within 1% --sets --threads 2 --seconds 60 --json
-"""
 FORMAT = "octmip near-optimal set"
 VERSION = 1
 MOST_SHOWN = 20  # sets of sensors on the screen
 MOST_TREES = 1000  # of --best and --sample
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip near-optimal`."""
-    group = add_everyday_arguments(parser)
-    add_amount(group, "1%")
-    group.add_argument("--best", metavar="N", type=int, default=0, help="show the N best trees (default 0)")
-    group.add_argument("--sample", metavar="N", type=int, default=0, help="show N trees drawn uniformly (default 0)")
-    group.add_argument("--sets", action="store_true", help="also count by the set of sensors that the trees read")
-    add_problem_arguments(parser)
-    add_run_arguments(parser, with_method=False)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,8 +1,4 @@
-"""Show what each sensor is worth: the optimum without it, and the optimum of the trees that read it.
-
-needed: every near-optimal tree reads it; useless: none does; replaceable: some do, some do not. Near-optimal are the
-trees up to --within above the optimum. Every figure is proven; where time was too short a question mark stands behind.
-"""
+"""Show what each sensor is worth: `octmip.interfaces.cli.options.sensors` says how the command is called."""
 
 import argparse
 import importlib
@@ -18,37 +14,19 @@ from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments, limits_of
-from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.arguments import limits_of
+from octmip.interfaces.cli.options.sensors import PICTURES
 from octmip.interfaces.cli.samples.question import Question, ask
-from octmip.interfaces.cli.sets.amount import Amount, add_amount, amount_of
+from octmip.interfaces.cli.sets.amount import Amount, amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number
 from octmip.trees.near_sets import Role, SensorRole, SensorRoles, Without, sensor_roles
 from octmip.trees.solver import solve
 
-PICTURES = (".svg", ".png", ".pdf")
-EXAMPLES = """\
-  octmip sensors iris.csv --label species --depth 2
-  octmip sensors strains.csv --label state --depth 3 --within 1% --threads 2 --out sensors.svg
-  octmip sensors strains.csv --label state --depth 2 --pairs --json
-"""
 FORMAT = "octmip sensor roles"
 VERSION = 1
 MOST_PAIRS = 20  # on the screen, the most expensive ones
 MOST_NAMED = 8  # sensors of one role in the last line
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip sensors`."""
-    group = add_everyday_arguments(parser)
-    add_amount(group, "0")
-    group.add_argument("--pairs", action="store_true", help="also the optimum without each two sensors")
-    writes(
-        group.add_argument("--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}")
-    )
-    add_problem_arguments(parser)
-    add_run_arguments(parser, with_method=False)
 
 
 def run(arguments: argparse.Namespace) -> int:

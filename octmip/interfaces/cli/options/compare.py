@@ -1,0 +1,28 @@
+"""Run every method on one table, each within the same time limit, and show them side by side.
+
+Each has its own gap, and the gap to the best bound that any of them proved: the most by which it can miss the optimum.
+Beside it, how many seconds it took until its own tree and bound were within 10 %, 1 % and 0 % of each other.
+The methods by HiGHS start from CART's tree, so that what they find beyond it is their own.
+
+A method that cannot answer the problem is listed with the reason.
+"""
+
+import argparse
+
+from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments
+from octmip.interfaces.cli.samples.options import add_held_out_arguments
+
+EXAMPLES = """\
+  octmip compare iris.csv --label species --depth 3
+  octmip compare iris.csv --label species --depth 2 --holdout 0.25
+  octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip compare`."""
+    group = add_everyday_arguments(parser, seconds=60.0)
+    add_held_out_arguments(group)
+    group.add_argument("--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)")
+    add_problem_arguments(parser)
+    add_run_arguments(parser, with_method=False)

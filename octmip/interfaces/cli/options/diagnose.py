@@ -1,0 +1,50 @@
+"""Explain why an asset does not behave like its twin: where, which effect, how far the gap closes, what to test next.
+
+CAMPAIGN.csv holds one row per reading: test, the loads (load_factor where the twin names none), the known state
+parameters, optional time and temperature, and one column per gauge under the twin's name for it, in its unit.
+"""
+
+import argparse
+
+from octmip.interfaces.cli.arguments import add_json_argument
+from octmip.interfaces.cli.samples.file_arguments import reads, writes
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip diagnose`."""
+    reads(parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset"))
+    twin = parser.add_argument(
+        "--twin",
+        metavar="MODULE:NAME",
+        required=True,
+        help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin; or a model behind a door: "
+        "python:MODULE:FUNCTION, table:FILE, script:FILE",
+    )
+    card = parser.add_argument(
+        "--card",
+        metavar="CARD.json",
+        help="readings, units, loads and ranges of a model behind a door; by default the file's name with .json added",
+    )
+    run = parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the asset while it was sound")
+    reads(twin, _behind_door), reads(card), reads(run)
+    reads(parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this tree by flipped decisions"))
+    parser.add_argument(
+        "--noise",
+        metavar="SD",
+        type=float,
+        help="standard deviation of one reading in its unit, used where no load was read three times",
+    )
+    parser.add_argument(
+        "--load-limits",
+        metavar=("LOW", "HIGH"),
+        type=float,
+        nargs=2,
+        help="loads between which the structure may be tested; no test beyond them is proposed",
+    )
+    writes(parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file"))
+    add_json_argument(parser)
+
+
+def _behind_door(twin: str) -> str:
+    """Return the file behind a door such as ``table:FILE``."""
+    return twin.partition(":")[2] or twin

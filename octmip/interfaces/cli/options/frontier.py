@@ -1,0 +1,46 @@
+"""Show the least cost against depth, sensor budget or leaf penalty: one row per value, each with its bound.
+
+The limits apply to each value separately. Each value starts from the tree of the one before, and bounds proven under
+wider limits are used for the tighter ones. With --folds each depth or penalty also shows its cost on samples held out,
+per unit of weight, and the best pair of depth and penalty is chosen.
+"""
+
+import argparse
+
+from octmip.interfaces.cli.arguments import (
+    add_cluster_argument,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+)
+from octmip.interfaces.cli.samples.file_arguments import writes
+
+OVERS = ("depth", "budget", "penalty")
+PICTURES = (".svg", ".png", ".pdf")
+EXAMPLES = """\
+  octmip frontier iris.csv --label species --over depth --depth 4
+  octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg
+  octmip frontier iris.csv --label species --over penalty --depth 3 --folds 5
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip frontier`."""
+    group = add_everyday_arguments(parser, seconds=60.0)
+    group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
+    group.add_argument(
+        "--values",
+        metavar="A,B,...",
+        help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
+    )
+    group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
+    out = group.add_argument("--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}")
+    kept = group.add_argument(
+        "--checkpoint",
+        metavar="FILE",
+        help="keep every finished solve in this file: the same command again makes only those that are missing",
+    )
+    writes(out), writes(kept)
+    add_problem_arguments(parser)
+    add_run_arguments(parser)
+    add_cluster_argument(parser)

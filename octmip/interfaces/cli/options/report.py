@@ -1,0 +1,51 @@
+"""Show a tree file in words on standard output, or write it as a file of the kind that its ending names.
+
+.html  a page to read and to send    .md  Markdown    .dot  Graphviz    .txt  words    .svg .png .pdf  a drawing
+
+With DATA, the table that the tree was trained on, every claim is recounted, and the report also has the greedy tree
+(CART), the error on samples held out, and in a page trees of lower depth and the samples in each leaf.
+"""
+
+import argparse
+
+from octmip.interfaces.cli.samples.file_arguments import reads, writes
+from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
+
+KINDS = (".html", ".md", ".dot", ".txt", ".svg", ".png", ".pdf")
+EXAMPLES = """\
+  octmip report tree.json
+  octmip report tree.json iris.csv --out iris.html
+  octmip report tree.json strains.csv --holdout 0.25 --unit microstrain --out strains.html
+  octmip report tree.json train.csv --test test.csv --unit age=years --unit weight=kg --out page.html
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip report`."""
+    group = parser.add_argument_group("everyday")
+    reads(group.add_argument("tree", metavar="TREE.json", help="tree file of octmip solve --out"))
+    reads(group.add_argument("data", metavar="DATA", nargs="?", help=f"the table that it was trained on; {TABLE_HELP}"))
+    writes(
+        group.add_argument(
+            "--out", metavar="FILE", help=f"one of {', '.join(KINDS)} (default: words on standard output)"
+        )
+    )
+    add_held_out_arguments(group)
+    group = parser.add_argument_group("page")
+    group.add_argument(
+        "--unit",
+        metavar="[COL=]UNIT",
+        action="append",
+        default=[],
+        help="unit of the numbers, of one column or of all; may be given several times",
+    )
+    reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
+    group.add_argument(
+        "--seconds",
+        metavar="S",
+        type=float,
+        default=10.0,
+        help="time for trees of lower depth, and for the tree of --holdout (default 10; 0: no trees of lower depth)",
+    )
+    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
+    add_format_argument(group)

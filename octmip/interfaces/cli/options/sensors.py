@@ -1,0 +1,30 @@
+"""Show what each sensor is worth: the optimum without it, and the optimum of the trees that read it.
+
+needed: every near-optimal tree reads it; useless: none does; replaceable: some do, some do not. Near-optimal are the
+trees up to --within above the optimum. Every figure is proven; where time was too short a question mark stands behind.
+"""
+
+import argparse
+
+from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments
+from octmip.interfaces.cli.samples.file_arguments import writes
+from octmip.interfaces.cli.sets.amount import add_amount
+
+PICTURES = (".svg", ".png", ".pdf")
+EXAMPLES = """\
+  octmip sensors iris.csv --label species --depth 2
+  octmip sensors strains.csv --label state --depth 3 --within 1% --threads 2 --out sensors.svg
+  octmip sensors strains.csv --label state --depth 2 --pairs --json
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of `octmip sensors`."""
+    group = add_everyday_arguments(parser)
+    add_amount(group, "0")
+    group.add_argument("--pairs", action="store_true", help="also the optimum without each two sensors")
+    writes(
+        group.add_argument("--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}")
+    )
+    add_problem_arguments(parser)
+    add_run_arguments(parser, with_method=False)
