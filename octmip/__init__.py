@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
     from octmip.trees.certificate import Certificate, certify
     from octmip.trees.losses import AbsoluteError, ClassCosts, SquaredError
+    from octmip.trees.mip.pyomo_model import model, solution_of
     from octmip.trees.near_sets import near_optimal, sensor_roles
     from octmip.trees.prediction import predict, predict_values
     from octmip.trees.problem import Problem
@@ -20,6 +21,7 @@ else:  # a checker of types sees no name that is not there
         "errors": ("OctmipError",),
         "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
         "trees.losses": ("AbsoluteError", "ClassCosts", "SquaredError"),
+        "trees.mip.pyomo_model": ("model", "solution_of"),
         "trees.near_sets": ("near_optimal", "sensor_roles"),
         "trees.prediction": ("predict", "predict_values"),
         "trees.problem": ("Problem",),
@@ -59,9 +61,11 @@ __all__ = [
     "Stop",
     "ValueLeaf",
     "certify",
+    "model",
     "near_optimal",
     "predict",
     "predict_values",
     "sensor_roles",
+    "solution_of",
     "solve",
 ]

@@ -8,6 +8,7 @@ EXTRA_OF = {
     "matplotlib": "plot",
     "pyarrow": "parquet",
     "onnx": "onnx",
+    "pyomo": "model",
 }
 """The extra of octmip that installs an optional package."""
 

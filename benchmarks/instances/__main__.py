@@ -13,8 +13,8 @@ from pathlib import Path
 from benchmarks.instances.catalogue import INSTANCES, Instance
 from benchmarks.instances.known import known, markdown
 from benchmarks.main_program import run_main
-from octmip.trees.mip.highs import highs
 from octmip.trees.mip.rows import Rows
+from octmip.trees.mip.rows_file import write_rows
 
 
 def main(words: list[str] | None = None) -> int:
@@ -59,7 +59,7 @@ def _write(instances: list[Instance], folder: Path, *, with_cip: bool) -> None:
     sizes = {}
     for instance in instances:
         rows, path = instance.rows(), folder / f"{instance.name}.mps"
-        highs.write(rows, path)
+        write_rows(rows, path, f"octmip instance {instance.name}")
         if with_cip:
             write_cip(path)
         sizes[instance.name] = size_of(rows)

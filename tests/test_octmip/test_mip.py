@@ -18,6 +18,7 @@ from octmip.trees.mip import engine
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
+from octmip.trees.mip.rows_file import write_rows
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
@@ -304,7 +305,7 @@ def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
 
 def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):
     with pytest.raises(SolverError, match=r"\.mps or \.lp"):
-        highs.write(encode(blobs(depth=1)).rows, tmp_path / "model.txt")
+        write_rows(encode(blobs(depth=1)).rows, tmp_path / "model.txt", "a model")
 
 
 @pytest.mark.parametrize("seed", range(100, 120))

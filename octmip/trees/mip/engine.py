@@ -28,6 +28,7 @@ from octmip.trees.mip.incumbent import canonicalise, starting_tree
 from octmip.trees.mip.prices import Prices, whole_prices
 from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
+from octmip.trees.mip.rows_file import title_of, write_rows
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Node, Split, depth
@@ -214,7 +215,7 @@ def run_formulation(
     if not math.isinf(request.lower_bound):
         rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
     if request.write is not None:
-        highs.write(rows, Path(request.write))
+        write_rows(rows, request.write, title_of(problem, request.method))
     result.details |= _describe(problem, formulation, request, clock)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)

@@ -289,8 +289,13 @@ def solve_flow(
     settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> Flow:
-        return encode(
-            problem, known.tree, max_splits=settings.max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows
-        )
+        return formulate(problem, known, max_splits=settings.max_splits, mu=mu, fix=fix)
 
     return solve_formulation(problem, build, settings)
+
+
+def formulate(
+    problem: Problem, known: Known, *, max_splits: int | None = None, mu: float | None = None, fix: int = 2
+) -> Flow:
+    """Return the strengthened formulation as rows in what is known."""
+    return encode(problem, known.tree, max_splits=max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows)

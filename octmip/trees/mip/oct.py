@@ -197,10 +197,12 @@ def solve_oct(
     settings = Request("oct", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> Oct | flow.Flow:
-        if strengthen:
-            return flow.encode(
-                problem, known.tree, max_splits=settings.max_splits, prices=known.prices, rows=known.rows
-            )
-        return encode(problem, max_splits=settings.max_splits, prices=known.prices, rows=known.rows)
+        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=settings.max_splits)
 
     return solve_formulation(problem, build, settings)
+
+
+def formulate(problem: Problem, known: Known, *, max_splits: int | None = None) -> Oct:
+    """Return OCT as rows in what is known."""
+    axis.require_axis(problem, "oct")
+    return encode(problem, max_splits=max_splits, prices=known.prices, rows=known.rows)

@@ -172,18 +172,24 @@ def solve_oct_h(
     SolverError
         HiGHS failed, or its solution does not survive decoding.
     """
-    if problem.split != "hyperplane":
-        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
+    _require_hyperplanes(problem)
     settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
 
     def build(known: Known) -> OctH | flow.Flow:
-        if strengthen:
-            return flow.encode(
-                problem, known.tree, max_splits=settings.max_splits, mu=mu, prices=known.prices, rows=known.rows
-            )
-        heap = Heap(problem.depth)
-        placed = place(known.tree, heap, problem.features)
-        strictness = choose_mu(space_of(problem, centred=False), placed, heap) if mu is None else mu
-        return encode(problem, strictness, max_splits=settings.max_splits, prices=known.prices, rows=known.rows)
+        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=settings.max_splits, mu=mu)
 
     return solve_formulation(problem, build, settings)
+
+
+def formulate(problem: Problem, known: Known, *, max_splits: int | None = None, mu: float | None = None) -> OctH:
+    """Return OCT-H as rows in what is known; without `mu`, with the strictness that the known tree and the data ask."""
+    _require_hyperplanes(problem)
+    if mu is None:
+        heap = Heap(problem.depth)
+        mu = choose_mu(space_of(problem, centred=False), place(known.tree, heap, problem.features), heap)
+    return encode(problem, mu, max_splits=max_splits, prices=known.prices, rows=known.rows)
+
+
+def _require_hyperplanes(problem: Problem) -> None:
+    if problem.split != "hyperplane":
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")

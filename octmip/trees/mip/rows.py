@@ -9,9 +9,10 @@ A family of rows is given by its terms, each an array of columns (n_rows, n_term
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import count, product
 from typing import Any
 
 import numpy as np
@@ -78,21 +79,21 @@ class Rows:
 
     def add(self, name: str, lower: ArrayLike, upper: ArrayLike, *terms: Term) -> None:
         """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row."""
-        count = max(len(np.atleast_2d(columns)) for columns, _ in terms)
-        self.check_limits(entries=count * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
+        n_rows = max(len(np.atleast_2d(columns)) for columns, _ in terms)
+        self.check_limits(entries=n_rows * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
         self._matrix = None
         for columns, coefficients in terms:
             wide = np.atleast_2d(columns)
-            full = np.broadcast_to(wide, (count, wide.shape[1]))
+            full = np.broadcast_to(wide, (n_rows, wide.shape[1]))
             numbers = np.broadcast_to(np.asarray(coefficients, dtype=float), full.shape).ravel()
-            row = np.repeat(np.arange(self.n_rows, self.n_rows + count), full.shape[1])
+            row = np.repeat(np.arange(self.n_rows, self.n_rows + n_rows), full.shape[1])
             keep = numbers != 0
             self._entries.append((row[keep], full.ravel()[keep], numbers[keep]))
             self._n_entries += len(self._entries[-1][0])
-        bounds = (np.broadcast_to(np.asarray(v, dtype=float), (count,)) for v in (lower, upper))
+        bounds = (np.broadcast_to(np.asarray(v, dtype=float), (n_rows,)) for v in (lower, upper))
         self._bounds.append((next(bounds), next(bounds)))
-        self.row_families.append((name, count))
-        self.n_rows += count
+        self.row_families.append((name, n_rows))
+        self.n_rows += n_rows
 
     def bound_objective(self, bound: float) -> None:
         """Make the objective a column of its own, at least `bound`: HiGHS then knows it before it solves anything."""
@@ -167,15 +168,12 @@ class Rows:
 
     def row_name(self, row: int) -> str:
         """Return the family of a row and its place in it."""
-        for name, count in self.row_families:
-            if row < count:
-                return f"{name}[{row}]"
-            row -= count
-        raise IndexError(row)
+        return self.row_names()[row]
 
     def row_names(self) -> list[str]:
-        """Return the names of all rows."""
-        return [f"{name}[{i}]" for name, count in self.row_families for i in range(count)]
+        """Return the names of all rows: family and place in it, ``left[7]``; a family may be added in parts."""
+        places = defaultdict[str, Iterator[int]](count)
+        return [f"{name}[{next(places[name])}]" for name, n_rows in self.row_families for _ in range(n_rows)]
 
     def column_names(self) -> list[str]:
         """Return the names of all columns: letter and subscripts, ``a[3,1]``."""

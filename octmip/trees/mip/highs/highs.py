@@ -10,7 +10,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import highspy
@@ -141,10 +140,10 @@ def run(
         return supervisor.over(_job(rows, _settings(options), start, inject))
 
 
-def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
-    """Return a model as `worker.load` takes it, with the names of columns and rows if `named`."""
+def arrays(rows: Rows) -> dict[str, Any]:
+    """Return a model as `worker.load` takes it."""
     matrix = rows.matrix()
-    model = {
+    return {
         "cost": rows.cost,
         "offset": rows.offset,
         "lower": rows.lower,
@@ -154,22 +153,6 @@ def arrays(rows: Rows, *, named: bool = False) -> dict[str, Any]:
         "matrix": (matrix.indptr, matrix.indices, matrix.data),
         "is_integer": rows.is_integer,
     }
-    return model | {"names": (rows.column_names(), rows.row_names())} if named else model
-
-
-def write(rows: Rows, path: Path) -> None:
-    """Write a model to a file that any solver reads: .mps or .lp.
-
-    Raises
-    ------
-    SolverError
-        HiGHS could not write it.
-    """
-    if path.suffix not in (".mps", ".lp"):
-        raise SolverError(f"model file {path} ends in {path.suffix!r}; expected .mps or .lp; rename it")
-    highs = worker.load(arrays(rows, named=True))
-    if highs is None or highs.writeModel(str(path)) == highspy.HighsStatus.kError:
-        raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; expected a writable folder; create it")
 
 
 def relax(rows: Rows, limits: Limits = Limits()) -> float:  # noqa: B008  (frozen)

@@ -1,0 +1,182 @@
+"""The rows of a problem for other hands, and the way from anybody's answer back to a Solution that is certified.
+
+The model minimises the whole-number prices of `octmip.trees.mip.prices`: the problem's own costs where they are whole
+numbers. Nothing is left out of it because a better tree is known, so that rows that are added keep their meaning.
+What a solver answers is not believed: the splits are read at mid-band, every sample is routed through the tree, and the
+bound is lowered by what a solver's tolerances may have added to it (`octmip.trees.mip.highs.claims`).
+`pyomo_model` gives the rows to Pyomo, `rows_file` to files.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import ProblemError, SolverError
+from octmip.formats.files import PathLike
+from octmip.trees.certificate import certify, checked_incumbent
+from octmip.trees.mip import flow, oct, oct_h
+from octmip.trees.mip.blocks.heap import place, to_tree
+from octmip.trees.mip.engine import START_SLACK, Formulation, decode, refutation
+from octmip.trees.mip.highs.claims import foreign_bound
+from octmip.trees.mip.highs.highs import Outcome
+from octmip.trees.mip.incumbent import starting_tree
+from octmip.trees.mip.prices import own_prices, whole_prices
+from octmip.trees.mip.result import Known, RunResult
+from octmip.trees.mip.result import solution_of as solution_of_run
+from octmip.trees.mip.rows import Rows
+from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_values
+from octmip.trees.problem import Problem
+from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree import Node
+
+FORMULATIONS: Mapping[str, Callable[..., Formulation]] = {
+    "oct": oct.formulate,
+    "oct_h": oct_h.formulate,
+    "flow": flow.formulate,
+}
+"""The models that there are, by method."""
+MOST_VIOLATION = 1e-4
+"""By which a solution may break rows and integrality: ten times the coarsest default."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """What a solver made of a model.
+
+    Attributes
+    ----------
+    values
+        (n_columns,) of its solution.
+    bound
+        its lower bound, in the units of the model's objective; -inf without one.
+    solver
+        its name.
+    n_added
+        rows, and columns with a fixed value, that are not the model's own.
+    """
+
+    values: NDArray[np.float64]
+    bound: float = -math.inf
+    solver: str = "another solver"
+    n_added: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """The rows of a problem and the tree to start from; `pyomo_model` gives them to Pyomo.
+
+    Attributes
+    ----------
+    problem, method
+        what is asked, and the name of the formulation.
+    formulation
+        its rows, and the ways from a tree to a solution and back.
+    known
+        the tree to start from, its objective, the prices.
+    max_splits
+        at most so many features in the splits; None: no limit.
+    """
+
+    problem: Problem
+    method: str
+    formulation: Formulation
+    known: Known
+    max_splits: int | None
+
+    def start(self) -> NDArray[np.float64] | None:
+        """Return the values (n_columns,) of the tree to start from, None where the model does not hold it."""
+        placed = place(self.known.tree, self.formulation.heap, self.problem.features)
+        values = self.formulation.start(placed)
+        return None if values is None or self.formulation.rows.violation(values)[0] > START_SLACK else values
+
+    def write(self, path: PathLike) -> None:
+        """Write the model to a file (.lp or .mps); its first line says the problem's digest."""
+        write_rows(self.formulation.rows, path, title_of(self.problem, self.method))
+
+    def write_start(self, path: PathLike) -> None:
+        """Write the tree to start from, line by line a column and its value (.mst).
+
+        Raises
+        ------
+        SolverError
+            the model does not hold the tree.
+        """
+        if (values := self.start()) is None:
+            raise SolverError(f"the tree to start from is outside the model, which holds {self.formulation.scope}")
+        write_values(self.formulation.rows, values, path, title_of(self.problem, self.method))
+
+    def read(self, path: PathLike, bound: float = -math.inf, solver: str = "another solver") -> Solution:
+        """Return the certified Solution of the file that a solver wrote; of its bound a file says nothing."""
+        return self.solution(Answer(read_values(self.formulation.rows, path), bound, solver))
+
+    def solution(self, answer: Answer) -> Solution:
+        """Return the certified Solution of a solver's answer.
+
+        Raises
+        ------
+        SolverError
+            the values are no solution of the model.
+        CertificateError
+            the tree breaks a limit of the problem.
+        """
+        formulation, values = self.formulation, answer.values
+        worst, where = formulation.rows.violation(values)
+        if worst > MOST_VIOLATION:
+            raise SolverError(f"the solution of {answer.solver} breaks {where} by {worst:.3g}; solve the model again")
+        decoded = decode(self.problem, formulation, values, self.max_splits)
+        price, bound = (
+            formulation.rows.objective(values),
+            foreign_bound(formulation.rows, formulation.prices, answer.bound),
+        )
+        outcome = Outcome(values, price, price, answer.bound, Stop.FINISHED, "", 0, 0.0, math.inf, math.inf)
+        if reason := refutation(self.problem, outcome, bound, decoded):
+            raise SolverError(f"{reason.replace('HiGHS', answer.solver)}; solve it again with finer tolerances")
+        tree, scope = decoded.tree, formulation.scope
+        if answer.n_added:
+            tree = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
+            scope += f" that keep the {answer.n_added} rows or values added to the model"
+        # A known tree outside the model, or against a row that was added, contradicts no bound.
+        result = RunResult(replace(self.known, tree=tree), tree, Stop.FINISHED, {"scope": scope}, price_bound=bound)
+        solution = solution_of_run(
+            self.problem, result, method=self.method, seed=0, seconds=math.nan, given_bound=-math.inf, gap=0.0
+        )
+        certify(self.problem, solution)
+        return replace(solution, version=answer.solver)
+
+
+def model_of(
+    problem: Problem,
+    method: str = "oct",
+    *,
+    start: Node | Solution | None = None,
+    max_splits: int | None = None,
+    mu: float | None = None,
+    seed: int = 0,
+) -> Model:
+    """Return the model of a problem; the arguments are those of `pyomo_model.model`.
+
+    Raises
+    ------
+    ProblemError
+        there is no such model, or none for this loss or split.
+    """
+    if method not in FORMULATIONS:
+        raise ProblemError(f"method is {method!r}; expected one of {', '.join(FORMULATIONS)}")
+    if problem.loss.predicts != "class":
+        raise ProblemError(f"the loss {problem.loss.name!r} has no mixed-integer model; expected classes")
+    refuse_gaps(problem.n_missing, "the model has no side for them", "fill them in")
+    own = own_prices(problem)
+    tree = starting_tree(problem, checked_incumbent(problem, start), seed, max_splits)
+    most = own.worst + own.penalty * (2**problem.depth - 1) * problem.max_split_size  # no tree costs more
+    known = Known(tree, problem.objective(tree), whole_prices(problem, most), Rows())
+    settings: dict[str, Any] = {} if method == "oct" else {"mu": mu}
+    if method == "flow":
+        settings["fix"] = 0
+    return Model(
+        problem, method, FORMULATIONS[method](problem, known, max_splits=max_splits, **settings), known, max_splits
+    )

@@ -1,0 +1,226 @@
+"""A model in other hands: Pyomo's solvers and solvers that read files, and what comes back from them."""
+
+import importlib.util
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import octmip
+from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.strategies import random_problem
+from octmip import ClassCosts, Leaf, Problem, Split, certify
+from octmip.errors import DataError, ProblemError, SolverError
+from octmip.trees.mip.model_rows import Answer, model_of
+
+pyo = pytest.importorskip("pyomo.environ")
+
+METHODS = ("oct", "flow")
+
+
+def small(seed: int = 0, **options: object) -> Problem:
+    """Return a problem of 12 samples, two features of few values and two classes."""
+    rng = np.random.default_rng(seed)
+    features = rng.integers(0, 5, (12, 2)).astype(float)
+    return Problem(features, (features.sum(axis=1) + rng.integers(0, 3, 12) > 5).astype(int), **{"depth": 1} | options)
+
+
+def solved(model, solver: str = "appsi_highs"):
+    return pyo.SolverFactory(solver).solve(model)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", range(8))
+def test_two_interfaces_of_pyomo_give_the_certified_optimum(seed, method):
+    problem = random_problem(np.random.default_rng(seed), max_samples=9, max_depth=2)
+    for solver in ("appsi_highs", "highs"):
+        model = octmip.model(problem, method)
+        solution = octmip.solution_of(model, solved(model, solver))
+        certify(problem, solution)
+        best = optimum(problem).objective
+        assert solution.bound <= best
+        assert solution.objective <= best * (1 + 1e-4)  # the relative gap at which HiGHS ends by default
+        assert solution.gap <= 5e-4
+        assert solution.is_optimal or not problem.has_integer_costs
+
+
+def test_a_model_starts_from_the_tree_that_is_given():
+    tree = Split(1, 2.5, Leaf(0), Leaf(1))
+    model = octmip.model(small(), "oct", start=tree)
+    assert model.a[1, 1].value == 1
+    assert model.a[0, 1].value == 0
+    assert pyo.value(model.cost) == small().objective(tree)
+
+
+def test_rows_that_are_added_count_and_are_named_in_the_scope():
+    problem = small()
+    free = octmip.model(problem)
+    reads = 1 - octmip.solution_of(free, solved(free)).tree.features[0]
+    model = octmip.model(problem)
+    model.mine = pyo.Constraint(expr=model.a[reads, 1] == 1)
+    solution = octmip.solution_of(model, solved(model))
+    assert solution.tree.features == (reads,)
+    assert solution.is_optimal
+    assert "1 rows or values added" in solution.details["scope"]
+    # The bound is above what the problem without the row allows, and is not called a contradiction.
+    assert solution.bound >= octmip.solution_of(free, solved(free)).objective
+
+
+def test_a_value_that_is_fixed_counts_as_added():
+    model = octmip.model(small())
+    model.d[1].fix(0)
+    solution = octmip.solution_of(model, solved(model))
+    assert (solution.objective, solution.is_optimal) == (small().class_costs().min(), True)
+    assert "1 rows or values added" in solution.details["scope"]
+
+
+def test_a_bound_is_lowered_by_what_tolerances_may_have_added():
+    made = model_of(small(), "oct")
+    values = made.start()
+    objective = made.formulation.rows.objective(values)
+    assert made.solution(Answer(values, objective + 1e-5)).bound == objective
+    assert made.solution(Answer(values, objective - 0.5)).bound == objective
+    assert made.solution(Answer(values, objective - 1.0)).bound == objective - 1
+    assert made.solution(Answer(values, objective - 1 + 1e-4)).bound == objective - 1
+    assert made.solution(Answer(values)).bound == 0
+
+
+def test_a_bound_above_its_own_tree_is_refused():
+    made = model_of(small(), "oct")
+    with pytest.raises(SolverError, match="no tree is below"):
+        made.solution(Answer(made.start(), made.known.objective + 3, "liar"))
+
+
+def test_values_that_break_a_row_are_refused_by_its_name():
+    made = model_of(small(), "oct")
+    values = made.start()
+    values[made.formulation.d[0]] = 0
+    with pytest.raises(SolverError, match="one_feature"):
+        made.solution(Answer(values))
+
+
+@pytest.mark.parametrize(
+    ("problem", "method", "said"),
+    [
+        (small(), "benders", "expected one of oct, oct_h, flow"),
+        (small(), "oct_h", "choose 'oct'"),
+        (small(split="hyperplane"), "oct", "oct_h"),
+        (Problem([[0.0], [1.0]], [0.0, 1.0], depth=1, loss=octmip.SquaredError()), "oct", "expected classes"),
+        (Problem([[math.nan], [1.0]], [0, 1], depth=1, gaps=True), "oct", "fill them in"),
+    ],
+)
+def test_a_problem_without_a_model_is_refused(problem, method, said):
+    with pytest.raises(ProblemError, match=said):
+        octmip.model(problem, method)
+
+
+def test_a_model_of_another_hand_is_refused():
+    with pytest.raises(ProblemError, match=r"octmip\.model"):
+        octmip.solution_of(pyo.ConcreteModel())
+
+
+def test_costs_that_are_no_whole_numbers_come_back_in_the_units_of_the_problem():
+    problem = small(loss=ClassCosts([[0.0, 0.7], [0.3, 0.0]]), leaf_penalty=0.05)
+    model = octmip.model(problem)
+    solution = octmip.solution_of(model, solved(model))
+    assert solution.objective == pytest.approx(optimum(problem).objective)
+    assert solution.is_optimal
+
+
+WRITTEN = {
+    "highs": "Model status\nOptimal\n# Primal solution values\nFeasible\n# Columns 3\n{lines}\n# Rows 0\n",
+    "scip": "solution status: optimal solution found\nobjective value:    1\n{lines}\t(obj:0)\n",
+    "gurobi": "# Solution for model\n# Objective value = 1\n{lines}\n",
+}
+ONE_LINE = {
+    "cbc": "Optimal - objective value 1\n{}",
+    "glpk": "   No. Column name       Activity     Lower bound   Upper bound\n{}",
+    "cplex": '<?xml version = "1.0"?>\n<CPLEXSolution version="1.2"><variables>{}</variables></CPLEXSolution>',
+}
+OF_COLUMN = {
+    "cbc": "{j:7d} {name}  {value:g}   7",
+    "glpk": "{j:6d} {name}\n                    *              {value:g}             0             1",
+    "cplex": ' <variable name="{name}" index="{j}" value="{value:g}"/>',
+}
+
+
+@pytest.mark.parametrize("kind", [*WRITTEN, *ONE_LINE])
+def test_the_solution_files_of_six_solvers_are_read(kind, tmp_path):
+    made = model_of(small(), "oct")
+    names = [name.replace("[", "(").replace("]", ")") for name in made.formulation.rows.column_names()]
+    given = [(j, name, value) for j, (name, value) in enumerate(zip(names, made.start(), strict=True)) if value]
+    if kind in WRITTEN:
+        text = WRITTEN[kind].format(lines="\n".join(f"{name} {value:g}" for _, name, value in given))
+    else:
+        entries = (OF_COLUMN[kind].format(j=j, name=name, value=value) for j, name, value in given)
+        text = ONE_LINE[kind].format("\n".join(entries))
+    file = tmp_path / "m.sol"
+    file.write_text(text)
+    assert made.read(file).objective == made.known.objective
+
+
+def test_a_file_of_another_model_is_refused(tmp_path):
+    file = tmp_path / "m.sol"
+    file.write_text("x(1) 1\ny 2\n")
+    with pytest.raises(DataError, match="gives no column"):
+        model_of(small(), "oct").read(file)
+
+
+def test_a_written_start_is_a_solution(tmp_path):
+    made = model_of(small(), "oct")
+    made.write_start(tmp_path / "m.mst")
+    first = (tmp_path / "m.mst").read_text().splitlines()[0]
+    assert first == f"# octmip model oct, problem {made.problem.digest()}"
+    assert made.read(tmp_path / "m.mst").objective == made.known.objective
+
+
+@pytest.mark.parametrize("suffix", [".lp", ".mps"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_file_goes_through_highs_and_back(tmp_path, method, suffix):
+    import highspy
+
+    problem = small(3)
+    made = model_of(problem, method)
+    made.write(tmp_path / f"m{suffix}")
+    assert problem.digest() in (tmp_path / f"m{suffix}").read_text().splitlines()[0]
+    highs = highspy.Highs()
+    highs.setOptionValue("output_flag", False)
+    highs.readModel(str(tmp_path / f"m{suffix}"))
+    highs.run()
+    highs.writeSolution(str(tmp_path / "m.sol"), 0)
+    bound = highs.getInfo().mip_dual_bound
+    solution = made.read(tmp_path / "m.sol", bound, "HiGHS")
+    assert (solution.objective, solution.is_optimal) == (optimum(problem).objective, True)
+
+
+SOLVE = {
+    "pyscipopt": """
+import sys, pyscipopt
+m = pyscipopt.Model(); m.hideOutput(); m.readProblem(sys.argv[1]); m.optimize(); m.writeBestSol(sys.argv[2])
+""",
+    "swiglpk": """
+import sys
+from swiglpk import *
+glp_term_out(GLP_OFF)
+P = glp_create_prob(); assert glp_read_lp(P, None, sys.argv[1]) == 0
+c = glp_iocp(); glp_init_iocp(c); c.presolve = GLP_ON; assert glp_intopt(P, c) == 0; glp_print_mip(P, sys.argv[2])
+""",
+    "pulp": """
+import subprocess, sys, pulp
+cbc = pulp.apis.PULP_CBC_CMD().path
+subprocess.run([cbc, sys.argv[1], "solve", "solu", sys.argv[2]], check=True, stdout=subprocess.DEVNULL)
+""",
+}
+
+
+@pytest.mark.parametrize("package", SOLVE)
+def test_solvers_outside_read_the_file_and_are_certified(package, tmp_path):
+    if importlib.util.find_spec(package) is None:
+        pytest.skip(f"{package} is not installed")
+    problem = small(5)
+    made = model_of(problem, "flow")
+    made.write(tmp_path / "m.lp")
+    subprocess.run([sys.executable, "-c", SOLVE[package], "m.lp", "m.sol"], check=True, cwd=tmp_path, timeout=120)
+    assert made.read(tmp_path / "m.sol", solver=package).objective == optimum(problem).objective
