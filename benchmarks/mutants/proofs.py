@@ -8,6 +8,7 @@ NUMBERS = (
     "test_octmip/test_regression.py",
     "test_octmip/test_regression_proof.py",
 )
+QUESTIONS = ("test_octmip/test_regression_questions.py",)
 SETS = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_near_sets.py")
 ROLES = ("test_octmip/test_near_sensors.py",)
 FRONTIER = ("test_octmip/test_claims_nearly_right.py", "test_octmip/test_frontier.py")
@@ -84,22 +85,25 @@ PROOFS = (
         NUMBERS,
     ),
     Mutant(
-        "octmip/trees/regression/questions.py", "self.problem.leaf_penalty * (len(plane.features) - 1)", "0.0", NUMBERS
+        "octmip/trees/regression/questions.py",
+        "self.problem.leaf_penalty * (len(plane.features) - 1)",
+        "0.0",
+        QUESTIONS,
     ),
     Mutant(
         "octmip/trees/regression/questions.py",
         "(k >= size) & (len(values) - k >= size)",
         "(k >= size) & (len(values) - k >= 1)",
-        NUMBERS,
+        QUESTIONS,
     ),
     Mutant(
-        "octmip/trees/regression/questions.py", "/ np.where(left > 0, left, 1.0)", "/ np.maximum(left, 1.0)", NUMBERS
+        "octmip/trees/regression/questions.py", "/ np.where(left > 0, left, 1.0)", "/ np.maximum(left, 1.0)", QUESTIONS
     ),
     Mutant(
         "octmip/trees/regression/leaf_models.py",
         "np.searchsorted(below, below[-1] / 2)",
         'np.searchsorted(below, below[-1] / 2, side="right")',
-        NUMBERS,
+        QUESTIONS,
     ),
     Mutant("octmip/trees/near_sets/counting.py", "if entry[0] <= self.units]", "if entry[0] < self.units]", SETS),
     Mutant(

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from octmip.monitor import calibrated_content
 from octmip.trees.drift import certify_drift
 from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
+from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
 from octmip.trees.tree import ValueLeaf
@@ -129,6 +131,28 @@ def test_a_count_without_a_proof_claims_no_tree_that_the_set_may_lack(monkeypatc
     assert found.trees is None
     assert found.trees_at_least == 0
     assert found.spectrum == ()
+
+
+def test_a_count_that_left_one_cut_out_claims_no_whole_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every feature was begun with, and the last cut that may belong was not counted."""
+    problem = five_values()
+    true = near_optimal(problem, within=1)
+
+    def cut_short(*arguments: object) -> object:
+        whole = whole_problem(*arguments)  # type: ignore[arg-type]
+
+        def count(*asked: object) -> object:
+            leaves, cuts, open_features, _, n_nodes = whole.native.count(*asked)  # type: ignore[arg-type]
+            assert not open_features
+            return leaves, [*cuts[:-1], (*cuts[-1][:4], None)], [], Stop.TIME, n_nodes
+
+        return dataclasses.replace(whole, native=SimpleNamespace(count=count))
+
+    monkeypatch.setattr(counting, "whole_problem", cut_short)
+    found = near_optimal(problem, within=1)
+    assert (found.trees, found.stop, len(found.open)) == (None, Stop.TIME, 1)
+    assert true.trees is not None
+    assert found.trees_at_least < true.trees
 
 
 def test_counts_that_may_have_overflown_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -141,3 +141,33 @@ def test_a_penalty_that_no_tree_pays_takes_no_digits():
     assert isinstance(solution.tree, Leaf)
     for size in (1e-300, 1e-30, 1e-3, 1e3, 1e30, 1e300):
         assert solve(replace(problem, leaf_penalty=size)).is_optimal
+
+
+def lost(problem: Problem, tree: Leaf | Split) -> Fraction:
+    """Return what a tree costs beyond what the grid says."""
+    costs = integer_costs(problem)
+    return exact_objective(problem, tree) - costs.base - costs.whole_objective(problem, tree) * Fraction(costs.unit)
+
+
+def test_the_tolerance_covers_what_rounding_takes_from_the_price_of_each_split():
+    """Two samples and three splits lose almost a unit each: more units than there are samples."""
+    unit = 2.0**-58
+    almost = unit * (1 - 2.0**-10)
+    weights = [1.0, 1.0, 2.0**-25 + almost, 2.0**-25 + almost]
+    problem = Problem(X[:4], [0, 1, 2, 3], depth=2, weights=weights, leaf_penalty=2.0**-26 + almost)
+    tree = Split(0, 1.5, Split(0, 0.5, Leaf(0), Leaf(1)), Split(0, 2.5, Leaf(0), Leaf(0)))
+    costs = integer_costs(problem)
+    assert (costs.unit, exact_objective(problem, tree) < problem.baseline) == (unit, True)
+    assert 4 * unit < lost(problem, tree) <= costs.tolerance
+
+
+def test_what_multiples_of_a_tenth_lose_is_in_the_tolerance_although_the_grid_holds_them():
+    problem = Problem(X[:3], [0, 0, 1], depth=1, weights=[0.1, 0.3, 0.7])
+    assert 0 < lost(problem, Leaf(1)) <= integer_costs(problem).tolerance
+
+
+def test_a_cost_that_is_lowered_stays_above_the_tree_that_is_known():
+    problem = Problem(X[:3], [0, 0, 1], depth=1, weights=[0.1, 0.2, 0.7])
+    costs = integer_costs(problem)
+    known, dear = (costs.whole_objective(problem, Leaf(label)) for label in (1, 0))
+    assert known < dear < 7 * known // 3

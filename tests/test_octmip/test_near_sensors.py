@@ -9,10 +9,11 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import ClassCosts, sensor_roles
+from octmip import ClassCosts, Solution, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.trees.certificate import checked_leaf_index
-from octmip.trees.near_sets import Role, SensorRole
+from octmip.trees.near_sets import Role, SensorRole, roles, without
+from octmip.trees.near_sets.without import Calls, loss_of
 from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import recount
 from octmip.trees.solution import Limits, Stop
@@ -158,3 +159,36 @@ def test_what_is_asked_must_make_sense() -> None:
         sensor_roles(stairs(), within=-1)
     with pytest.raises(ProblemError, match="split is 'hyperplane'"):
         sensor_roles(replace(stairs(), split="hyperplane"))
+
+
+def told_apart() -> Problem:
+    """Return a problem whose labels sensor a tells apart without an error, and sensor b with two of six."""
+    features = [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0], [3.0, 0.0], [4.0, 1.0], [5.0, 1.0]]
+    return Problem(features, [0, 0, 0, 1, 1, 1], depth=1, feature_names=("a", "b"))
+
+
+def test_the_bound_without_a_sensor_says_nothing_of_trees_without_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without a two samples are wrong, proven; a search without b that proves nothing has no bound of two."""
+    problem = told_apart()
+    calls = Calls(problem, Limits(), 0, 1, None, 0.0)
+    calls.known.append(loss_of(problem, (), solve(problem)))
+    assert calls.without(("a",)).bound == 2
+
+    def unproven(problem: Problem, *_: object) -> Solution:
+        return Solution(problem.best_leaf(), problem.baseline, 0.0, Stop.TIME, 0.0, 1, "exact", "1", 0)
+
+    calls.known[0] = replace(calls.known[0], read=("a", "b"))  # as if the best tree had read both
+    monkeypatch.setattr(without, "solve", unproven)
+    found = calls.without(("b",))
+    assert (found.bound, found.least, found.is_proven) == (0, 0, False)
+
+
+def test_a_sensor_is_not_called_useless_while_trees_that_read_it_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = told_apart()
+    assert [role.role for role in sensor_roles(problem).roles] == [Role.NEEDED, Role.USELESS]
+    monkeypatch.setattr(roles, "_least", lambda _readers, known, _calls: ([None] * len(known), Stop.TIME))
+    found = sensor_roles(problem)
+    assert [role.role for role in found.roles] == [Role.NEEDED, Role.UNKNOWN]
+    assert not found.is_proven

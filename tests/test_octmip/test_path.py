@@ -162,3 +162,17 @@ def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
 def test_a_path_that_cannot_be_asked_for_is_refused(ask, sentence):
     with pytest.raises(ProblemError, match=sentence):
         ask()
+
+
+def test_a_tree_is_proven_for_an_interval_only_where_it_is_at_both_ends(monkeypatch):
+    """The proof without a penalty is whole; at the penalty of the next tree the search ended without one."""
+
+    def solved(problem, run, start):
+        solution = solve_run(problem, run, start)
+        return solution if problem.leaf_penalty == 0 else replace(solution, bound=0.0, stop=Stop.TIME, tolerance=0.0)
+
+    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1)
+    assert all(tree.is_proven for tree in trace_path(problem, method="exact").trees)
+    monkeypatch.setattr(paths, "solve_run", solved)
+    largest = trace_path(problem, method="exact").trees[0]
+    assert (largest.penalty_low, largest.penalty_high, largest.is_proven) == (0.0, 1.0, False)

@@ -54,6 +54,28 @@ def test_what_the_core_counts_proves_no_more_than_the_truth(kind):
         assert bound == pytest.approx(float(least), rel=1e-8)
 
 
+def test_medians_of_targets_that_all_move_apart_prove_no_more_than_the_truth():
+    """Two targets, four thousand times each: on the grid both lie up to half a unit farther out than they do."""
+    rng = np.random.default_rng(7)
+    for _ in range(10):
+        low, high = 0.1, 0.1 + rng.random()
+        problem = Problem(np.zeros((8000, 1)), np.repeat([low, high], 4000), depth=1, loss=AbsoluteError())
+        grid = Grid.of(problem, problem.baseline)
+        assert grid.distance > 0
+        counted = float((grid.targets.max() - grid.targets.min()) * 4000)
+        least = 4000 * (Fraction(high) - Fraction(low))
+        assert least * (1 - Fraction(1, 10**8)) < Fraction(grid.lower(counted)) <= least
+
+
+def test_a_price_that_float64_adds_to_a_whole_cost_proves_no_more_than_the_truth():
+    """A split that leaves one error costs 1 + 0.1, which float64 rounds up to 1.1."""
+    problem = Problem(np.arange(4.0)[:, None], [0, 0, 5, 6], depth=1, loss=AbsoluteError(), leaf_penalty=0.1)
+    grid, least = Grid.of(problem, problem.baseline), 1 + Fraction(0.1)
+    counted = float(1 / grid.unit) + grid.penalty
+    assert Fraction(counted) * grid.unit > least
+    assert least * (1 - Fraction(1, 10**9)) < Fraction(grid.lower(counted)) <= least
+
+
 @pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch):
     core = _native.regression

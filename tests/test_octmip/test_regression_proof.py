@@ -110,6 +110,8 @@ def test_a_bound_below_the_optimum_has_a_log_too(tmp_path: Path) -> None:
     problem, path = strains("absolute"), tmp_path / "proof.log"
     assert write_proof(path, problem, Fraction(20)) == 20
     assert check_proof(problem, path, bound=20.0).bound == 20
+    third = Fraction(61, 3)  # between two numbers of any grid
+    assert third - Fraction(1, 10**6) < Fraction(write_proof(path, problem, third)) <= third
 
 
 def test_trees_found_by_search_have_no_log(tmp_path: Path) -> None:

@@ -190,3 +190,11 @@ def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):
     monkeypatch.setitem(registry.REGISTRY["classes", "axis"], "oct", missing)
     with pytest.raises(SolverError, match=r"needs the module octmip\.no_such_module"):
         solve(STRIPES, method="oct", incumbent=ZERO_ERRORS)
+
+
+def test_a_better_tree_does_not_make_a_search_that_was_cut_off_optimal(registered):
+    """The solver ends by time with a tree of two errors and no proof; the incumbent makes no error."""
+    two = Split(0, 0.5, Leaf(0), Leaf(0))
+    registered("exact", answering(tree=two, objective=2.0, bound=-1.0, stop=Stop.TIME))
+    solution = solve(STRIPES, "exact", incumbent=ZERO_ERRORS)
+    assert (solution.objective, solution.stop, solution.is_optimal) == (0.0, Stop.TIME, False)
