@@ -1,5 +1,6 @@
 """Files that appear whole or not at all, and reading whose failure is one sentence."""
 
+import codecs
 import contextlib
 import json
 import os
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from octmip.errors import DataError, WriteError
+from octmip.formats.messages import MOST_NAME, shown
 
 PathLike = str | os.PathLike[str]
 T = TypeVar("T")
@@ -178,8 +180,8 @@ def decoded(content: bytes, name: str) -> str:
         ) from error
 
 
-def read_json_object(path: PathLike) -> dict[str, Any]:
-    """Return the one JSON object that a file holds.
+def read_json_object(path: PathLike, expected: str = "one object {...}") -> dict[str, Any]:
+    """Return the one JSON object that a file holds; a sentence calls it what was `expected`.
 
     Raises
     ------
@@ -187,13 +189,18 @@ def read_json_object(path: PathLike) -> dict[str, Any]:
         it cannot be read, ends early, holds anything else, names an entry twice, is nested deeper than
         `MOST_LEVELS`, or holds half a character.
     """
-    text = read_text(path)
+    raw = read_bytes(path)
+    begins = raw.removeprefix(codecs.BOM_UTF8).lstrip()
+    if begins[:1] not in (b"{", b"["):
+        line = begins[:MOST_NAME].decode("utf-8", "replace").splitlines()[0]
+        raise DataError(f"{path} begins with {shown(line)}; expected JSON: {expected}; give that file")
+    text = decoded(raw, str(path))
     try:
         content = json.loads(text, parse_constant=_refuse_constant, object_pairs_hook=_once)
         _check_strings_and_levels(content)
     except json.JSONDecodeError as error:
         ends = not text[error.pos :].strip() or error.msg.startswith("Unterminated")
-        what = "the file ends in the middle; was it cut?" if ends else "expected JSON"
+        what = "the file ends in the middle; was it cut?" if ends else f"expected JSON: {expected}"
         raise DataError(f"{path}, line {error.lineno}, column {error.colno}: {error.msg}; {what}") from error
     except RecursionError as error:
         raise DataError(f"{path} is not JSON that can be read ({_DEEP}); write the file again") from error

@@ -235,7 +235,7 @@ def read_tree_file(path: PathLike, predicts: Literal["class", "number"] | None =
     TreeError
         it is of another kind or version, or what it holds is no tree, or one that predicts something else.
     """
-    content = read_json_object(path)
+    content = read_json_object(path, "a tree file, as octmip solve --out writes it")
     if content.get("format") != FORMAT:
         raise TreeError(f"{path} is no tree file: format is {shown(content.get('format'))}; expected {FORMAT!r}")
     version: Any = content.get("version")

@@ -99,7 +99,8 @@ def test_a_missing_file_says_so(tmp_path):
         ('{"a": 1, "a": 2}', "names 'a' twice"),
         ('{"a": "\\ud800"}', "surrogates not allowed"),
         ('{"a": ' + "9" * 5000 + "}", "4300"),
-        ("a,b\n1,2\n", "expected JSON"),
+        ("a,b\n1,2\n", r"begins with 'a,b'; expected JSON: one object \{...\}"),
+        ("true,b\n1,2\n", "begins with 'true,b'; expected JSON"),
     ],
 )
 def test_json_that_cannot_be_read_says_why(tmp_path, content, reason):

@@ -35,7 +35,7 @@ LABELS = np.random.default_rng(1).integers(0, 2, 12)
         ("1e999", "line 3, column 'x': inf is not finite"),
         ("0x10", "'0x10' is no number"),
         ("١٢", "'١٢' is no number"),
-        ('"1,000"', "'1,000' is no number"),
+        ('"1,000"', "column 'x' holds '1,000', which may be 1000 or 1"),
         ("1_000", "'1_000' is no number"),
         ("a" * 100_000, r"'aaa[a]*\.\.\. is no number"),
         ("\x1b[2J", r"'\\x1b\[2J' is no number"),

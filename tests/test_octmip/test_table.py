@@ -145,6 +145,27 @@ def test_wrong_costs_are_refused(tmp_path, text, sentence):
         read_costs(csv_file(tmp_path, text), ["a", "b"])
 
 
+WRITTEN = """y,money,share,day,mixed
+a,"$1,000.50",5%,2025-03-04,$5
+b,$3,12.5%,2025-03-05,7
+"""
+
+
+def test_targets_weights_and_costs_are_read_as_they_are_written(tmp_path):
+    table = read_table(csv_file(tmp_path, WRITTEN))
+    for purpose in ("target", "weight"):
+        assert table.numbers(["money", "share"], purpose).tolist() == [[1000.5, 5], [3, 12.5]]
+    assert np.diff(table.numbers(["day"], "target")[:, 0]) == [1.0]
+    with pytest.raises(DataError, match="'2025-03-04' is no number, and a weight holds numbers only"):
+        table.numbers(["day"], "weight")
+    with pytest.raises(DataError, match=r"column 'mixed' holds numbers with different signs \(\$ and none\)"):
+        table.numbers(["mixed"], "target")
+    path = csv_file(tmp_path, 'true,a,b\na,$0,$5\nb,"$1,000.50",$0\n')
+    assert read_costs(path, ["a", "b"]).tolist() == [[0, 5], [1000.5, 0]]
+    path = csv_file(tmp_path, 'sensor,cost\na,"$1,200"\n')
+    assert read_sensors(path, ["a"]).cost == {"a": 1200}
+
+
 def test_sensors_of_single_features(tmp_path):
     sensors = read_sensors(csv_file(tmp_path, "sensor,cost\nb,2\na,1\nunused,9\n"), ["a", "b"])
     assert sensors.of_feature == ("a", "b")

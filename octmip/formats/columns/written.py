@@ -34,11 +34,12 @@ TIMES = ("", " %H:%M", " %H:%M:%S")
 DATES = (ISO, *(day + time for day in (*ORDERS, *MONTH_NAMES) for time in TIMES))
 SHORT_YEAR = re.compile(r"\d{1,2}/\d{1,2}/\d{2}")
 NUMBER_PART = re.compile(
-    r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>\d[\d.,' \u00a0\u202f]*?)\s*(?P<after>[^\w\s.,'+-]?)"
+    r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>[0-9][0-9.,' \u00a0\u202f]*?)"
+    r"\s*(?P<after>[^\w\s.,'+-]?)"
 )
 DIGITS = {
-    "1,000.5": r"(?:\d{1,3}(?:[,' \u00a0\u202f]\d{3})+|\d+)(?:\.\d%s)?",
-    "1.000,5": r"(?:\d{1,3}(?:[.' \u00a0\u202f]\d{3})+|\d+)(?:,\d%s)?",
+    "1,000.5": r"(?:[0-9]{1,3}(?:[,' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:\.[0-9]%s)?",
+    "1.000,5": r"(?:[0-9]{1,3}(?:[.' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:,[0-9]%s)?",
 }
 
 FORMS = rf"^(|{DAYS}|{'|'.join(map(re.escape, DATES))}|({'|'.join(map(re.escape, DIGITS))})[^\w\s]?)$"

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.cells import plain_number
+from octmip.formats.columns.written import form_of, is_date, read_texts
 from octmip.formats.files import PathLike
 from octmip.formats.messages import MOST_NAME, several, shown
 from octmip.formats.table.delimited import line_of_row, read_delimited
@@ -23,6 +24,11 @@ from octmip.formats.table.source import Source, open_source
 
 MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
+OTHERWISE = {
+    "feature": ", or leave the column out with --drop",
+    "target": "; if its words are classes, name the column by --label instead of --target",
+}
+"""What to do with a column that holds no numbers, by its purpose."""
 UNLABELLED = "--drop-unlabelled leaves such rows out"
 
 
@@ -110,7 +116,7 @@ class Table:
         return is_missing
 
     def numbers(self, columns: Sequence[str], purpose: str = "feature") -> NDArray[np.float64]:
-        """Return columns as finite numbers, shape (n_rows, len(columns)), float64.
+        """Return columns as finite numbers, shape (n_rows, len(columns)), float64; texts as `written` reads them.
 
         Raises
         ------
@@ -124,6 +130,11 @@ class Table:
 
     def _numbers_of(self, name: str, column: "pd.Series[Any]", purpose: str) -> NDArray[np.float64]:
         self._refuse_empty(name, column, purpose)
+        form = self.form(name, purpose)
+        if form:
+            texts = sorted(set(column))
+            number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
+            return column.map(number).to_numpy(dtype=np.float64)
         if column.dtype.kind not in "biuf":
             raise DataError(self._complaint(name, column, purpose))
         if column.dtype.kind in "iu":
@@ -136,6 +147,25 @@ class Table:
             raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")
         return numbers
 
+    def form(self, name: str, purpose: str) -> str | None:
+        """Return the form of a column (`octmip.formats.columns.written`), None where its cells have none in common.
+
+        Dates are a target alone: no weight and no cost is a day.
+
+        Raises
+        ------
+        DataError
+            there is no such column, or its cells fit two forms with two meanings.
+        """
+        column = self.column(name, purpose)
+        if column.dtype.kind in "biufmM" or not all(isinstance(text, str) for text in column):
+            return None
+        try:
+            form = form_of(sorted(set(column)))
+        except DataError as error:
+            raise DataError(f"{self.name}, column {shown(name)} {error}") from error
+        return form if form and (purpose == "target" or not is_date(form)) else None
+
     def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
         """Return a sentence about the first cell of a column that pandas could not take for numbers."""
         words = (row for row, value in enumerate(column) if not _is_number(value))
@@ -143,7 +173,7 @@ class Table:
         if row is None and column.map(lambda value: isinstance(value, int)).all():
             row = max(range(len(column)), key=lambda k: abs(column.iloc[k]))  # whole numbers of more than 64 bits
             return self._beyond(name, row, column)
-        leave_out = ", or leave the column out with --drop" if purpose == "feature" else ""
+        leave_out = OTHERWISE.get(purpose, "")
         return (
             f"{self.place(row or 0, name)}: {shown(column.iloc[row or 0])} is no number, and a {purpose} holds numbers "
             f"only; encode it as numbers{leave_out}"

@@ -160,7 +160,7 @@ def read_card(path: str | Path) -> Card:
     DataError
         no such file, no JSON object, a key that no card has, a range that is none.
     """
-    return card_from(path, read_json_object(path))
+    return card_from(path, read_json_object(path, "the card of a model"))
 
 
 def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:

@@ -87,3 +87,12 @@ def test_negative_weights_are_refused(data, run):
     code, _, err = run("solve", data, "--label", "y", "--depth", 1, "--weights", "w")
     assert code == 2
     assert "weights[4] is -2.0" in err
+
+
+@pytest.mark.parametrize("place", [("certify",), ("predict",), ("report",), ("solve", "--incumbent")])
+def test_a_table_in_the_place_of_a_tree_file_is_named_as_what_it_is(data, run, place):
+    solve = (data, "--label", "y", "--depth", 1)
+    code, out, err = run(place[0], *(solve if place[1:] else ()), *place[1:], data, *(() if place[1:] else (data,)))
+    assert (code, out) == (2, "")
+    sentence = "begins with 'a,b,w,y'; expected JSON: a tree file, as octmip solve --out writes it; give that file"
+    assert err == f"octmip {place[0]}: {data} {sentence}\n"

@@ -215,3 +215,19 @@ def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp
     assert solution.is_optimal
     assert f"proven optimal within {solution.tolerance:.1g} (squared error)" in out
     assert 0 < json.loads(run(*asked, "--depth", 1, "--json")[1])["tolerance"] < 1e-8 * solution.objective
+
+
+def test_prices_and_weights_are_solved_certified_and_predicted_as_they_are_written(run, tmp_path):
+    rows = [f'{k},"${1000.5 + 200 * (k > 5) + k % 2:,.2f}",{5 + k % 2}%,{"ab"[k % 2]}' for k in range(12)]
+    (tmp_path / "m.csv").write_text("\n".join(["x,price,w,kind", *rows]) + "\n")
+    words = (tmp_path / "m.csv", "--target", "price", "--weights", "w", "--features", "x", "--depth", 1)
+    code, out, err = run("solve", *words, "--out", tmp_path / "t.json")
+    assert (code, err) == (0, "")
+    assert "note: price read as amounts in $ (1,000.5 is 1000.5)" in out
+    assert "note: w read as per cent" in out
+    problem = read_tree_file(tmp_path / "t.json")
+    assert problem.solution.objective == pytest.approx(12 * 5.5 * 0.25, rel=0.02)
+    assert run("certify", tmp_path / "t.json", tmp_path / "m.csv")[0] == 0
+    assert run("predict", tmp_path / "t.json", tmp_path / "m.csv")[0] == 0
+    _, _, err = run("solve", tmp_path / "m.csv", "--target", "kind", "--depth", 1)
+    assert "if its words are classes, name the column by --label instead of --target" in err

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
+from octmip.formats.columns.written import words_of
 from octmip.formats.files import read_text
 from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
@@ -128,7 +129,11 @@ def ask(arguments: argparse.Namespace) -> Question:
         chosen.label,
         chosen.weights,
         preparation,
-        (*_notes_of(len(whole.frame) - len(table.frame), columns, whole), *_gaps(problem)),
+        (
+            *_notes_of(len(whole.frame) - len(table.frame), columns, whole),
+            *_forms(table, chosen, "label" if loss is None else "target"),
+            *_gaps(problem),
+        ),
         held_out,
         share,
         arguments.seed,
@@ -302,6 +307,14 @@ def _notes_of(n_dropped: int, columns: Columns, table: Table) -> tuple[str, ...]
         if _counts_rows(table.frame[name])
     )
     return (*table.notes, *left_out, *counts, *columns.changes())
+
+
+def _forms(table: Table, chosen: Chosen, purpose: str) -> tuple[str, ...]:
+    """Return a sentence about each column of numbers beside the features that is written in a form of its own."""
+    columns = ((chosen.label, "target"), (chosen.weights, "weight"))
+    wanted = [(name, use) for name, use in columns if name and use in (purpose, "weight")]
+    forms = [(name, table.form(name, use)) for name, use in wanted]
+    return tuple(f"{name} read as {words_of(form)}" for name, form in forms if form)
 
 
 def _gaps(problem: Problem) -> tuple[str, ...]:
