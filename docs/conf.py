@@ -1,7 +1,7 @@
 """Sphinx builds these pages into a site: `python -m sphinx -W --keep-going -b html docs site`.
 
-The site asks nothing of the network: the theme's files, the search and all pictures lie in the build folder. No page
-holds a formula that needs a script (formulas are set as text), so no formula renderer is loaded.
+The site asks nothing of the network: the theme's files, the search and all pictures lie in the build folder. Formulas
+are MathML, which browsers set themselves (`_extensions/mathml.py`).
 """
 
 import re
@@ -24,6 +24,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "example_pictures",
+    "mathml",
 ]
 exclude_patterns = ["_build", "_extensions"]
 
@@ -36,7 +37,9 @@ html_theme_options = {"navigation_with_keys": True}
 pygments_style = "friendly"
 pygments_dark_style = "github-dark"
 
-myst_enable_extensions = ["attrs_block", "colon_fence"]
+myst_enable_extensions = ["attrs_block", "colon_fence", "dollarmath"]
+myst_dmath_double_inline = False
+html_math_renderer = "mathml"
 myst_heading_anchors = 4
 
 autodoc_member_order = "bysource"

@@ -63,7 +63,7 @@ def test_rows_that_are_added_count_and_are_named_in_the_scope():
     solution = octmip.solution_of(model, solved(model))
     assert solution.tree.features == (reads,)
     assert solution.is_optimal
-    assert "1 rows or values added" in solution.details["scope"]
+    assert "rows and fixed values: 1" in solution.details["scope"]
     # The bound is above what the problem without the row allows, and is not called a contradiction.
     assert solution.bound >= octmip.solution_of(free, solved(free)).objective
 
@@ -73,7 +73,7 @@ def test_a_value_that_is_fixed_counts_as_added():
     model.d[1].fix(0)
     solution = octmip.solution_of(model, solved(model))
     assert (solution.objective, solution.is_optimal) == (small().class_costs().min(), True)
-    assert "1 rows or values added" in solution.details["scope"]
+    assert "rows and fixed values: 1" in solution.details["scope"]
 
 
 def test_a_bound_is_lowered_by_what_tolerances_may_have_added():

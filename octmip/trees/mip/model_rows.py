@@ -139,7 +139,7 @@ class Model:
         tree, scope = decoded.tree, formulation.scope
         if answer.n_added:
             tree = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
-            scope += f" that keep the {answer.n_added} rows or values added to the model"
+            scope += f" that keep what was added to the model (rows and fixed values: {answer.n_added})"
         # A known tree outside the model, or against a row that was added, contradicts no bound.
         result = RunResult(replace(self.known, tree=tree), tree, Stop.FINISHED, {"scope": scope}, price_bound=bound)
         solution = solution_of_run(
