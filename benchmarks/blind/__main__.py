@@ -17,6 +17,7 @@ from pathlib import Path
 from benchmarks.blind.assets.families import FAMILIES, available
 from benchmarks.blind.cases import SETS
 from benchmarks.blind.run import Plan, begun_seed, run
+from benchmarks.blind.selectors import SELECTORS
 
 SETS_FOLDER = Path("results/blind")
 """Sets of runs without --out."""
@@ -40,6 +41,7 @@ def main() -> None:
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
     parser.add_argument("--rotate", action="store_true", help="constants settled on two other families, in turn")
+    parser.add_argument("--selector", action="append", choices=SELECTORS, help="what answers; may be given twice")
     options = parser.parse_args()
     if options.cases < 1:
         parser.error(f"--cases is {options.cases}; expected 1 or more")
@@ -63,6 +65,7 @@ def main() -> None:
         options.strata,
         not options.no_limit,
         options.rotate,
+        tuple(options.selector or SELECTORS),
     )
     signal.signal(signal.SIGTERM, _stop)
     print(run(folder, plan))

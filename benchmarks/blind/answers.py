@@ -14,7 +14,7 @@ import femlib
 import octmip
 from femlib.wing import WingTwin, tapered_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import AugmentedTwin, Campaign, Diagnosis, Differences, Odds, diagnose, read_campaign
+from octmip.gap import AugmentedTwin, Campaign, Diagnosis, Differences, Odds, diagnose
 from octmip.gap.diagnosis import library_of
 from octmip.gap.twins.cached import CachedTwin
 from octmip.interfaces.report.diagnosis.as_json import as_object
@@ -52,6 +52,8 @@ class Task:
         whether to ask a group lasso too.
     constants
         of the diagnosis, where they are not its own.
+    selector
+        what answers it, of `selectors.SELECTORS`.
     """
 
     place: Path
@@ -60,6 +62,7 @@ class Task:
     without: bool = True
     lasso: bool = False
     constants: Constants | None = None
+    selector: str = "diagnosis"
 
 
 class ParameterRecord(TypedDict):
@@ -130,19 +133,8 @@ def code() -> str:
     return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()[:12]
 
 
-def answer(task: Task) -> list[Found]:
-    """Return what the scorer may see of one case: a diagnosis with the commissioning run, and one without."""
-    model = twin(task.refinement)
-    campaign = read_campaign(task.place / "campaigns" / f"{task.name}.csv", model)
-    own = task.place / "runs" / f"{task.name}.csv"
-    run = read_campaign(own if own.exists() else task.place / "commissioning.csv", model)
-    found = [_diagnosed(task, model, campaign, run)]
-    if task.without:
-        found.append(_diagnosed(task, model, campaign, None))
-    return found
-
-
-def _diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | None) -> Found:
+def diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | None) -> Found:
+    """Return the diagnosis of a case, with the commissioning run or without."""
     start = time.process_time()
     odds, effects = Odds(), None
     if task.constants is not None:

@@ -5,11 +5,12 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
-from benchmarks.blind.answers import Constants, Found, Task, answer, code, twin
+from benchmarks.blind.answers import Constants, Found, Task, code, twin
 from benchmarks.blind.assets.families import available, made
 from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.limit.limits import limits
@@ -17,6 +18,7 @@ from benchmarks.blind.reliability import draw
 from benchmarks.blind.rotation.constants import settled
 from benchmarks.blind.score import Pair, open_keys
 from benchmarks.blind.sealing import Key, seal
+from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
 from benchmarks.blind.tables import all_tables, foreign
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
@@ -47,6 +49,8 @@ class Plan:
         them in turn.
     strata
         of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
+    selectors
+        of `selectors.SELECTORS`; the first has all tables, the others a column in each.
     """
 
     seed: int
@@ -61,6 +65,7 @@ class Plan:
     strata: str = "main"
     limit: bool = True
     rotate: bool = False
+    selectors: tuple[str, ...] = ("diagnosis", "plain")
 
 
 def run(folder: Path, plan: Plan) -> str:
@@ -72,7 +77,7 @@ def run(folder: Path, plan: Plan) -> str:
     if not (folder / "seals.json").exists():
         _seal(folder, keys, plan)
     clock.append(time.time())
-    found = _diagnose(folder, plan)
+    found = {selector: _answered(folder, plan, selector) for selector in plan.selectors}
     clock.append(time.time())
     answers = open_keys(folder, keys)
     tables = _tables(folder, keys, found, answers, plan)
@@ -99,7 +104,7 @@ def _settled(folder: Path, plan: Plan) -> Plan:
     if not path.exists():
         path.write_text(json.dumps(asdict(plan)))
         return plan
-    begun = Plan(**{**(held := json.loads(path.read_text())), "families": tuple(held["families"]), "jobs": plan.jobs})
+    begun = plan_of(json.loads(path.read_text()), plan.jobs)
     other = [name for name, value in asdict(begun).items() if value != asdict(plan)[name]]
     if other:
         raise SystemExit(
@@ -107,6 +112,12 @@ def _settled(folder: Path, plan: Plan) -> Plan:
             f"{asdict(plan)[other[0]]!r}; give the same plan, or another folder (--out)"
         )
     return begun
+
+
+def plan_of(held: Mapping[str, Any], jobs: int) -> Plan:
+    """Return the plan that a file holds, with another number of processes."""
+    lists = {name: tuple(held[name]) for name in ("families", "selectors")}
+    return Plan(**{**held, **lists, "jobs": jobs})
 
 
 def begun_seed(folder: Path) -> int | None:
@@ -120,20 +131,20 @@ def _seal(folder: Path, keys: Path, plan: Plan) -> None:
     seal(folder, keys, plan.seed, plan.count, assets, plan.trees, plan.strata)
 
 
-def _diagnose(folder: Path, plan: Plan) -> list[Found]:
-    """Return all diagnoses; each case is one line, written when it is done, and is not diagnosed again."""
-    path = folder / "diagnoses.jsonl"
+def _answered(folder: Path, plan: Plan, selector: str) -> list[Found]:
+    """Return all answers of a selector; each case is one line, written when it is done, and is not asked again."""
+    path = folder / f"{selector}.jsonl"
     cases = _written(path)
     done = {lines[0]["name"] for lines in cases}
-    constants = _rotated(folder, plan) if plan.rotate else {}
-    tasks = [task for task in _tasks(folder, plan, constants) if task.name not in done]
+    constants = _rotated(folder, plan) if plan.rotate and selector == "diagnosis" else {}
+    tasks = [replace(task, selector=selector) for task in _tasks(folder, plan, constants) if task.name not in done]
     with path.open("a") as file:
         for found in _answers(tasks, plan.jobs):
             file.write(json.dumps(found) + "\n")
             file.flush()
             cases.append(found)
             if len(cases) % 50 == 0:
-                print(f"{len(cases)} cases diagnosed", file=sys.stderr)
+                print(f"{len(cases)} cases asked of {selector}", file=sys.stderr)
     return [line for found in sorted(cases, key=lambda found: found[0]["name"]) for line in found]
 
 
@@ -180,15 +191,22 @@ def _tasks(folder: Path, plan: Plan, constants: Mapping[str, Sequence[Constants]
     ]
 
 
-def _tables(folder: Path, keys: Path, found: Sequence[Found], answers: Mapping[str, Key], plan: Plan) -> list[str]:
-    """Return all tables; draw the reliability of the diagnosis and, of foreign families, of each kind."""
-    cases = [(f, answers[f["name"]]) for f in found]
+def _tables(
+    folder: Path, keys: Path, found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan
+) -> list[str]:
+    """Return all tables; draw the reliability of the first selector and, of foreign families, of each kind."""
+    told = {_called(selector): [(f, answers[f["name"]]) for f in part] for selector, part in found.items()}
     if plan.strata == "sound":
-        return sound_tables(cases)
-    with_run = [(f, a) for f, a in cases if f["calibrated"]]
+        return sound_tables(told)
+    with_run = [(f, a) for f, a in next(iter(told.values())) if f["calibrated"]]
     draw(folder / "reliability.svg", "Foreign families, with the commissioning run", foreign(with_run))
     selected = [(f, answers[f["name"]]) for f in _limits(keys, answers, plan)]
-    return all_tables(cases, selected, tree_figures(_recoveries(with_run, plan)))
+    return all_tables(told, selected, tree_figures(_recoveries(with_run, plan)))
+
+
+def _called(selector: str) -> str:
+    """Return the heading of a selector's column."""
+    return "plain selector" if selector == "plain" else selector
 
 
 def _limits(keys: Path, answers: Mapping[str, Key], plan: Plan) -> list[Found]:

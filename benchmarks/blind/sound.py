@@ -1,6 +1,6 @@
 """Score sound assets: false alarms by kind of noise, two tests in unknown states, and wrong commissioning runs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -13,14 +13,15 @@ from benchmarks.blind.score import Pair
 WHITE, OTHER, DOUBTED = (-np.inf, 0.02), (-np.inf, 0.05), (0.95, np.inf)
 
 
-def sound_tables(cases: Sequence[Pair]) -> list[str]:
-    """Return the tables of a set of sound assets, by family and over all."""
+def sound_tables(told: Mapping[str, Sequence[Pair]]) -> list[str]:
+    """Return the tables of a set of sound assets: the first selector by family and over all, the others over all."""
     found = []
     for title, is_calibrated in (("With the commissioning run", True), ("Without a commissioning run", False)):
-        part = [(f, a) for f, a in cases if f["calibrated"] == is_calibrated]
+        parts = {name: [(f, a) for f, a in cases if f["calibrated"] == is_calibrated] for name, cases in told.items()}
+        (_, part), *others = parts.items()
         families = in_order({a["case"]["family"] for _, a in part})
         by = {name: [(f, a) for f, a in part if a["case"]["family"] == name] for name in families}
-        columns = {"all": part} if len(families) == 1 else {**by, "all": part}
+        columns = {**(by if len(families) > 1 else {}), "all": part, **dict(others)}
         if part:
             found.append(table(f"Sound assets. {title}", {name: sound(rows) for name, rows in columns.items()}))
     return found

@@ -7,35 +7,44 @@ import numpy as np
 from benchmarks.blind.assets.families import OWN, in_order, slug
 from benchmarks.blind.figure import Figure, table
 from benchmarks.blind.guards import guards
-from benchmarks.blind.limit.limits import limit_figures
+from benchmarks.blind.limit.limits import judged
 from benchmarks.blind.reliability import errors
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, strata
 
 LIMIT = "information limit"
+Told = Mapping[str, Sequence[Pair]]
+"""Answers with their keys, by what answered."""
 
 
-def all_tables(cases: Sequence[Pair], limits: Sequence[Pair], retrained: Sequence[Figure]) -> list[str]:
-    """Return the tables of a main set; `limits` are the same cases as the selector answers them."""
-    with_run, limit_with = ([(f, a) for f, a in part if f["calibrated"]] for part in (cases, limits))
-    without, limit_without = ([(f, a) for f, a in part if not f["calibrated"]] for part in (cases, limits))
-    standard = [(f, a) for f, a in with_run if is_standard(a)]
-    names = {f["name"] for f, _ in without}
+def all_tables(told: Told, limits: Sequence[Pair], retrained: Sequence[Figure]) -> list[str]:
+    """Return the tables of a main set: of the first selector, and a column for each other and for the limit.
+
+    `limits` are the same cases as the selector that knows the generator answers them.
+    """
+    with_run, without = ({n: [(f, a) for f, a in part if f["calibrated"] == has_run] for n, part in told.items()} for has_run in (True, False))
+    limit_with, limit_without = ([(f, a) for f, a in limits if f["calibrated"] == has_run] for has_run in (True, False))
+    first, first_without = next(iter(with_run.values())), next(iter(without.values()))
+    standard = [(f, a) for f, a in first if is_standard(a)]
+    names = {f["name"] for f, _ in first_without}
+    limit_without = [(f, a) for f, a in limit_without if f["name"] in names]
     return [
         table(
             "With the commissioning run",
             {"known healthy state, loads 0 to 3": [*figures(standard), *retrained], **_beside(with_run, limit_with)},
         ),
-        table(
-            "Without a commissioning run", _beside(without, [(f, a) for f, a in limit_without if f["name"] in names])
-        ),
+        table("Without a commissioning run", _beside(without, limit_without)),
         table("Families, with the commissioning run", _families(with_run, limit_with)),
         table("Families, without a commissioning run", _families(without, limit_without)),
         table("Own and foreign families, with the commissioning run", spread(with_run, limit_with)),
         table("Reliability, with the commissioning run", _reliability(with_run, limit_with)),
-        table("Single effects", {"with the commissioning run": strata(with_run), "without": strata(without)}),
-        table("Top-1 by effect, d' >= 5", {"with the commissioning run": by_effect(with_run)}),
-        table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(with_run)}),
+        table("Single effects", {f"{name}, {run}": strata(part) for run, of in _runs(with_run, without) for name, part in of.items()}),
+        table("Top-1 by effect, d' >= 5", {name: by_effect(part) for name, part in with_run.items()}),
+        table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(first)}),
     ]
+
+
+def _runs(with_run: Told, without: Told) -> tuple[tuple[str, Told], ...]:
+    return ("with the commissioning run", with_run), ("without", without)
 
 
 def of_family(cases: Sequence[Pair], family: str) -> list[Pair]:
@@ -53,36 +62,43 @@ def foreign(cases: Sequence[Pair]) -> list[Pair]:
     return [(f, a) for f, a in cases if slug(a["case"]["family"]) != OWN]
 
 
-def spread(cases: Sequence[Pair], limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+def spread(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
     """Return the figures of the own family, of all foreign ones, what these lack, and the range over the families."""
-    others = foreign(cases)
+    cases = next(iter(told.values()))
     own = [(f, a) for f, a in cases if slug(a["case"]["family"]) == OWN]
-    first, second = figures(own), figures(others)
+    first, second = figures(own), figures(foreign(cases))
     every = [figures(of_family(cases, name)) for name in families_of(cases)]
+    beside = {f"{name}, foreign": judged(foreign(part)) for name, part in list(told.items())[1:]}
     return {
         "own family": first,
         "foreign families": second,
-        f"{LIMIT}, foreign": limit_figures(foreign(limits)),
+        **beside,
+        f"{LIMIT}, foreign": judged(foreign(limits)),
         "foreign less own": [_difference(a, b) for a, b in zip(first, second, strict=True)],
         "largest less least of the families": [_range(rows) for rows in zip(*every, strict=True)],
     }
 
 
-def _beside(cases: Sequence[Pair], limits: Sequence[Pair]) -> dict[str, list[Figure]]:
-    return {"all cases": figures(cases), LIMIT: limit_figures(list(limits))}
+def _beside(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+    (_, cases), *others = told.items()
+    return {"all cases": figures(cases), **{name: judged(part) for name, part in others}, LIMIT: judged(limits)}
 
 
-def _families(cases: Sequence[Pair], limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+def _families(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+    (_, cases), *others = told.items()
     columns: dict[str, list[Figure]] = {}
-    for name in families_of(cases):
-        columns[name] = figures(of_family(cases, name))
-        columns[f"{LIMIT}, {slug(name)}"] = limit_figures(of_family(limits, name))
+    for family in families_of(cases):
+        columns[family] = figures(of_family(cases, family))
+        for name, part in (*others, (LIMIT, limits)):
+            columns[f"{name}, {slug(family)}"] = judged(of_family(part, family))
     return columns
 
 
-def _reliability(cases: Sequence[Pair], limits: Sequence[Pair]) -> Mapping[str, Sequence[Figure]]:
+def _reliability(told: Told, limits: Sequence[Pair]) -> Mapping[str, Sequence[Figure]]:
+    (_, cases), *others = told.items()
     columns = {slug(name): errors(of_family(cases, name)) for name in families_of(cases)}
-    return {**columns, "foreign families": errors(foreign(cases)), f"{LIMIT}, foreign": errors(foreign(limits))}
+    beside = {f"{name}, foreign": errors(foreign(part)) for name, part in (*others, (LIMIT, limits))}
+    return {**columns, "foreign families": errors(foreign(cases)), **beside}
 
 
 def _difference(own: Figure, other: Figure) -> Figure:

@@ -14,7 +14,7 @@ import pytest
 
 from benchmarks.blind import run as blind
 from benchmarks.blind import trees
-from benchmarks.blind.answers import Task, answer, twin, with_error
+from benchmarks.blind.answers import Task, twin, with_error
 from benchmarks.blind.assets import calculix
 from benchmarks.blind.assets.beam.asset import BeamAsset
 from benchmarks.blind.assets.families import made
@@ -28,6 +28,7 @@ from benchmarks.blind.limit.limits import case_of
 from benchmarks.blind.limit.record import limit
 from benchmarks.blind.score import CLEAR, closed, d_prime, figures, is_right, localised, open_keys, size_held, top
 from benchmarks.blind.sealing import distance, facts
+from benchmarks.blind.selectors import answer
 from benchmarks.blind.truths import Truth
 from femlib.assembly import thermal_load
 from femlib.wing.bent import stiffness_factor
@@ -91,7 +92,7 @@ def folder(tmp_path_factory, quick_trees, strips):
 @pytest.fixture(scope="module")
 def cases(folder):
     answers = open_keys(folder, folder.parent / "set.keys.json")
-    found = [json.loads(line)[0] for line in (folder / "diagnoses.jsonl").read_text().splitlines()]
+    found = [json.loads(line)[0] for line in (folder / "diagnosis.jsonl").read_text().splitlines()]
     return [(f, answers[f["name"]]) for f in found]
 
 
@@ -179,15 +180,14 @@ def test_a_key_that_was_left_out_breaks_its_seal(folder, tmp_path):
 
 
 def test_a_set_that_was_stopped_goes_on_where_it_was(folder, monkeypatch):
-    path = folder / "diagnoses.jsonl"
+    path = folder / "diagnosis.jsonl"
     whole = path.read_text()
     *before, last = whole.splitlines(keepends=True)
     asked = []
     monkeypatch.setattr(blind, "answer", lambda task: asked.append(task.name) or json.loads(last))
     path.write_text("".join([*before, last[:50]]))
     begun = json.loads((folder / "plan.json").read_text())
-    plan = blind.Plan(**begun | {"families": tuple(begun["families"]), "jobs": 1})
-    text = blind.run(folder, plan)
+    text = blind.run(folder, blind.plan_of(begun, jobs=1))
     assert asked == [json.loads(last)[0]["name"]]
     assert path.read_text() == whole
     assert text.startswith(f"Seed 11, {len(whole.splitlines())} cases")  # the plan is the set's own
@@ -203,7 +203,7 @@ def test_the_campaigns_tell_no_answer(folder):
 
 def test_a_task_names_neither_seed_nor_keys(folder):
     (task, *_) = blind._tasks(folder, blind.Plan(11), {})
-    assert set(Task.__dataclass_fields__) == {"place", "name", "refinement", "without", "lasso", "constants"}
+    assert set(Task.__dataclass_fields__) == {"place", "name", "refinement", "without", "lasso", "constants", "selector"}
     assert not any(word in str(task) for word in ("keys", "seed"))
 
 

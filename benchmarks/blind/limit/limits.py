@@ -1,7 +1,7 @@
 """The selector's answers to all cases of a set, once its keys are open; they are kept in a file beside the keys."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from benchmarks.blind.sealing import Key
 from benchmarks.blind.truths import Truth
 
 UNSAID = ("seconds", "noise named", "channel named", "localisation", "exactly confounded")
-"""Rows of which the selector says nothing."""
+"""Rows of which a selector says nothing."""
 
 
 def limits(answers: Mapping[str, Key], assets: Mapping[str, Asset], kept: Path) -> list[Found]:
@@ -44,6 +44,6 @@ def case_of(answer: Key) -> Case:
     )  # fmt: skip
 
 
-def limit_figures(cases: list[Pair]) -> list[Figure]:
-    """Return the figures of the selector: those that a diagnosis is judged by."""
+def judged(cases: Sequence[Pair]) -> list[Figure]:
+    """Return the figures of what does no more than select: those that a diagnosis is judged by."""
     return [row for row in figures(cases) if not any(word in row.name for word in UNSAID)]

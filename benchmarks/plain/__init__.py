@@ -1,0 +1,1 @@
+"""The plain selector: the least that a diagnosis has to beat."""
