@@ -28,7 +28,7 @@ def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | Non
         "credible": [_names(cause) for cause in selection.credible],
         "names": [_names(cause) for cause in selection.causes[:MOST_PROBABLE]],
         "unknown_probability": selection.unknown_probability,
-        "inclusion": dict(selection.inclusion),
+        "inclusion": {},
         "findings": [],
         "doubts": [],
         "stuck": [],

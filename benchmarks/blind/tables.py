@@ -21,7 +21,10 @@ def all_tables(told: Told, limits: Sequence[Pair], retrained: Sequence[Figure]) 
 
     `limits` are the same cases as the selector that knows the generator answers them.
     """
-    with_run, without = ({n: [(f, a) for f, a in part if f["calibrated"] == has_run] for n, part in told.items()} for has_run in (True, False))
+    with_run, without = (
+        {n: [(f, a) for f, a in part if f["calibrated"] == has_run] for n, part in told.items()}
+        for has_run in (True, False)
+    )
     limit_with, limit_without = ([(f, a) for f, a in limits if f["calibrated"] == has_run] for has_run in (True, False))
     first, first_without = next(iter(with_run.values())), next(iter(without.values()))
     standard = [(f, a) for f, a in first if is_standard(a)]
@@ -37,7 +40,10 @@ def all_tables(told: Told, limits: Sequence[Pair], retrained: Sequence[Figure]) 
         table("Families, without a commissioning run", _families(without, limit_without)),
         table("Own and foreign families, with the commissioning run", spread(with_run, limit_with)),
         table("Reliability, with the commissioning run", _reliability(with_run, limit_with)),
-        table("Single effects", {f"{name}, {run}": strata(part) for run, of in _runs(with_run, without) for name, part in of.items()}),
+        table(
+            "Single effects",
+            {f"{name}, {run}": strata(part) for run, of in _runs(with_run, without) for name, part in of.items()},
+        ),
         table("Top-1 by effect, d' >= 5", {name: by_effect(part) for name, part in with_run.items()}),
         table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(first)}),
     ]

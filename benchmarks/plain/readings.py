@@ -13,13 +13,14 @@ from octmip.gap import Campaign
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load, state_limits_of, units_of
 
-LEARNT, BARE = (1.0, 1.0, 0.3, 0.1), (0.003, 0.01, 0.003, 0.003)
-"""Constant, proportional, square and free part of the difference over its level in a run; without one, over readings."""
+LEARNT, BARE = (1.0, 1.0, 0.3, 0.5), (0.003, 0.01, 0.003, 0.003)
+"""Constant, proportional, square and free part of the difference, over its level in a run or over the readings."""
 COMMON = 0.01
 """Sd of a factor that all gauges share, without a run."""
 OF_CHANGE = (0.08, 0.05)
 """Error of what a damage changes: as a whole, and at each gauge by itself."""
-STATE_SD, STEP = 0.3, 0.02
+STATE_SD, STEP, MOST = 0.3, 0.02, 0.95
+"""Prior sd of an unknown state, step of its tangents, and up to which share of its limit it is looked for."""
 WIDTHS = (0.5, 0.125, 0.03)
 """Half widths of the grids of states, over the limit of a state."""
 OUT = 1e12
@@ -115,12 +116,16 @@ def with_states(read: Readings, columns: FloatArray, sd: FloatArray) -> Readings
 
     A nine-by-nine grid is laid over all states of a test, then twice over a part of it, four times finer each time.
     """
-    cells, limits = read.campaign.cells, np.array(state_limits_of(read.twin))
+    cells, limits = read.campaign.cells, MOST * np.array(state_limits_of(read.twin))
     unknown = {cell.test: ~np.isfinite(cell.state) & (limits > 0.0) for cell in cells if not cell.is_known}
     at = {cell.test: np.array([other.test == cell.test for other in cells]) for cell in cells}
     root = np.linalg.inv(np.linalg.cholesky(read.covariance))
     white = (root @ (columns * sd[:, None, None])[..., None]).reshape(len(columns), -1)
-    length, healthy, base = 1.0 + np.sum(white**2, axis=1), read.predicted(0.0 * read.states), read.predicted(read.states)
+    length, healthy, base = (
+        1.0 + np.sum(white**2, axis=1),
+        read.predicted(0.0 * read.states),
+        read.predicted(read.states),
+    )
     states = read.states.copy()
     for test, is_open in unknown.items():
         states[np.ix_(at[test], is_open)] = 0.5 * limits[is_open]

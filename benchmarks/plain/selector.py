@@ -3,14 +3,12 @@
     reading - twin - difference = sum_j size_j s_j + N x + noise,     size_j ~ N(mean_j, (k sd_j)^2), k = 1/3, 1, 3
 
 in every gauge and cell (one test at one load). A signature s_j is wrong by a share of itself at each gauge, which adds
-(share size_j)^2 s_j s_j^T to the covariance of that gauge; `N` holds nuisances. What no effect explains has a course over
-the cells that is known and a size at each gauge that is not. The sum over all hypotheses is exact; there is no search
-but that pairs hold one of the twelve best single effects.
+(share size_j)^2 s_j s_j^T to the covariance of that gauge; `N` holds nuisances. What no effect explains has a known
+course over the cells and an unknown size at each gauge. A pair holds one of the twelve best single effects.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -23,11 +21,11 @@ from octmip.gap.diagnosis import library_of
 from octmip.gap.effects import in_chain
 from octmip.gap.effects.complete import completed
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Effect, Twin
+from octmip.twin import Effect, Twin, amounts_of
 
 PRIOR = {"none": 0.50, "single": 0.38, "pair": 0.07, "unknown": 0.04}
 SCALES = (1 / 3, 1.0, 3.0)
-SHARES = (0.01, 0.07)
+SHARES = (0.01, 0.10)
 """Relative error of a signature of the measuring chain, and of the structure."""
 UNKNOWN_SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Over the typical reading of a gauge."""
@@ -36,8 +34,8 @@ N_HEADS, N_EXACT = 12, 16
 SEPARABLE, CREDIBLE, Z90 = 3.0, 0.95, 1.645
 IDLE = 1e-4
 """Probability below which a hypothesis is not looked at."""
-PLAUSIBLE = 9.0
-"""Prior sds within which an effect may stand for another."""
+Fit = tuple[FloatArray, FloatArray, FloatArray]
+"""Log evidence (n_sets,), sizes and their sds (n_sets, n_members)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +51,11 @@ class PlainCause:
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """Causes, most probable first, the fewest that hold 95 %, the probability of each effect, and each cell's state."""
+    """Causes, most probable first, the fewest that hold 95 %, and each cell's state."""
 
     causes: tuple[PlainCause, ...]
     credible: tuple[PlainCause, ...]
     unknown_probability: float
-    inclusion: Mapping[str, float]
     states: FloatArray
 
 
@@ -83,19 +80,16 @@ def _signatures(read: Readings, members: Sequence[tuple[Effect, str]], sizes: Fl
     """Return what effects change per unit of size (n_members, n_gauges, n_cells), at 0 or between 0 and a size."""
     found = np.zeros((len(members), *read.residual.shape))
     states = [dict(zip(read.twin.parameters, row, strict=True)) for row in read.states.tolist()]
-    begun = sorted((cell.time, cell.load_factor) for cell in read.campaign.cells) if len(read.campaign.load_names) == 1 else []
-    steps = [(load - before, time) for (time, load), (_, before) in zip(begun, [(0.0, 0.0), *begun], strict=False)]
     for c, (cell, state) in enumerate(zip(read.campaign.cells, states, strict=True)):
-        here = read.twin.predict(state, cell.load)
+        here = read.twin.predict(state, cell.load)[read.order]
+        real = np.where(np.abs(here) > 0.01 * read.typical, read.expected[:, c] / np.where(here == 0.0, 1.0, here), 1.0)
         for k, (effect, place) in enumerate(members):
-            parts = [(cell.load, cell.time)]
-            if getattr(effect, "superposes", False) and steps:
-                parts = [(step, cell.time - time) for step, time in steps if time <= cell.time]
-            if sizes is not None and hasattr(effect, "predict") and sizes[k] != 0.0 and len(parts) == 1:
-                change = (effect.predict(read.twin, state, cell.load, sizes[k], place, cell.time) - here) / sizes[k]
+            if sizes is not None and hasattr(effect, "predict") and sizes[k] != 0.0:
+                there = effect.predict(read.twin, state, cell.load, sizes[k], place, cell.time)[read.order]
+                found[k, :, c] = (there - here) / sizes[k]
             else:
-                change = sum(read.twin.signatures(effect, (place,), state, load, time)[0] for load, time in parts)
-            found[k, :, c] = change[read.order]
+                change = read.twin.signatures(effect, (place,), state, cell.load, cell.time)[0][read.order]
+                found[k, :, c] = change * (real if in_chain(effect) and effect.load_power is None else 1.0)
     return found
 
 
@@ -118,32 +112,44 @@ class _Model:
         log = -float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
         return np.linalg.solve(root, columns[..., None])[..., 0], log
 
-    def evidence(self, sets: IntArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def bent(self) -> list[FloatArray]:
+        """Return the signatures times each load that varies, between -1 and 1: their error may grow with it."""
+        applied = np.array([amounts_of(cell.load) for cell in self.read.campaign.cells]).reshape(
+            len(self.read.states), -1
+        )
+        width = np.maximum(np.ptp(applied, axis=0), 1e-300)
+        return [
+            self.signatures * (2.0 * load - load.max() - load.min()) / w
+            for load, w in zip(applied.T, width, strict=True)
+            if w > 1e-300
+        ]
+
+    def evidence(self, sets: IntArray) -> Fit:
         """Return log evidence (n_sets,), sizes and their sds (n_sets, n_members) of sets of members."""
         n, nuisances = sets.shape[1], self.read.nuisances
-        told, log_det = self.white(np.concatenate([self.read.residual[None], nuisances, self.signatures]))
-        first = 1 + len(nuisances)
-        found = []
+        told, log_det = self.white(np.concatenate([self.read.residual[None], nuisances, self.signatures, *self.bent()]))
+        first, every = 1 + len(nuisances), len(self.names) * np.arange(len(told) // len(self.names))
+        shared = np.broadcast_to(told[:first], (len(sets), *told[:first].shape))
+        columns = np.concatenate([shared, *(told[first + sets + k] for k in every)], axis=1)
+        products, found = np.einsum("hagc,hbgc->hgab", columns, columns), []
         for scale in product(SCALES, repeat=n):
             sd = np.where(self.mean[sets] == 0.0, scale, 1.0) * self.sd[sets]
             size = np.zeros_like(sd)
             for _ in range(2):  # the error of a signature goes with the size
-                columns = np.concatenate([np.broadcast_to(told[:first], (len(sets), *told[:first].shape)), told[first + sets]], 1)
-                gram = np.einsum("hagc,hbgc->hgab", columns, columns)
-                log = np.full(len(sets), log_det)
-                for m in range(n):
-                    own, at = (self.share[sets[:, m]] * size[:, m]) ** 2, first + m
-                    grown = 1.0 + own[:, None] * gram[:, :, at, at]
+                gram, log = products, np.full(len(sets), log_det)
+                for m in range(n * len(every)):
+                    wrong, own = (self.share[sets[:, m % n]] * size[:, m % n]) ** 2, gram[..., first + m]
+                    grown = 1.0 + wrong[:, None] * own[..., first + m]
                     log -= 0.5 * np.log(grown).sum(axis=1)
-                    gram = gram - (own[:, None] / grown)[..., None, None] * gram[..., at, None] * gram[..., at, :][..., None, :]
-                log, size, spread = self._sized(gram.sum(axis=1), log, sets, sd)
+                    gram = gram - (wrong[:, None] / grown)[..., None, None] * own[..., :, None] * own[..., None, :]
+                log, size, spread = self._sized(gram[..., : first + n, : first + n].sum(axis=1), log, sets, sd)
             found.append((log - n * np.log(len(SCALES)), size, spread))
         logs, sizes, spreads = (np.array([part[k] for part in found]) for k in range(3))
         best = np.argmax(logs, axis=0), np.arange(len(sets))
         return logsumexp(logs, axis=0), sizes[best], spreads[best]
 
-    def _sized(self, gram: FloatArray, log: FloatArray, sets: IntArray, sd: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return log evidence, sizes and sds, given products of residual, nuisances and members, prior sds of members."""
+    def _sized(self, gram: FloatArray, log: FloatArray, sets: IntArray, sd: FloatArray) -> Fit:
+        """Return log evidence, sizes and sds, given the products of residual, nuisances and members."""
         n = sets.shape[1]
         free = np.ones((len(sets), gram.shape[1] - 1 - n))
         precision, mean = np.concatenate([free, sd**-2], 1), np.concatenate([0.0 * free, self.mean[sets]], 1)
@@ -153,10 +159,8 @@ class _Model:
         at = np.einsum("hab,hb->ha", covariance, right)
         log = log - 0.5 * (gram[:, 0, 0] + np.sum(precision * mean**2, 1) - np.sum(right * at, 1))
         log += 0.5 * (np.log(precision).sum(axis=1) - np.linalg.slogdet(inner)[1])
-        spread, size = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)), at
-        spread, size, low, high = spread[:, -n:], size[:, -n:], *np.moveaxis(self.bounds[sets], 2, 0)
-        if n == 0:
-            return log, np.zeros((len(sets), 0)), np.zeros((len(sets), 0))
+        low, high = np.moveaxis(self.bounds[sets], 2, 0)
+        size, spread = at[:, free.shape[1] :], np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))[:, free.shape[1] :]
         inside = [ndtr((high - m) / s) - ndtr((low - m) / s) for m, s in ((size, spread), (self.mean[sets], sd))]
         log += np.sum(np.log(np.maximum(inside[0], 1e-300)) - np.log(inside[1]), axis=1)
         return log, np.clip(size, low, high), spread
@@ -169,90 +173,53 @@ class _Model:
         tests = [np.array([cell.test == test for cell in cells]) for test in dict.fromkeys(cell.test for cell in cells)]
         courses = [np.ones_like(of), of, of * np.abs(of), times + 0.0 * of, *(of * at for at in tests[1:])]
         parts = [c[:, :, None] * c[:, None, :] for c in courses] + [np.ones_like(of)[:, :, None] * np.eye(len(cells))]
-        logs = []
-        for part in parts:
-            for size in UNKNOWN_SIZES:
-                told, log = self.white(np.concatenate([read.residual[None], read.nuisances]), (size * read.typical[:, None, None]) ** 2 * part)
-                flat = told.reshape(1, len(told), -1)
-                none = np.zeros((1, 0), dtype=int)
-                logs.append(self._sized(flat @ flat.transpose(0, 2, 1), np.array([log]), none, np.zeros((1, 0)))[0][0])
+        columns, none, logs = np.concatenate([read.residual[None], read.nuisances]), np.zeros((1, 0)), []
+        for part, size in product(parts, UNKNOWN_SIZES):
+            told, log = self.white(columns, (size * read.typical[:, None, None]) ** 2 * part)
+            flat = told.reshape(1, len(told), -1)
+            logs.append(self._sized(flat @ flat.transpose(0, 2, 1), np.array([log]), none.astype(int), none)[0][0])
         return float(logsumexp(logs) - np.log(len(logs)))
 
-    @cached_property
-    def gram(self) -> FloatArray:
-        """Products of the whitened signatures (n_members, n_members), what nuisances imitate taken out."""
+    def changes(self, sets: IntArray, sizes: FloatArray) -> FloatArray:
+        """Return what sets change (n_sets, n_readings) in noise sds, but for what nuisances imitate."""
         white, _ = self.white(np.concatenate([self.read.nuisances, self.signatures]))
         flat, n = white.reshape(len(white), -1), len(self.read.nuisances)
         basis = np.linalg.qr(flat[:n].T)[0]
         rest = flat[n:] - (flat[n:] @ basis) @ basis.T
-        return np.asarray(rest @ rest.T)
-
-    def seen(self, sets: IntArray, sizes: FloatArray) -> list[tuple[int, ...]]:
-        """Return of each set the members that stand `SEPARABLE` above the noise beside the other, at least together."""
-        length = np.diag(self.gram)[sets]
-        alone = np.abs(sizes) * np.sqrt(length)
-        beside = alone
-        if sets.shape[1] == 2:
-            across = self.gram[sets[:, 0], sets[:, 1]][:, None] ** 2 / np.maximum(length[:, ::-1], 1e-300)
-            beside = np.abs(sizes) * np.sqrt(np.maximum(length - across, 0.0))
-            hidden = np.all(beside < SEPARABLE, axis=1)
-            beside = np.where(hidden[:, None] & (alone == alone.max(axis=1, keepdims=True)), alone, beside)
-        return [tuple(row[keep].tolist()) for row, keep in zip(sets, beside >= SEPARABLE, strict=True)]
-
-    def alike(self, member: int, others: Sequence[int], size: float) -> set[int]:
-        """Return the members that, as large as need be, leave less than `SEPARABLE` of one beside others."""
-        gram = self.gram
-        for other in others:
-            gram = gram - np.outer(gram[other], gram[other]) / max(gram[other, other], 1e-300)
-        length = np.maximum(np.diag(gram), 1e-300)
-        needed = size * gram[member] / length
-        left = size**2 * (length[member] - gram[member] ** 2 / length)
-        is_possible = (np.abs(needed - self.mean) < PLAUSIBLE * self.sd) & (needed > self.bounds[:, 0])
-        return {member, *np.flatnonzero((left < SEPARABLE**2) & is_possible & (needed < self.bounds[:, 1])).tolist()}
+        return np.asarray(np.einsum("hm,hmr->hr", sizes, rest[sets]))
 
 
 def _selection(model: _Model) -> Selection:
-    """Return the causes: hypotheses that cannot be told apart are one."""
+    """Return the causes: hypotheses whose changes cannot be told apart are one, under the name of the simplest."""
     names, n = model.names, len(model.names)
     kinds, kind, count = np.unique(names, return_inverse=True, return_counts=True)
     log_place = -np.log(len(kinds) * count[kind])
-    alone = model.evidence(np.arange(n)[:, None])
-    heads = np.argsort(-(alone[0] + log_place))[:N_HEADS]
-    pairs = np.array([(i, j) for i in heads for j in range(n) if names[i] != names[j] and not (j in heads and j < i)])
-    pairs = pairs.reshape(-1, 2)
-    both, none = model.evidence(pairs), model.evidence(np.zeros((1, 0), dtype=int))
-    log = np.concatenate([
-        np.log(PRIOR["none"]) + none[0], np.log(PRIOR["single"]) + log_place + alone[0],
-        np.log(2.0 * PRIOR["pair"]) + log_place[pairs].sum(axis=1) + both[0], [np.log(PRIOR["unknown"]) + model.unknown()],
-    ])  # fmt: skip
+    sets = [np.zeros((1, 0), dtype=int), np.arange(n)[:, None]]
+    fits = [model.evidence(s) for s in sets]
+    heads = np.argsort(-(fits[1][0] + log_place))[:N_HEADS]
+    pairs = {(min(i, j), max(i, j)) for i in heads for j in range(n) if names[i] != names[j]}
+    sets.append(np.array(sorted(pairs)).reshape(-1, 2))
+    fits.append(model.evidence(sets[2]))
+    priors = [np.log(PRIOR[kind] * (m or 1)) for m, kind in enumerate(("none", "single", "pair"))]
+    logs = [p + log_place[s].sum(axis=1) + fit[0] for p, s, fit in zip(priors, sets, fits, strict=True)]
+    log = np.concatenate([*logs, [np.log(PRIOR["unknown"]) + model.unknown()]])
     probability = np.exp(log - logsumexp(log))
-    sizes, spreads = ([*none[k], *alone[k], *both[k]] for k in (1, 2))
-    told = [(), *((k,) for k in range(n)), *map(tuple, pairs.tolist())]
-    seen = [(), *model.seen(np.arange(n)[:, None], alone[1]), *model.seen(pairs, both[1])]
-    causes = [PlainCause((), np.zeros((0, 3)), float(probability[-1]), (), is_unknown=True)]
-    left = np.argsort(-probability[:-1], kind="stable").tolist()
-    while left and probability[left[0]] > IDLE:
-        head = next(k for k in (left[0], *range(len(told))) if told[k] == seen[left[0]])
-        members, size, spread = told[head], sizes[head], spreads[head]
-        beside = [[other for other in members if other != k] for k in members]
-        groups = [model.alike(*one) for one in zip(members, beside, size, strict=True)]
-        same = {k for k in left if seen[k] == members or _is_same(seen[k], groups)}
-        causes.append(
-            PlainCause(
-                tuple(model.members[k] for k in members), np.stack([size, size - Z90 * spread, size + Z90 * spread], 1),
-                float(probability[list(same)].sum()), tuple(frozenset(names[sorted(g)].tolist()) for g in groups),
-            )
-        )  # fmt: skip
-        left = [k for k in left if k not in same]
+    unknown = float(probability[-1])
+    told = [tuple(members) for s in sets for members in s.tolist()]
+    sizes, spreads = ([row for fit in fits for row in fit[k]] for k in (1, 2))
+    changes = np.concatenate([model.changes(s, fit[1]) for s, fit in zip(sets, fits, strict=True)])
+    causes, left = [PlainCause((), np.zeros((0, 3)), unknown, (), is_unknown=True)], np.argsort(-probability[:-1])
+    while len(left) and probability[left[0]] > IDLE:
+        is_same = np.linalg.norm(changes[left] - changes[left[0]], axis=1) < SEPARABLE
+        same, left = left[is_same], left[~is_same]
+        head = min(same, key=lambda k: len(told[k]))  # the first of the fewest, which is the most probable of these
+        alike = [set(told[k]) for k in same if len(told[k]) == len(told[head])]
+        beside = [set(told[head]) - {member} for member in told[head]]
+        groups = [frozenset(str(names[k]) for s in alike if others < s for k in s - others) for others in beside]
+        bounds = [sizes[head] + z * spreads[head] for z in (0.0, -Z90, Z90)]
+        members = tuple(model.members[k] for k in told[head])
+        causes.append(PlainCause(members, np.stack(bounds, axis=1), float(probability[same].sum()), tuple(groups)))
     causes.sort(key=lambda cause: -cause.probability)
     before = np.cumsum([0.0, *(cause.probability for cause in causes)])
     credible = tuple(cause for cause, sum_ in zip(causes, before, strict=False) if sum_ < CREDIBLE)
-    held = [{names[k] for k in members} for members in seen]
-    inclusion = {str(one): float(probability[:-1][[one in names_ for names_ in held]].sum()) for one in kinds}
-    return Selection(tuple(causes), credible, float(probability[-1]), inclusion, model.read.states)
-
-
-def _is_same(members: tuple[int, ...], groups: Sequence[set[int]]) -> bool:
-    if not groups or len(members) != len(groups):
-        return False
-    return any(all(k in g for k, g in zip(members, order, strict=True)) for order in (groups, groups[::-1]))
+    return Selection(tuple(causes), credible, unknown, model.read.states)

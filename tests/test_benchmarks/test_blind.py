@@ -203,7 +203,15 @@ def test_the_campaigns_tell_no_answer(folder):
 
 def test_a_task_names_neither_seed_nor_keys(folder):
     (task, *_) = blind._tasks(folder, blind.Plan(11), {})
-    assert set(Task.__dataclass_fields__) == {"place", "name", "refinement", "without", "lasso", "constants", "selector"}
+    assert set(Task.__dataclass_fields__) == {
+        "place",
+        "name",
+        "refinement",
+        "without",
+        "lasso",
+        "constants",
+        "selector",
+    }
     assert not any(word in str(task) for word in ("keys", "seed"))
 
 
