@@ -12,9 +12,9 @@ from sklearn.linear_model import LogisticRegression
 from sklearn.model_selection import StratifiedKFold, cross_val_predict
 
 from benchmarks.blind.answers import Found
-from benchmarks.blind.figure import Figure, share, statistic
 from benchmarks.blind.score import CLEAR, Pair, d_prime, names_of, top
 from benchmarks.blind.sealing import Key
+from benchmarks.figure import Figure, share, statistic
 
 GROUPS = (
     {"modulus", "load_factor_error", "common_gain", "skin_thickness", "planform"},

@@ -7,8 +7,8 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure as Drawing
 
-from benchmarks.blind.figure import Figure, calibration
 from benchmarks.blind.score import Pair, least_part, top
+from benchmarks.figure import Figure, calibration
 
 BANDS: Mapping[str, tuple[float, float]] = {"1 to 3": (1.0, 3.0), "3 to 5": (3.0, 5.0), "above 5": (5.0, np.inf)}
 MUST: Mapping[str, tuple[float, float] | None] = {"1 to 3": None, "3 to 5": (-np.inf, 0.05), "above 5": (-np.inf, 0.05)}

@@ -16,12 +16,13 @@ from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.limit.limits import limits
 from benchmarks.blind.reliability import draw
 from benchmarks.blind.rotation.constants import settled
-from benchmarks.blind.score import Pair, open_keys
+from benchmarks.blind.score import Pair
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
 from benchmarks.blind.tables import all_tables, foreign
 from benchmarks.blind.trees import Retraining, recovered, tree_figures
+from benchmarks.seals import open_keys
 from benchmarks.tables import whole_lines
 from octmip.gap.retrain import Recovery
 
@@ -79,7 +80,7 @@ def run(folder: Path, plan: Plan) -> str:
     clock.append(time.time())
     found = {selector: _answered(folder, plan, selector) for selector in plan.selectors}
     clock.append(time.time())
-    answers = open_keys(folder, keys)
+    answers: dict[str, Key] = open_keys(folder, keys)
     tables = _tables(folder, keys, found, answers, plan)
     clock.append(time.time())
     text = "\n\n".join([_heading(plan, len(answers), clock), *tables])

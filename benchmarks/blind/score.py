@@ -1,18 +1,17 @@
 """Score diagnoses against the opened keys; every figure with its interval, its number of cases and what it owes."""
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 
 from benchmarks.blind.answers import Found
 from benchmarks.blind.cases import ALL_LOADS, CONFOUNDED, REPEATS
-from benchmarks.blind.figure import Figure, area, calibration, share, statistic
-from benchmarks.blind.sealing import LEAST, Key, fingerprint
+from benchmarks.blind.sealing import LEAST, Key
 from benchmarks.blind.truths import TRACELESS
+from benchmarks.figure import Figure, area, calibration, share, statistic
 from benchmarks.noises import VARIANCE
+from benchmarks.seals import is_right
 from femlib.arrays import FloatArray
 
 Pair = tuple[Found, Key]
@@ -40,29 +39,9 @@ ONE_GAUGE = {"gauge_gain", "gauge_bias", "gauge_drift", "misalignment", "crossta
 INFINITY = float("inf")
 
 
-def open_keys(folder: Path, keys: Path) -> dict[str, Key]:
-    """Return the answers by case after checking each against its seal."""
-    answers: dict[str, Key] = json.loads(keys.read_text())
-    seals: dict[str, str] = json.loads((folder / "seals.json").read_text())
-    broken = [name for name in {**answers, **seals} if fingerprint(answers.get(name)) != seals.get(name)]
-    if broken:
-        raise SystemExit(f"{len(broken)} answers do not match their seals, first {broken[0]}: the keys were changed")
-    return answers
-
-
 def names_of(answer: Key) -> list[str]:
     """Return the sorted true names, those left out that no strain shows."""
     return sorted(truth["name"] for truth in answer["case"]["truths"] if truth["name"] != TRACELESS)
-
-
-def is_right(groups: Sequence[Sequence[str]], truth: Sequence[str]) -> bool:
-    """Return whether groups of names that cannot be told apart hold the true names one by one."""
-    if len(groups) != len(truth):
-        return False
-    if not groups:
-        return True
-    first, rest = truth[0], truth[1:]
-    return any(first in group and is_right([*groups[:k], *groups[k + 1 :]], rest) for k, group in enumerate(groups))
 
 
 def top(found: Found, answer: Key) -> bool:

@@ -3,7 +3,6 @@
 `folder/<asset>/commissioning.csv` and `folder/<asset>/campaigns/*.csv` are all that a diagnosis reads.
 """
 
-import hashlib
 import json
 import secrets
 from collections.abc import Sequence
@@ -30,6 +29,7 @@ from benchmarks.blind.cases import (
 from benchmarks.blind.limit.candidates import singles
 from benchmarks.blind.truths import Extra, Truth
 from benchmarks.noises import VARIANCE
+from benchmarks.seals import fingerprint
 from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there
@@ -126,11 +126,6 @@ def seal(
         answers[case.name] = answer
     keys.write_text(json.dumps(answers))
     (folder / "seals.json").write_text(json.dumps(seals, indent=1, sort_keys=True))  # last: the set is whole
-
-
-def fingerprint(answer: object) -> str:
-    """Return the SHA-256 of a salted answer."""
-    return hashlib.sha256(json.dumps(answer, sort_keys=True).encode()).hexdigest()
 
 
 def facts(case: Case, asset: Asset) -> Facts:

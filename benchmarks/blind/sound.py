@@ -7,8 +7,8 @@ import numpy as np
 from benchmarks.blind.answers import Found
 from benchmarks.blind.assets.families import in_order
 from benchmarks.blind.cases import SOUND
-from benchmarks.blind.figure import Figure, share, table
 from benchmarks.blind.score import Pair
+from benchmarks.figure import Figure, share, table
 
 WHITE, OTHER, DOUBTED = (-np.inf, 0.02), (-np.inf, 0.05), (0.95, np.inf)
 

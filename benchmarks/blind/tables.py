@@ -5,11 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from benchmarks.blind.assets.families import OWN, in_order, slug
-from benchmarks.blind.figure import Figure, table
 from benchmarks.blind.guards import guards
 from benchmarks.blind.limit.limits import judged
 from benchmarks.blind.reliability import errors
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, strata
+from benchmarks.figure import Figure, table
 
 LIMIT = "information limit"
 Told = Mapping[str, Sequence[Pair]]

@@ -8,8 +8,8 @@ import numpy as np
 
 from benchmarks.blind.answers import Found, twin
 from benchmarks.blind.assets.asset import TREE_STATES
-from benchmarks.blind.figure import Figure, share, statistic
 from benchmarks.blind.sealing import TREE_LOAD, Key
+from benchmarks.figure import Figure, share, statistic
 from benchmarks.noises import VARIANCE
 from femlib.arrays import FloatArray
 from octmip.gap import CHAIN, Addition, AugmentedTwin

@@ -13,12 +13,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import cast
 
 import numpy as np
 
-from benchmarks.blind.figure import Figure, share, statistic, table
-from benchmarks.blind.score import is_right, open_keys
+from benchmarks.figure import Figure, share, statistic, table
+from benchmarks.seals import is_right, open_keys
 from benchmarks.strangers.draws import Key, seal
 from benchmarks.strangers.frame import FRAME
 from benchmarks.strangers.motor import MOTOR
@@ -52,7 +51,7 @@ def run(folder: Path, seed: int, draws: int, machines: Sequence[str], selectors:
     with (folder / "answers.jsonl").open("w") as file:
         for (_, selector), found in said.items():
             file.writelines(json.dumps({"case": k, "selector": selector, **asdict(v)}) + "\n" for k, v in found.items())
-    cases = {name: cast(Key, key) for name, key in open_keys(folder, keys).items()}
+    cases: dict[str, Key] = open_keys(folder, keys)
     columns = {
         f"{machine}: {selector}": figures([(found[name], cases[name]) for name in found])
         for (machine, selector), found in said.items()

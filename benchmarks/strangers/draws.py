@@ -13,7 +13,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from benchmarks.blind.sealing import fingerprint
+from benchmarks.seals import fingerprint
 from benchmarks.strangers.stranger import Fault, Numbers, Stranger
 from femlib.arrays import FloatArray
 

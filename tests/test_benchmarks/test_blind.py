@@ -21,15 +21,16 @@ from benchmarks.blind.assets.families import made
 from benchmarks.blind.assets.moment import Moment
 from benchmarks.blind.assets.shells import FemlibAsset
 from benchmarks.blind.cases import ALL_LOADS, Case, draw_cases, mean_readings, moments, write_campaign, write_run
-from benchmarks.blind.figure import Figure, calibration, share
 from benchmarks.blind.guards import chance, shuffled
 from benchmarks.blind.limit import selector
 from benchmarks.blind.limit.limits import case_of
 from benchmarks.blind.limit.record import limit
-from benchmarks.blind.score import CLEAR, closed, d_prime, figures, is_right, localised, open_keys, size_held, top
+from benchmarks.blind.score import CLEAR, closed, d_prime, figures, localised, size_held, top
 from benchmarks.blind.sealing import distance, facts
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.truths import Truth
+from benchmarks.figure import Figure, calibration, share
+from benchmarks.seals import is_right, open_keys
 from femlib.assembly import thermal_load
 from femlib.wing.bent import stiffness_factor
 

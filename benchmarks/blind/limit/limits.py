@@ -9,11 +9,11 @@ import numpy as np
 from benchmarks.blind.answers import Found
 from benchmarks.blind.assets.asset import Asset
 from benchmarks.blind.cases import Case
-from benchmarks.blind.figure import Figure
 from benchmarks.blind.limit.record import limit
 from benchmarks.blind.score import Pair, figures
 from benchmarks.blind.sealing import Key
 from benchmarks.blind.truths import Truth
+from benchmarks.figure import Figure
 
 UNSAID = ("seconds", "noise named", "channel named", "localisation", "exactly confounded")
 """Rows of which a selector says nothing."""
