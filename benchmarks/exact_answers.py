@@ -13,7 +13,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf
 
 CHUNK = 250
-FEWEST = 10_000
+FEWEST = 1_000
 
 
 def chunks(chunk: Callable[[int], Line], limit: float, n_workers: int) -> Iterator[Line]:

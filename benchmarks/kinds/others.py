@@ -16,6 +16,7 @@ from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.oracles.wide_problems import wide_numbers
 from benchmarks.regression.enumeration import least_objective
+from benchmarks.regression.runs import Runs
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
 from octmip.trees.drift import Bands, certify_drift
@@ -26,6 +27,9 @@ from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import Recount, certify_set, recount
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve
+
+MARGINS = (0.0, 0.3, 0.5, 1.0, 2.0, 4.0)
+"""How far above the optimum trees are counted."""
 
 
 class Numbers:
@@ -40,7 +44,7 @@ class Numbers:
 
     def truth(self, problem: Problem) -> Fraction:
         """Return the least objective of any tree."""
-        return least_objective(problem)
+        return Runs(problem).least() if problem.n_features == 1 else least_objective(problem)
 
     def has_log(self, problem: Problem, method: str) -> bool:
         """Return whether a method writes proof logs."""
@@ -90,9 +94,7 @@ class WorstCases:
             scale = float(rng.choice([0.5, 1.0, 1e-6, 0.3]))
         else:
             problem, scale = _many_cuts(rng) if rng.random() < 0.6 else _many_classes(rng), 1.0
-        sides = {name: rng.integers(0, 4, 2) * scale for name in problem.feature_names if rng.random() < 0.8}
-        bands = {name: (float(below), float(above)) for name, (below, above) in sides.items()}
-        return Banded(problem, bands, int(rng.integers(1, 4)))
+        return Banded(problem, random_bands(rng, problem, scale), int(rng.integers(1, 4)))
 
     def truth(self, problem: Banded) -> Fraction:
         """Return the least worst case."""
@@ -116,6 +118,12 @@ class WorstCases:
             return f"answer: {error}"
         slack = Fraction(answer.tolerance) + ROUNDING * truth
         return claims_complaint(answer, Fraction(found.worst), truth * (1 + ROUNDING), slack)
+
+
+def random_bands(rng: Generator, problem: Problem, scale: float) -> dict[str, tuple[float, float]]:
+    """Return bands of most features, some of them of no width, in steps that often meet the values or half of them."""
+    sides = {name: rng.integers(0, 4, 2) * scale for name in problem.feature_names if rng.random() < 0.8}
+    return {name: (float(below), float(above)) for name, (below, above) in sides.items()}
 
 
 def _many_cuts(rng: Generator) -> Problem:
@@ -153,7 +161,7 @@ class NearSets:
         if rng.random() < 0.8:
             problem = random_problem(rng, max_samples=int(rng.integers(4, 9)))
             problem = with_gaps(rng, problem) if rng.random() < 0.4 else problem
-            return Near(problem, float(rng.choice([0.0, 0.3, 1.0, 2.0])), bool(rng.random() < 0.5))
+            return Near(problem, float(rng.choice(MARGINS)), bool(rng.random() < 0.5))
         problem = _many_cuts(rng)
         return Near(problem, float(rng.choice([0.0, 1.0])) * (problem.depth == 1), bool(rng.random() < 0.5))
 

@@ -95,12 +95,15 @@ def sized_lines(rng: Generator) -> Problem:
 
 
 def wide_numbers(rng: Generator) -> Problem:
-    """Return a regression problem: targets with outliers, ties, clusters; more of them than bins at times."""
+    """Return a regression problem: targets with outliers, ties, clusters.
+
+    At times one column of up to 300 samples, beyond 16 bins, 48 and 64 buckets and 256 parts of a feature.
+    """
     loss = str(rng.choice(sorted(NUMBER_LOSSES)))
     n, p, depth = (
         (int(rng.integers(2, 11)), int(rng.integers(1, 4)), int(rng.integers(1, 4)))
         if rng.random() < 0.6
-        else (int(rng.integers(17, 71 if loss == "squared" else 31)), 1, 2)
+        else (int(np.exp(rng.uniform(np.log(17), np.log(301)))), 1, 2)
     )
     spread = 10.0 ** rng.uniform(0, 6)
     targets = [

@@ -53,8 +53,9 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     assert max(problem.n_samples for problem in lines if problem.depth == 2) > 16  # intervals bounded together
     assert max(math.comb(problem.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
     numbers = drawn(wide_numbers, 200)
-    for loss, most in (("squared", 64), ("absolute", 16)):
-        assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > most
+    for loss in ("squared", "absolute"):  # bins, buckets, parts of a feature
+        assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > 64
+        assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 128
     worst = drawn(KINDS["worst_case"].draw, 100)
     assert max(len(np.unique(banded.problem.features)) for banded in worst) > 64  # cuts of a feature in slices
     assert max(banded.problem.n_classes for banded in worst) > 7  # more than 20 pairs of labels

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.drift import complaint, random_bands
+from benchmarks.cases.fuzz.drift import complaint
+from benchmarks.kinds.others import random_bands
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import certify, predict
 from octmip.errors import CertificateError, ProblemError
@@ -173,7 +174,7 @@ def test_a_sensor_moves_all_its_features() -> None:
 
 
 def test_random_bands_reach_all_kinds() -> None:
-    bands = [random_bands(np.random.default_rng(k), five_values()) for k in range(50)]
+    bands = [random_bands(np.random.default_rng(k), five_values(), 1.0) for k in range(50)]
     assert any(not given for given in bands)
     assert any(given and max(map(max, given.values())) > 1 for given in bands)  # type: ignore[type-var]
     assert n_splits(solve(five_values(), 0.1).solution.tree or Leaf(0)) == 1

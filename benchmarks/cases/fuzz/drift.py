@@ -1,5 +1,7 @@
 """Trees of least worst case against plain enumeration, on random problems full of what breaks solvers.
 
+Three in ten have more cuts than the proof's 64 slices and 32 parts of the root, or more than 20 pairs of labels.
+
 `python -m benchmarks.run fuzz_drift --limit 300 --threads 2`: so many seconds and processes, a line per chunk.
 """
 
@@ -10,11 +12,10 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from benchmarks.drift.enumeration import least_worst_case
-from benchmarks.oracles.strategies import random_problem
+from benchmarks.kinds.others import WorstCases
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.drift import Bands, solve
-from octmip.trees.problem import Problem
 
 CHUNK = 100
 STREAM = 33  # of seeds: problem i is drawn from default_rng([STREAM, i])
@@ -37,17 +38,10 @@ def _chunk(first: int) -> Line:
     return {"size": f"seeds {first} to {seeds.stop - 1}", "seed": STREAM, "n_problems": CHUNK, "mismatches": wrong}
 
 
-def random_bands(rng: np.random.Generator, problem: Problem) -> dict[str, tuple[float, float]]:
-    """Return bands of most features, some of them of no width, in steps that often meet the values or half of them."""
-    scale = float(rng.choice([0.5, 1.0, 1e-6, 0.3]))
-    sides = {name: rng.integers(0, 4, 2) * scale for name in problem.feature_names if rng.random() < 0.8}
-    return {name: (float(below), float(above)) for name, (below, above) in sides.items()}
-
-
 def complaint(rng: np.random.Generator) -> str | None:
     """Return what is wrong with the answer to a random problem, None when nothing is."""
-    problem = random_problem(rng, max_samples=int(rng.integers(4, 13)), max_depth=2)
-    bands, off = random_bands(rng, problem), int(rng.integers(1, 4))
+    drawn = WorstCases().draw(rng)
+    problem, bands, off = drawn.problem, drawn.bands, drawn.off
     try:
         found = solve(problem, bands, off, n_jobs=int(rng.integers(1, 3)))
     except OctmipError as error:

@@ -1,11 +1,17 @@
-"""Two-feature trees against exhaustive enumeration on 2,000 random problems, depth 1 and 2."""
+"""Two-feature trees against exhaustive enumeration: 2,000 random problems, depth 1 and 2, and 200 of more points.
 
-from collections.abc import Iterator, Sequence
+The 200 (`sized_lines`) have up to 60 points at depth 1 and 18 at depth 2: more than are parted one by one, more slopes
+than bins, more crossings than are looked at.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
+from benchmarks.oracles.wide_problems import sized_lines
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
@@ -13,22 +19,30 @@ from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 
 CHUNK = 250
-STREAM = 60  # of seeds: problem i is random_two_feature_problem(default_rng([STREAM, i]))
+STREAM = 60
+N_SIZED = 200
 MOST_SAMPLES = {1: 14, 2: 10}
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line for each chunk of 250 problems, four chunks per depth; `limit` has no effect."""
+    """Yield a line for each chunk of 250 problems, four per depth, and one of larger ones; `limit` has no effect."""
     for depth in (1, 2):
         for first in range(0, 4 * CHUNK, CHUNK):
-            wrong = {}
-            for seed in range(first, first + CHUNK):
-                rng = np.random.default_rng([STREAM, depth, seed])
-                problem = random_two_feature_problem(rng, depth=depth, max_samples=MOST_SAMPLES[depth])
-                if reason := complaint(problem, max(threads)):
-                    wrong[seed] = reason
-            size = f"depth {depth}, seeds {first} to {first + CHUNK - 1}"
-            yield {"size": size, "seed": STREAM, "n_problems": CHUNK, "mismatches": wrong}
+            yield _compared(f"depth {depth}", depth, _small(depth), range(first, first + CHUNK), max(threads))
+    yield _compared("more points", 0, sized_lines, range(N_SIZED), max(threads))
+
+
+def _small(depth: int) -> Callable[[np.random.Generator], Problem]:
+    return partial(random_two_feature_problem, depth=depth, max_samples=MOST_SAMPLES[depth])
+
+
+def _compared(
+    name: str, stream: int, draw: Callable[[np.random.Generator], Problem], seeds: range, n_threads: int
+) -> Line:
+    drawn = ((seed, draw(np.random.default_rng([STREAM, stream, seed]))) for seed in seeds)
+    wrong = {seed: reason for seed, problem in drawn if (reason := complaint(problem, n_threads))}
+    size = f"{name}, seeds {seeds.start} to {seeds.stop - 1}"
+    return {"size": size, "seed": STREAM, "n_problems": len(seeds), "mismatches": wrong}
 
 
 def complaint(problem: Problem, n_threads: int) -> str | None:
