@@ -24,7 +24,7 @@ def problem_with_gaps(seed: int) -> Problem:
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
-    """Yield a line for each chunk until the time is up, but for 10,000 problems at least."""
+    """Yield a line for each chunk until the time is up, but for 1,000 problems at least."""
     yield from chunks(_chunk, limit, max(threads))
 
 
