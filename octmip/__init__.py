@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
     from octmip.trees.certificate import Certificate, certify
     from octmip.trees.losses import AbsoluteError, ClassCosts, SquaredError
+    from octmip.trees.methods.options import ExactOptions, MipOptions, Options, SearchOptions
     from octmip.trees.mip.pyomo_model import model, solution_of
     from octmip.trees.near_sets import near_optimal, sensor_roles
     from octmip.trees.prediction import predict, predict_values
@@ -21,6 +22,7 @@ else:  # a checker of types sees no name that is not there
         "errors": ("OctmipError",),
         "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
         "trees.losses": ("AbsoluteError", "ClassCosts", "SquaredError"),
+        "trees.methods.options": ("ExactOptions", "MipOptions", "Options", "SearchOptions"),
         "trees.mip.pyomo_model": ("model", "solution_of"),
         "trees.near_sets": ("near_optimal", "sensor_roles"),
         "trees.prediction": ("predict", "predict_values"),
@@ -47,14 +49,18 @@ __all__ = [
     "AbsoluteError",
     "Certificate",
     "ClassCosts",
+    "ExactOptions",
     "HyperplaneSplit",
     "Leaf",
     "Limits",
+    "MipOptions",
     "OctmipError",
     "OptimalTreeClassifier",
     "OptimalTreeRegressor",
+    "Options",
     "Problem",
     "Progress",
+    "SearchOptions",
     "Solution",
     "Split",
     "SquaredError",

@@ -13,6 +13,7 @@ from benchmarks.oracles.strategies import with_gaps
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
+from octmip.trees.methods.options import ExactOptions, MipOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Solution, Stop
@@ -55,8 +56,7 @@ class Classes:
 
     def ask(self, question: Question, problem: Asked, log: Path | None) -> Solution:
         """Return the answer to a question."""
-        options: dict[str, Any] = {} if log is None else {"proof": log}
-        options |= {} if problem.most_splits is None else {"max_splits": problem.most_splits}
+        options = MipOptions(max_splits=problem.most_splits) if log is None else ExactOptions(proof=log)
         limits, method = question.limits, question.method
         return solve(problem.problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
 

@@ -22,6 +22,7 @@ from octmip.trees.certificate import certify
 from octmip.trees.drift import Bands, certify_drift
 from octmip.trees.drift import solve as solve_drift
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import NearOptimalSet, near_optimal
 from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import Recount, certify_set, recount
@@ -52,7 +53,7 @@ class Numbers:
 
     def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
         """Return the answer to a question."""
-        options = {} if log is None else {"proof": log}
+        options = ExactOptions(proof=log)
         limits, method = question.limits, question.method
         return solve(problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
 

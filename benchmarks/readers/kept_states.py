@@ -16,6 +16,7 @@ from octmip.trees.certificate import certify
 from octmip.trees.losses import AbsoluteError, SquaredError
 from octmip.trees.methods.checkpoint.envelope import FIRST
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
@@ -35,7 +36,9 @@ def _searched(number: int) -> Problem:
 
 def make_checkpoint(number: int, folder: Path) -> None:
     """Write the checkpoint of a search that a limit ended."""
-    branch_and_bound(_searched(number), limits=Limits(seconds=0), checkpoint=folder / f"{number}.kept")
+    branch_and_bound(
+        _searched(number), limits=Limits(seconds=0), options=ExactOptions(checkpoint=folder / f"{number}.kept")
+    )
     (folder / f"{number}.kept").rename(folder / "search.kept")
     (folder / "number").write_text(str(number))
 
@@ -52,7 +55,10 @@ def mangled_checkpoint(rng: Generator, content: bytes) -> bytes:
 def read_kept(rng: Generator, folder: Path) -> None:
     """Go on from a checkpoint to the end, and certify what is found; a forger's bound is believed, as its docs say."""
     problem = _searched(int((folder / "number").read_text()))
-    certify(problem, branch_and_bound(problem, limits=Limits(seconds=2), checkpoint=folder / "search.kept"))
+    certify(
+        problem,
+        branch_and_bound(problem, limits=Limits(seconds=2), options=ExactOptions(checkpoint=folder / "search.kept")),
+    )
 
 
 def _lined(number: int) -> Problem:
@@ -65,7 +71,9 @@ def _lined(number: int) -> Problem:
 
 def make_lines_checkpoint(number: int, folder: Path) -> None:
     """Write the checkpoint of a two-feature proof that a limit ended."""
-    two_feature_branch_and_bound(_lined(number), limits=Limits(nodes=130), checkpoint=folder / "lines.kept")
+    two_feature_branch_and_bound(
+        _lined(number), limits=Limits(nodes=130), options=ExactOptions(checkpoint=folder / "lines.kept")
+    )
     (folder / "number").write_text(str(number))
 
 
@@ -83,7 +91,12 @@ def mangled_nodes(rng: Generator, content: bytes) -> bytes:
 def read_lines_kept(rng: Generator, folder: Path) -> None:
     """Go on from the checkpoint of a two-feature proof, and certify the tree."""
     problem = _lined(int((folder / "number").read_text()))
-    certify(problem, two_feature_branch_and_bound(problem, limits=Limits(seconds=2), checkpoint=folder / "lines.kept"))
+    certify(
+        problem,
+        two_feature_branch_and_bound(
+            problem, limits=Limits(seconds=2), options=ExactOptions(checkpoint=folder / "lines.kept")
+        ),
+    )
 
 
 def _sought(number: int) -> Problem:
@@ -93,14 +106,19 @@ def _sought(number: int) -> Problem:
 
 def make_search_checkpoint(number: int, folder: Path) -> None:
     """Write the checkpoint of a search that has come to its end; some of its turns may be changed or left out."""
-    local_search(_sought(number), restarts=10, perturbations=2, checkpoint=folder / "turns.kept")
+    local_search(_sought(number), options=SearchOptions(restarts=10, perturbations=2, checkpoint=folder / "turns.kept"))
     (folder / "number").write_text(str(number))
 
 
 def read_turns(rng: Generator, folder: Path) -> None:
     """Go on from the checkpoint of a search, and certify the tree."""
     problem, path = _sought(int((folder / "number").read_text())), folder / "turns.kept"
-    certify(problem, local_search(problem, restarts=10, perturbations=2, limits=Limits(seconds=2), checkpoint=path))
+    certify(
+        problem,
+        local_search(
+            problem, options=SearchOptions(restarts=10, perturbations=2, checkpoint=path), limits=Limits(seconds=2)
+        ),
+    )
 
 
 def make_regression_log(number: int, folder: Path) -> None:

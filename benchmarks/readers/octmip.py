@@ -26,6 +26,7 @@ from octmip.interfaces.cli.samples.training import targets_of
 from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
@@ -275,13 +276,13 @@ def make_log(number: int, folder: Path) -> None:
     """Write the log of a problem: of two-feature trees for odd numbers."""
     problem = problem_of(2 * number)
     if number % 2 == 0:
-        solution = branch_and_bound(problem, proof=folder / "proof.log")
+        solution = branch_and_bound(problem, options=ExactOptions(proof=folder / "proof.log"))
     else:
         names = ("a", "b")
         problem = Problem(
             problem.features[:, :2], problem.targets, depth=1, split="hyperplane", split_size=2, feature_names=names
         )
-        solution = two_feature_branch_and_bound(problem, proof=folder / "proof.log")
+        solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=folder / "proof.log"))
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
     write_table(problem, folder / "table.csv")
 

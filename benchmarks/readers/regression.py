@@ -9,6 +9,7 @@ from benchmarks.readers.file_reader import run
 from benchmarks.readers.mangling import Generator, pick
 from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solver import solve
 
@@ -35,7 +36,7 @@ def make_regression(number: int, folder: Path) -> None:
         )
     else:
         problem = Problem(features, targets, depth=2, loss=AbsoluteError(), feature_names=NAMES, target_name="y")
-    solution = solve(problem, options={"restarts": 2} if number % 2 else None)
+    solution = solve(problem, options=SearchOptions(restarts=2 if number % 2 else None))
     write_tree_file(folder / "tree.json", record_tree(problem, solution, "y"))
     frame = pd.DataFrame(features, columns=list(NAMES)).assign(y=targets)
     frame.to_csv(folder / "table.csv", index=False)

@@ -16,6 +16,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "formats.checked": 1,
         "formats.files": 1,
         "trees.methods.margin": 1,
+        "trees.methods.options": 1,
         "formats.names": 1,
         "trees.tree": 1,
         "twin": 1,

@@ -125,7 +125,7 @@ def key_of(problem: Problem, run: Run, incumbent: Node | Solution | None) -> str
     """Return the sha256 of what a solve was asked; the number of threads is not in it, as the tree is the same."""
     tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
     limits = [float(value).hex() for value in (run.limits.seconds, run.limits.gap, run.limits.nodes, run.limits.memory)]
-    options = sorted((name, repr(value)) for name, value in run.options.items() if name not in UNASKED)
+    options = sorted((name, repr(value)) for name, value in run.options.given().items() if name not in UNASKED)
     asked = [problem.digest(), question_digest(problem), run.method, run.seed, limits, options]
     start = None if tree is None else encode_tree(tree, *_numbers(problem))
     return hashlib.sha256(json.dumps([*asked, start]).encode()).hexdigest()

@@ -15,12 +15,14 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from octmip.errors import DataError, SolverError, needed_by
+from octmip.trees.methods.options import Options
 
+T = TypeVar("T", bound=Options)
 LOCAL = "local"
 MOST_LOST = 20
 """Times that one task may be lost with its worker: a task that ends its worker each time would be sent for ever."""
@@ -287,7 +289,7 @@ def open_cluster(where: str | Any, n_workers: int | None = None) -> Iterator[Clu
 
 
 @contextlib.contextmanager
-def opened(options: Mapping[str, Any], n_workers: int | None = None) -> Iterator[Mapping[str, Any]]:
+def opened(options: T, n_workers: int | None = None) -> Iterator[T]:
     """Return a solver's options with an open cluster where they name one, so that several solves share it.
 
     Raises
@@ -295,12 +297,12 @@ def opened(options: Mapping[str, Any], n_workers: int | None = None) -> Iterator
     DataError, MissingExtraError
         as `open_cluster`.
     """
-    where = options.get("cluster")
+    where = options.cluster
     if where is None or isinstance(where, Cluster):
         yield options
         return
     with open_cluster(where, n_workers) as cluster:
-        yield {**options, "cluster": cluster}
+        yield replace(options, cluster=cluster)
 
 
 @contextlib.contextmanager

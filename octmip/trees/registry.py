@@ -2,11 +2,12 @@
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, cast
 
 from octmip.errors import SolverError
 from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.methods.options import OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, ProgressCallback, Solution
@@ -25,7 +26,8 @@ class Solver(Protocol):
         seed: int,
         n_jobs: int,
         progress: ProgressCallback | None,
-        **options: Any,
+        options: Any,
+        **study: Any,
     ) -> Solution:
         """Return the best tree found within the limits and the bound proven for it."""
 
@@ -43,6 +45,9 @@ class Registration:
 
     cannot: tuple[str, ...] = ()
     """Settings of a Problem that it does not know: asked for, they are refused in one sentence."""
+
+    without: tuple[str, ...] = ("cluster",)
+    """Options of its method's class (`octmip.trees.methods.options`) that it does not take."""
 
     def refusal(self, problem: Problem) -> str | None:
         """Return the first setting of a problem that the solver does not know, None where it knows all."""
@@ -67,12 +72,13 @@ class Registration:
 
 
 CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
-SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False)
-EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4)
+SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=())
+EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
 TWO_FEATURE = Registration("octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True)
-OCT = Registration("octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True)
+OCT = Registration("octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True, without=("cluster", "mu"))
 OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
-FLOW = Registration("octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
+FLOW_OF_PLANES = Registration("octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
+FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
 BENDERS = Registration("octmip.trees.mip.benders.solver", "solve_benders", proves=True)
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
@@ -80,9 +86,14 @@ NUMBERS = Registration(
     proves=True,
     alone_to_depth=MAX_DEPTH,
     cannot=("gaps", "leaf_model"),
+    without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
-    "octmip.trees.regression.search", "search_regression", proves=False, cannot=("gaps", "integer_normals")
+    "octmip.trees.regression.search",
+    "search_regression",
+    proves=False,
+    cannot=("gaps", "integer_normals"),
+    without=("cluster", "perturbations", "checkpoint", "every"),
 )
 
 REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
@@ -101,14 +112,24 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
         "exact": TWO_FEATURE,
         "oct": OCT,
         "oct_h": OCT_H,
-        "flow": FLOW,
+        "flow": FLOW_OF_PLANES,
         "benders": BENDERS,
     },
     **{(loss, "axis"): {"search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
     **{(loss, "hyperplane"): {"search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},
 }
 """Which solver answers which pair of loss and split, by method: the one table that a new loss or method enters."""
-METHODS = ("auto", "cart", "search", "exact", "oct", "oct_h", "flow", "benders")
+
+
+def options_for(problem: Problem, method: str, given: Options) -> Options:
+    """Return options as the class of a method, by which a problem is solved.
+
+    Raises
+    ------
+    ProblemError
+        one is given that the method does not take for this loss and split.
+    """
+    return given.of_kind(OPTIONS[method], f"method {method!r}", solvers_of(problem)[method].without)
 
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:

@@ -13,27 +13,28 @@ flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
 benders   Benders on HiGHS: axis-aligned trees      search, HiGHS        HiGHS
 auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
 
-HiGHS works alone unless it is given assistance (`options={"assist": ("exact", "search")}`): the exact core's bound
-becomes a row of its model, or trees of further local searches are handed to it while it runs.
+HiGHS works alone unless it is given assistance (`options=MipOptions(assist=("exact", "search"))`): the exact core's
+bound becomes a row of its model, or trees of further local searches are handed to it while it runs.
 """
 
 import importlib
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.formats.files import PathLike
 from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.cluster import opened
 from octmip.trees.methods.interruption import held_back
+from octmip.trees.methods.options import METHODS, NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.problem import Problem
-from octmip.trees.registry import METHODS, TWO_FEATURE, solvers_of
-from octmip.trees.run import ASSISTANTS as ASSISTANTS
-from octmip.trees.run import NO_OPTIONS, Run, check_options, options_of, until_interrupted
+from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
+from octmip.trees.run import Run, until_interrupted
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.tree import Node, complexity
 
@@ -53,7 +54,7 @@ def solve(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    options: Mapping[str, Any] | None = None,
+    options: Options = NO_OPTIONS,
 ) -> Solution:
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
@@ -78,13 +79,13 @@ def solve(
     progress
         called now and then with the state of the solver.
     options
-        what the method's own solver takes beyond all this, for instance ``restarts`` of the search, or ``cluster``
-        of the search and of exact axis-aligned proofs: other processes that do their work (`octmip.trees.cluster`). The
-        mixed-integer methods take ``assist`` too, some of `ASSISTANTS`: "exact" proves for at most a fifth of the
-        time first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of
-        its own and hands over better trees, so which of several optimal trees comes back may vary. Every method takes
-        ``solves``, the name of a file: a solve that stands there is not made again, others are added when they are
-        finished, so that a study of many solves goes on where it was killed.
+        what the method's own solver takes beyond all this, `SearchOptions(restarts=20)` for instance
+        (`octmip.trees.methods.options`). ``cluster`` is other processes that do the work of the search and of exact
+        axis-aligned proofs (`octmip.trees.cluster`). Of ``assist``, "exact" proves for at most a fifth of the time
+        first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of its own
+        and hands over better trees, so which of several optimal trees comes back may vary. ``solves`` is the name of
+        a file: a solve that stands there is not made again, others are added when they are finished, so that a study
+        of many solves goes on where it was killed.
 
     Raises
     ------
@@ -93,8 +94,7 @@ def solve(
     SolverError
         the solver failed, or its solution fails its certificate.
     """
-    run = Run(method, limits, seed, n_jobs, options or NO_OPTIONS, progress)
-    return solve_run(problem, run, incumbent)
+    return solve_run(problem, Run(method, limits, seed, n_jobs, options, progress), incumbent)
 
 
 def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = None) -> Solution:
@@ -107,11 +107,11 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     DataError
         the file of the option ``solves`` cannot be read or written.
     """
-    if "solves" in run.options:
-        return _kept_solve(problem, run, incumbent)
+    if run.options.solves is not None:
+        return _kept_solve(problem, run, run.options.solves, incumbent)
     name = chosen_method(problem, run.method)
-    # Loaded before the clock starts: its import is not the solver's time.
-    check_options(f"method {name!r}", _options_of(problem, name), run.options)
+    run = replace(run, options=options_for(problem, name, run.options))
+    solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent, run)
     start = time.perf_counter()
 
@@ -123,11 +123,11 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
 
 
-def _kept_solve(problem: Problem, run: Run, incumbent: Node | Solution | None) -> Solution:
+def _kept_solve(problem: Problem, run: Run, path: PathLike, incumbent: Node | Solution | None) -> Solution:
     """Return the solution that a file of solves has, or make it and add it there."""
-    asked = replace(run, options={name: value for name, value in run.options.items() if name != "solves"})
+    asked = replace(run, options=replace(run.options, solves=None))
     version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
-    kept, key = SolvesFile(run.options["solves"], version), key_of(problem, asked, incumbent)
+    kept, key = SolvesFile(path, version), key_of(problem, asked, incumbent)
     found = kept.find(problem, key)
     if found is not None:
         return _checked(problem, found, asked.options)
@@ -186,7 +186,8 @@ class _Call:
         *,
         share: float = 1.0,
         turn: int = 0,
-        options: Mapping[str, Any] = NO_OPTIONS,
+        options: Options = NO_OPTIONS,
+        **study: Any,
     ) -> Solution:
         """Return the solution of one solver within `share` of the seconds that are left; another turn, another seed."""
         run, spent = self.run, time.perf_counter() - self.start
@@ -199,7 +200,8 @@ class _Call:
             seed=run.seed + turn,
             n_jobs=run.n_jobs if turn == 0 else 1,
             progress=self._shifted_progress(spent) if turn == 0 else None,
-            **options,
+            options=options_for(self.problem, name, options),
+            **study,
         )
         return _fitting(self.problem, solution, run.options)
 
@@ -210,22 +212,18 @@ class _Call:
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
 
 
-def _options_of(problem: Problem, name: str) -> set[str]:
-    solver = solvers_of(problem)[name]
-    if not solver.is_mixed_integer:
-        return options_of(solver.load())
-    from octmip.trees.mip.engine import Request
-
-    return options_of(solver.load(), Request)
+def _max_splits(options: Options) -> int | None:
+    return options.max_splits if isinstance(options, MipOptions) else None
 
 
-def _fitting(problem: Problem, solution: Solution, options: Mapping[str, Any]) -> Solution:
+def _fitting(problem: Problem, solution: Solution, options: Options) -> Solution:
     """Return a solution whose tree has as many splits as the options allow: the best pruning where it has more."""
-    if options.get("max_splits") is None or solution.tree is None:
+    most = _max_splits(options)
+    if most is None or solution.tree is None:
         return solution
     from octmip.trees.mip.incumbent import pruned
 
-    tree = pruned(problem, solution.tree, options["max_splits"])
+    tree = pruned(problem, solution.tree, most)
     if tree is solution.tree:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
@@ -249,41 +247,40 @@ def _first_tree(call: _Call, name: str) -> Solution:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
-    shared = {key: value for key, value in call.run.options.items() if key == "cluster"}
-    return call.solve("search", None, share=SEARCH_SHARE, options=shared | {"restarts": FIRST_RESTARTS})
+    options = SearchOptions(restarts=FIRST_RESTARTS, cluster=call.run.options.cluster)
+    return call.solve("search", None, share=SEARCH_SHARE, options=options)
 
 
 def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
-        if "assist" in call.run.options:
-            return _assisted(call, name, first)
-        return call.solve(name, first.tree if first else None, options=call.run.options)
+        options, tree = call.run.options, first.tree if first else None
+        if isinstance(options, MipOptions) and options.assist:
+            return _assisted(call, name, tree, options)
+        return call.solve(name, tree, options=options)
     except KeyboardInterrupt:
         if first is None:
             raise
         return replace(first, stop=Stop.INTERRUPTED)
 
 
-def _assisted(call: _Call, name: str, first: Solution | None) -> Solution:
+def _assisted(call: _Call, name: str, tree: Node | None, options: MipOptions) -> Solution:
     """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
-    assistants = call.run.options["assist"]
-    own = {key: value for key, value in call.run.options.items() if key != "assist"}
-    tree = first.tree if first else None
-    if "exact" in assistants:
+    lower_bound = -math.inf
+    if "exact" in options.assist:
         proven = _checked(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
         if proven.stop is Stop.INTERRUPTED:
             return replace(proven, solver=name)
-        tree, own["lower_bound"] = proven.tree, proven.bound
-    if "search" not in assistants:
-        return call.solve(name, tree, options=own)
+        tree, lower_bound = proven.tree, proven.bound
+    if "search" not in options.assist:
+        return call.solve(name, tree, options=options, lower_bound=lower_bound)
     from octmip.trees.mip.highs.injector import IncumbentInjector
 
     def searched(turn: int) -> Node | None:
-        return call.solve("search", None, turn=turn + 1, options={"restarts": FIRST_RESTARTS}).tree
+        return call.solve("search", None, turn=turn + 1, options=SearchOptions(restarts=FIRST_RESTARTS)).tree
 
     with IncumbentInjector(searched) as injector:
-        return call.solve(name, tree, options=own | {"inject": injector})
+        return call.solve(name, tree, options=options, lower_bound=lower_bound, inject=injector)
 
 
 def _known(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
@@ -307,10 +304,10 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     return better
 
 
-def _checked(problem: Problem, solution: Solution, options: Mapping[str, Any] = NO_OPTIONS) -> Solution:
+def _checked(problem: Problem, solution: Solution, options: Options = NO_OPTIONS) -> Solution:
     if solution.tree is None:
         return solution
-    most, read = options.get("max_splits"), complexity(solution.tree)
+    most, read = _max_splits(options), complexity(solution.tree)
     if most is not None and read > most:
         raise SolverError(f"{solution.solver} returned {read} features in splits; expected max_splits={most} at most")
     try:

@@ -7,6 +7,7 @@ import pytest
 from benchmarks.cases.fuzz.check_command import built, corrupted, run
 from octmip.formats.problem_file import write_problem_file
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 
 pytestmark = pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
@@ -28,7 +29,7 @@ def test_no_mangled_pair_of_files_is_accepted_for_more_than_is_true(first, comma
 def test_a_log_of_a_million_nodes_within_nodes_is_refused_in_its_line(tmp_path, command):
     log, file = tmp_path / "proof.log", tmp_path / "problem.json"
     problem = Problem(FEATURES, LABELS, depth=30)
-    branch_and_bound(Problem(FEATURES, LABELS, depth=1), proof=log)
+    branch_and_bound(Problem(FEATURES, LABELS, depth=1), options=ExactOptions(proof=log))
     write_problem_file(file, problem)
     lines = log.read_text().split("\n")
     lines[5:] = ["N 30 1 0", *["B"] * 1_000_000]

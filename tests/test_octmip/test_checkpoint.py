@@ -21,6 +21,7 @@ from octmip.interfaces.cli import main
 from octmip.trees.methods.checkpoint import envelope
 from octmip.trees.methods.checkpoint.envelope import FIRST
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.solution import Stop
 
 
@@ -35,7 +36,7 @@ def resumed(problem, path, n_jobs=1):
     while not found or found[-1].stop is not Stop.OPTIMAL:
         # Somebody looks every 20 ms. Where a cut of the root takes more, it is lost when the search ends.
         limits = Limits(nodes=float(4000 * (len(found) // 10))) if found else Limits(seconds=0)
-        found.append(branch_and_bound(problem, limits=limits, n_jobs=n_jobs, checkpoint=path))
+        found.append(branch_and_bound(problem, limits=limits, n_jobs=n_jobs, options=ExactOptions(checkpoint=path)))
         certify(problem, found[-1])
         assert len(found) < 200
     return found
@@ -70,8 +71,10 @@ def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pa
         rng = np.random.default_rng([62, seed])
         problem = (wide_problem if seed % 2 else random_problem)(rng)
         path = tmp_path / str(seed)
-        first = branch_and_bound(problem, limits=Limits(nodes=float(rng.integers(0, 9))), checkpoint=path)
-        second = branch_and_bound(problem, checkpoint=path)
+        first = branch_and_bound(
+            problem, limits=Limits(nodes=float(rng.integers(0, 9))), options=ExactOptions(checkpoint=path)
+        )
+        second = branch_and_bound(problem, options=ExactOptions(checkpoint=path))
         once = branch_and_bound(problem)
         certify(problem, second)
         assert first.bound <= second.bound, f"seed {seed}"
@@ -84,7 +87,7 @@ def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pa
 @pytest.mark.usefixtures("often")
 def test_a_finished_search_is_not_made_again(tmp_path):
     problem = hard()
-    first, second = (branch_and_bound(problem, checkpoint=tmp_path / "kept") for _ in range(2))
+    first, second = (branch_and_bound(problem, options=ExactOptions(checkpoint=tmp_path / "kept")) for _ in range(2))
     assert (second.objective, second.bound, second.stop) == (first.objective, first.bound, Stop.OPTIMAL)
     assert second.n_nodes == 0 < first.n_nodes
 
@@ -93,11 +96,12 @@ CHILD = """
 import sys
 import numpy as np
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 rng = np.random.default_rng(3)
 problem = Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3)
 print("ready", flush=True)
-solution = branch_and_bound(problem, checkpoint=sys.argv[1], every=0.02)
+solution = branch_and_bound(problem, options=ExactOptions(checkpoint=sys.argv[1], every=0.02))
 print(solution.objective, solution.bound, solution.stop, bool(solution.details.get("resumed_from")))
 """
 
@@ -122,7 +126,7 @@ def kept(tmp_path):
     """Return a problem and the checkpoint of a search of it that was cut off."""
     path, nodes = tmp_path / "kept", 1.0
     while not path.exists() or b'"known":null' in path.read_bytes():
-        branch_and_bound(hard(), limits=Limits(nodes=nodes), checkpoint=path)
+        branch_and_bound(hard(), limits=Limits(nodes=nodes), options=ExactOptions(checkpoint=path))
         nodes *= 2
     return hard(), path
 
@@ -135,10 +139,10 @@ def test_every_damage_is_found(kept):
         with pytest.raises(
             DataError, match=r"checkpoint .* is (damaged|no checkpoint): line 1 .*; give another file, or"
         ):
-            branch_and_bound(problem, checkpoint=path)
+            branch_and_bound(problem, options=ExactOptions(checkpoint=path))
     path.write_bytes(content[: len(content) // 2])
     with pytest.raises(DataError, match="is damaged"):
-        branch_and_bound(problem, checkpoint=path)
+        branch_and_bound(problem, options=ExactOptions(checkpoint=path))
 
 
 @pytest.mark.parametrize(
@@ -152,7 +156,7 @@ def test_every_damage_is_found(kept):
 def test_a_checkpoint_of_another_problem_is_refused(kept, change, complaint):
     problem, path = kept
     with pytest.raises(DataError, match=f"belongs to another search: it has the {complaint}"):
-        branch_and_bound(replace(problem, **change), checkpoint=path)
+        branch_and_bound(replace(problem, **change), options=ExactOptions(checkpoint=path))
 
 
 def rewritten(path, edit):
@@ -189,17 +193,17 @@ def test_what_cannot_be_is_refused(kept, edit, complaint):
     problem, path = kept
     rewritten(path, edit)
     with pytest.raises(DataError, match=complaint):
-        branch_and_bound(problem, checkpoint=path)
+        branch_and_bound(problem, options=ExactOptions(checkpoint=path))
 
 
 def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
     with pytest.raises(DataError, match="there is no folder"):
-        branch_and_bound(hard(), checkpoint=tmp_path / "none" / "kept")
+        branch_and_bound(hard(), options=ExactOptions(checkpoint=tmp_path / "none" / "kept"))
 
 
 def test_other_methods_have_no_checkpoint(tmp_path, capsys):
     with pytest.raises(ProblemError, match="takes no option 'checkpoint'"):
-        solve(hard(), "cart", options={"checkpoint": tmp_path / "kept"})
+        solve(hard(), "cart", options=ExactOptions(checkpoint=tmp_path / "kept"))
     table = tmp_path / "table.csv"
     table.write_text("a,b,y\n1,2,0\n2,1,1\n3,3,0\n")
     command = ["solve", str(table), "--label", "y", "--depth", "1", "--checkpoint", str(tmp_path / "kept")]

@@ -20,11 +20,10 @@ from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.checkpoint.envelope import FIRST
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.solution import Stop
-
-OFTEN = {"every": 0.0}
 
 
 def samples(n=90, p=4, **options):
@@ -36,10 +35,10 @@ def lines(n=40, p=3, **options):
     return samples(n, p, depth=2, split="hyperplane", split_size=2, **options)
 
 
-def in_pieces(run, problem, path, seconds, **options):
+def in_pieces(run, problem, options, seconds, **more):
     """Return the last solution of searches that a clock ends, each going on from the one before, and their number."""
     for number in range(1, 200):
-        found = run(problem, checkpoint=path, limits=Limits(seconds=seconds * number), **OFTEN, **options)
+        found = run(problem, options=options, limits=Limits(seconds=seconds * number), **more)
         if found.stop is not Stop.TIME:
             return found, number
     raise AssertionError("no end")
@@ -55,11 +54,12 @@ def in_pieces(run, problem, path, seconds, **options):
     ],
 )
 def test_a_search_in_pieces_ends_with_the_tree_of_one_search(options, tmp_path):
-    problem, effort = samples(**options), {"seed": 5, "restarts": 11, "perturbations": 6}
-    whole = local_search(problem, **effort)
-    last, _ = in_pieces(local_search, problem, tmp_path / "kept", whole.seconds / 4, n_jobs=2, **effort)
+    problem, effort = samples(**options), SearchOptions(restarts=11, perturbations=6)
+    whole = local_search(problem, seed=5, options=effort)
+    kept = replace(effort, checkpoint=tmp_path / "kept", every=0.0)
+    last, _ = in_pieces(local_search, problem, kept, whole.seconds / 4, n_jobs=2, seed=5)
     assert (last.tree, last.objective, last.stop) == (whole.tree, whole.objective, whole.stop)
-    again = local_search(problem, checkpoint=tmp_path / "kept", **effort)
+    again = local_search(problem, options=kept, seed=5)
     assert (again.tree, again.n_nodes) == (whole.tree, 0)
 
 
@@ -67,7 +67,8 @@ def test_small_searches_of_every_kind_believe_their_own_checkpoints(tmp_path):
     for seed in range(40):
         problem, path = random_problem(np.random.default_rng([64, seed])), tmp_path / str(seed)
         once = local_search(problem, seed=seed)
-        first, second = (local_search(problem, seed=seed, checkpoint=path, **OFTEN) for _ in range(2))
+        options = SearchOptions(checkpoint=path, every=0.0)
+        first, second = (local_search(problem, seed=seed, options=options) for _ in range(2))
         assert first.tree == second.tree == once.tree, f"seed {seed}"
 
 
@@ -83,7 +84,8 @@ def test_small_searches_of_every_kind_believe_their_own_checkpoints(tmp_path):
 def test_a_two_feature_proof_in_pieces_makes_the_nodes_of_one_proof(options, tmp_path):
     problem = lines(**options)
     whole = two_feature_branch_and_bound(problem)
-    last, n_pieces = in_pieces(two_feature_branch_and_bound, problem, tmp_path / "kept", whole.seconds / 6, n_jobs=2)
+    kept = ExactOptions(checkpoint=tmp_path / "kept", every=0.0)
+    last, n_pieces = in_pieces(two_feature_branch_and_bound, problem, kept, whole.seconds / 6, n_jobs=2)
     assert n_pieces > 1
     assert (last.tree, last.objective, last.bound) == (whole.tree, whole.objective, whole.bound)
     assert (last.stop, last.details["resumed_from"]["nodes"] + last.n_nodes) == (whole.stop, whole.n_nodes)
@@ -94,11 +96,12 @@ CHILD = """
 import sys
 import numpy as np
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 rng = np.random.default_rng([63, 70, 3])
 problem = Problem(rng.normal(size=(70, 3)), rng.integers(0, 3, 70), depth=2, split="hyperplane", split_size=2)
 print("ready", flush=True)
-solution = two_feature_branch_and_bound(problem, checkpoint=sys.argv[1], every=0.02)
+solution = two_feature_branch_and_bound(problem, options=ExactOptions(checkpoint=sys.argv[1], every=0.02))
 print(solution.objective, solution.bound, solution.n_nodes + solution.details["resumed_from"]["nodes"])
 """
 
@@ -120,7 +123,7 @@ def test_a_two_feature_proof_killed_at_any_moment_goes_on_to_the_same_nodes(tmp_
 def kept(tmp_path):
     """Return a problem and the checkpoint of a two-feature proof of it that was cut off."""
     path = tmp_path / "kept"
-    two_feature_branch_and_bound(lines(), limits=Limits(nodes=200), checkpoint=path)
+    two_feature_branch_and_bound(lines(), limits=Limits(nodes=200), options=ExactOptions(checkpoint=path))
     return lines(), path
 
 
@@ -128,19 +131,19 @@ def test_a_checkpoint_of_another_run_is_refused(kept, tmp_path):
     problem, path = kept
     for change, complaint in (({"leaf_penalty": 1.0}, "depth, costs"), ({"weights": np.full(40, 2.0)}, "samples")):
         with pytest.raises(DataError, match=f"belongs to another search: it has the {complaint}"):
-            two_feature_branch_and_bound(replace(problem, **change), checkpoint=path)
+            two_feature_branch_and_bound(replace(problem, **change), options=ExactOptions(checkpoint=path))
     with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
-        two_feature_branch_and_bound(problem, seed=1, checkpoint=path)
+        two_feature_branch_and_bound(problem, seed=1, options=ExactOptions(checkpoint=path))
     with pytest.raises(DataError, match="belongs to another search: it has the method 'two-feature exact'"):
-        local_search(problem, checkpoint=path)
+        local_search(problem, options=SearchOptions(checkpoint=path))
     with pytest.raises(DataError, match="holds tables of 64 slope intervals, and memory for"):
-        two_feature_branch_and_bound(problem, limits=Limits(memory=10_000), checkpoint=path)
+        two_feature_branch_and_bound(problem, limits=Limits(memory=10_000), options=ExactOptions(checkpoint=path))
     with pytest.raises(ProblemError, match="of which nothing can be kept"):
-        two_feature_branch_and_bound(replace(problem, depth=1), checkpoint=tmp_path / "one")
-    local_search(problem, seed=1, checkpoint=tmp_path / "search")
-    for options in ({"seed": 2}, {"seed": 1, "restarts": 3}, {"seed": 1, "perturbations": 3}):
+        two_feature_branch_and_bound(replace(problem, depth=1), options=ExactOptions(checkpoint=tmp_path / "one"))
+    local_search(problem, seed=1, options=SearchOptions(checkpoint=tmp_path / "search"))
+    for seed, effort in ((2, {}), (1, {"restarts": 3}), (1, {"perturbations": 3})):
         with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
-            local_search(problem, checkpoint=tmp_path / "search", **options)
+            local_search(problem, seed=seed, options=SearchOptions(checkpoint=tmp_path / "search", **effort))
 
 
 def rewritten(path, edit):
@@ -183,7 +186,7 @@ def test_nodes_that_cannot_be_are_refused(kept, edit):
     problem, path = kept
     rewritten(path, edit)
     with pytest.raises(DataError, match=f"checkpoint {path} (holds|claims) .*; give another file, or remove this one"):
-        two_feature_branch_and_bound(problem, checkpoint=path)
+        two_feature_branch_and_bound(problem, options=ExactOptions(checkpoint=path))
 
 
 @pytest.mark.parametrize(
@@ -199,7 +202,7 @@ def test_nodes_that_cannot_be_are_refused(kept, edit):
 )
 def test_turns_that_cannot_be_are_refused(edit, tmp_path):
     problem, path = samples(depth=2), tmp_path / "kept"
-    local_search(problem, checkpoint=path)
+    local_search(problem, options=SearchOptions(checkpoint=path))
     rewritten(path, edit)
     with pytest.raises(DataError, match=f"checkpoint {path} holds .*; give another file, or remove this one"):
-        local_search(problem, checkpoint=path)
+        local_search(problem, options=SearchOptions(checkpoint=path))

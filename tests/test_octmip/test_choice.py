@@ -12,6 +12,7 @@ from sklearn.model_selection import GridSearchCV
 
 from octmip import ClassCosts, OptimalTreeClassifier, Problem, certify, predict
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
 from octmip.trees.tradeoff.path import trace_depths
@@ -132,7 +133,7 @@ def test_folds_run_on_a_dask_cluster():
 
 def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
     planes = replace(COSTLY, split="hyperplane", split_size=2, depth=1, sensor_budget=2)
-    choice = choose_tree(planes, folds=2, options={"restarts": 1}, most_solves=4)
+    choice = choose_tree(planes, folds=2, options=SearchOptions(restarts=1), most_solves=4)
     assert certify(choice.problem, choice.solution).sensor_cost <= 2
     assert choose_tree(replace(COSTLY, depth=1), folds=2, method="flow").solution.is_optimal
 

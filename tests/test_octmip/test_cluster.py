@@ -7,6 +7,7 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from unittest.mock import patch
 
 import dask
@@ -22,6 +23,7 @@ from octmip.trees import _native
 from octmip.trees.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.shared_work import shared_problem, solve_cut
 from octmip.trees.proof import check_proof
@@ -61,7 +63,7 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
 def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
-    shared = branch_and_bound(problem, cluster=client)
+    shared = branch_and_bound(problem, options=ExactOptions(cluster=client))
     assert (shared.tree, shared.bound, shared.stop) == (alone.tree, alone.bound, Stop.OPTIMAL)
     assert shared.n_nodes == alone.n_nodes
 
@@ -72,9 +74,9 @@ def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: d
 def test_the_parts_of_a_log_are_joined_and_checked(client: Client, tmp_path, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
-    found = branch_and_bound(problem, proof=alone)
-    branch_and_bound(problem, n_jobs=3, proof=threads)
-    branch_and_bound(problem, cluster=client, proof=shared)
+    found = branch_and_bound(problem, options=ExactOptions(proof=alone))
+    branch_and_bound(problem, n_jobs=3, options=ExactOptions(proof=threads))
+    branch_and_bound(problem, options=ExactOptions(cluster=client, proof=shared))
     assert alone.read_bytes() == threads.read_bytes() == shared.read_bytes()
     assert check_proof(problem, shared).bound == found.objective
 
@@ -83,7 +85,8 @@ def test_a_worker_that_is_killed_while_a_log_is_written(client: Client, tmp_path
     problem = hard(1200, 3)
     alone = branch_and_bound(problem)
     done: list[object] = []
-    written = lambda: done.append(branch_and_bound(problem, incumbent=alone, cluster=client, proof=tmp_path / "log"))  # noqa: E731
+    options = ExactOptions(cluster=client, proof=tmp_path / "log")
+    written = lambda: done.append(branch_and_bound(problem, incumbent=alone, options=options))  # noqa: E731
     worker = threading.Thread(target=written)
     worker.start()
     time.sleep(1.2 * alone.seconds)
@@ -97,7 +100,9 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
     problem = hard(1200, 4)
     alone = branch_and_bound(hard(1200, 3))
     shared: list[object] = []
-    worker = threading.Thread(target=lambda: shared.append(branch_and_bound(hard(1200, 3), cluster=client)))
+    worker = threading.Thread(
+        target=lambda: shared.append(branch_and_bound(hard(1200, 3), options=ExactOptions(cluster=client)))
+    )
     worker.start()
     time.sleep(0.3)
     pids = client.run(os.getpid)
@@ -106,7 +111,7 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
     assert [(found.tree, found.bound, found.n_nodes) for found in shared] == [(alone.tree, alone.bound, alone.n_nodes)]
     # A limit ends the search although cuts are still in work elsewhere.
     start = time.perf_counter()
-    assert branch_and_bound(problem, cluster=client, limits=Limits(seconds=0.5)).stop is Stop.TIME
+    assert branch_and_bound(problem, options=ExactOptions(cluster=client), limits=Limits(seconds=0.5)).stop is Stop.TIME
     assert time.perf_counter() - start < 10
 
 
@@ -162,19 +167,19 @@ SEARCHES = [
 @pytest.mark.parametrize(("options", "effort"), SEARCHES)
 def test_the_tree_of_a_search_is_that_of_one_machine(client: Client, options: dict[str, object], effort: dict) -> None:
     problem = hard(120, **({"depth": 3} | options))
-    alone = local_search(problem, seed=3, **effort)
-    shared = local_search(problem, seed=3, cluster=client, **effort)
+    alone = local_search(problem, seed=3, options=SearchOptions(**effort))
+    shared = local_search(problem, seed=3, options=SearchOptions(cluster=client, **effort))
     assert (shared.tree, shared.n_nodes, shared.stop) == (alone.tree, alone.n_nodes, Stop.FINISHED)
-    threads = local_search(problem, seed=3, n_jobs=3, **effort)
+    threads = local_search(problem, seed=3, n_jobs=3, options=SearchOptions(**effort))
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
 
 
 def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(client: Client) -> None:
     """More workers than a group has restarts: several groups at once, also where one of them ends the search."""
     for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
-        alone = local_search(problem, restarts=restarts, perturbations=2)
+        alone = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2))
         with patch.object(Cluster, "n_threads", 25):
-            shared = local_search(problem, restarts=restarts, perturbations=2, cluster=client)
+            shared = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2, cluster=client))
         assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
 
 
@@ -182,7 +187,9 @@ def test_a_worker_that_is_killed_in_a_search_costs_no_result(client: Client) -> 
     problem = hard(900, 4)
     alone = local_search(problem)
     shared: list[Solution] = []
-    worker = threading.Thread(target=lambda: shared.append(local_search(problem, cluster=client)))
+    worker = threading.Thread(
+        target=lambda: shared.append(local_search(problem, options=SearchOptions(cluster=client)))
+    )
     worker.start()
     time.sleep(0.3 * alone.seconds)
     os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
@@ -194,38 +201,38 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     problem = hard(4000, 5)
     reports: list[Progress] = []
     start = time.perf_counter()
-    effort = {"restarts": 10_000, "cluster": client}
-    found = local_search(problem, **effort, limits=Limits(seconds=1.5), progress=reports.append)
+    effort = SearchOptions(restarts=10_000, cluster=client)
+    found = local_search(problem, options=effort, limits=Limits(seconds=1.5), progress=reports.append)
     assert (found.stop, time.perf_counter() - start < 6) == (Stop.TIME, True)
     assert found.objective < 0.9 * problem.baseline  # what the workers had when time ran out
     assert reports
-    assert local_search(problem, **effort, limits=Limits(nodes=50)).stop is Stop.NODES
+    assert local_search(problem, options=effort, limits=Limits(nodes=50)).stop is Stop.NODES
 
     def stop(_: Progress) -> None:
         if time.perf_counter() - start > 1:
             signal.raise_signal(signal.SIGINT)
 
     start = time.perf_counter()
-    assert local_search(problem, **effort, progress=stop).stop is Stop.INTERRUPTED
+    assert local_search(problem, options=effort, progress=stop).stop is Stop.INTERRUPTED
     # Turns that nobody waits for are given up by the workers, which are free for others.
     assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
 
 
 def test_a_search_goes_on_from_the_checkpoint_of_another_number_of_workers(client: Client, tmp_path) -> None:
     problem = hard(300, 4)
-    alone, kept = local_search(problem, restarts=20), tmp_path / "kept"
+    alone, kept = local_search(problem, options=SearchOptions(restarts=20)), tmp_path / "kept"
     with patch.object(Cluster, "n_threads", 25):
-        options = {"restarts": 20, "checkpoint": kept, "every": 0.0}
-        local_search(problem, **options, cluster=client, limits=Limits(nodes=alone.n_nodes / 2))
-    assert local_search(problem, restarts=20, checkpoint=kept).tree == alone.tree
+        options = SearchOptions(restarts=20, checkpoint=kept, every=0.0, cluster=client)
+        local_search(problem, options=options, limits=Limits(nodes=alone.n_nodes / 2))
+    assert local_search(problem, options=SearchOptions(restarts=20, checkpoint=kept)).tree == alone.tree
 
 
 @pytest.mark.parametrize(("over", "method"), [("depth", "exact"), ("budget", "search"), ("penalty", "search")])
 def test_the_points_of_a_frontier_are_those_of_one_machine(client: Client, over: str, method: str) -> None:
     problem = hard(60)
-    run = {"method": method, "options": {} if method == "exact" else {"restarts": 2, "perturbations": 2}}
-    alone = trace_frontier(problem, over, **run)
-    shared = trace_frontier(problem, over, **(run | {"options": run["options"] | {"cluster": client}}))
+    options = Options() if method == "exact" else SearchOptions(restarts=2, perturbations=2)
+    alone = trace_frontier(problem, over, method=method, options=options)
+    shared = trace_frontier(problem, over, method=method, options=replace(options, cluster=client))
     assert [(point.value, point.solution.tree) for point in shared] == [
         (point.value, point.solution.tree) for point in alone
     ]
@@ -233,13 +240,13 @@ def test_the_points_of_a_frontier_are_those_of_one_machine(client: Client, over:
 
 def test_folds_are_taken_by_the_workers_that_the_options_name(client: Client) -> None:
     problem = hard(40, 2)
-    shared = choose_tree(problem, folds=2, most_solves=3, options={"cluster": client})
+    shared = choose_tree(problem, folds=2, most_solves=3, options=Options(cluster=client))
     assert shared.table() == choose_tree(problem, folds=2, most_solves=3).table()
 
 
 def test_a_deep_proof_has_its_first_tree_from_the_workers(client: Client) -> None:
     problem = hard(14, 5)
-    assert solve(problem, options={"cluster": client}).tree == solve(problem).tree
+    assert solve(problem, options=Options(cluster=client)).tree == solve(problem).tree
 
 
 def test_two_clusters_start_on_one_machine() -> None:
@@ -260,7 +267,7 @@ def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
 def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees._native.__version__", "0.0.0")
     with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
-        branch_and_bound(hard(100), cluster=client)
+        branch_and_bound(hard(100), options=ExactOptions(cluster=client))
 
 
 def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> None:
@@ -316,7 +323,7 @@ def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPa
         Client(empty) as client,
         pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"),
     ):
-        branch_and_bound(hard(30, 2), cluster=client)
+        branch_and_bound(hard(30, 2), options=ExactOptions(cluster=client))
 
 
 def test_a_result_that_is_lost_before_it_is_fetched_is_worked_out_again_when_a_worker_is_there() -> None:

@@ -12,6 +12,7 @@ from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.methods import native_call
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Limits, Progress, Stop
@@ -124,7 +125,7 @@ def test_equal_samples_are_searched_as_one_and_logged_as_many(costs: np.ndarray 
         weights=rng.integers(1, 4, 300),
         allowed_splits=[[0], [1]],
     )
-    solution = branch_and_bound(problem, proof=tmp_path / "proof.log")
+    solution = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
     apart = without("merging", problem)
     assert (solution.objective, solution.bound) == (apart.objective, apart.bound)
     assert check_proof(problem, tmp_path / "proof.log", bound=solution.bound).bound == solution.objective
@@ -153,13 +154,13 @@ def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_fro
     n_classes: int, options: dict[str, object], tmp_path: Path
 ) -> None:
     problem = unclear(3, n_classes, **options)
-    found = branch_and_bound(problem, proof=tmp_path / "log")
+    found = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"))
     whole = without("cancelling", problem)
     assert (found.objective, found.bound, found.stop) == (whole.objective, whole.bound, Stop.OPTIMAL)
     assert check_proof(problem, tmp_path / "log", bound=found.bound).bound == found.objective
     kept = tmp_path / "kept"
-    branch_and_bound(problem, checkpoint=kept, limits=Limits(nodes=found.n_nodes / 2))
-    resumed = branch_and_bound(problem, checkpoint=kept)
+    branch_and_bound(problem, options=ExactOptions(checkpoint=kept), limits=Limits(nodes=found.n_nodes / 2))
+    resumed = branch_and_bound(problem, options=ExactOptions(checkpoint=kept))
     assert (resumed.objective, resumed.bound) == (found.objective, found.bound)
 
 

@@ -9,6 +9,7 @@ from benchmarks.oracles.enumeration import optimum
 from octmip import ClassCosts, certify
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Limits
@@ -113,7 +114,7 @@ def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, 
         if budget is not None:
             problem = replace(problem, sensor_budget=budget)
         finer, path = in_smaller_units(problem), tmp_path / "proof.log"
-        plain, solution = branch_and_bound(problem), branch_and_bound(finer, proof=path)
+        plain, solution = branch_and_bound(problem), branch_and_bound(finer, options=ExactOptions(proof=path))
         assert (solution.tree, solution.n_nodes) == (plain.tree, plain.n_nodes), f"seed {seed}"
         assert solution.bound == solution.objective == finer.objective(plain.tree), f"seed {seed}"
         assert check_proof(finer, path).bound == solution.bound, f"seed {seed}"
@@ -123,8 +124,10 @@ def test_a_search_of_a_common_factor_goes_on_from_its_checkpoint(tmp_path):
     for seed in range(4):
         problem = in_smaller_units(cost_problem(np.random.default_rng([74, seed]), 90, 4, 3))
         whole, path = branch_and_bound(problem), tmp_path / f"{seed}.checkpoint"
-        branch_and_bound(problem, checkpoint=path, every=0.0, limits=Limits(nodes=whole.n_nodes // 3))
-        again = branch_and_bound(problem, checkpoint=path)
+        branch_and_bound(
+            problem, options=ExactOptions(checkpoint=path, every=0.0), limits=Limits(nodes=whole.n_nodes // 3)
+        )
+        again = branch_and_bound(problem, options=ExactOptions(checkpoint=path))
         assert (again.objective, again.bound) == (whole.objective, whole.bound), f"seed {seed}"
 
 
@@ -136,7 +139,7 @@ def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(
         whole = replace(whole, loss=ClassCosts(np.round(whole.costs)), leaf_penalty=np.round(whole.leaf_penalty))
         problem = replace(whole, loss=ClassCosts(whole.costs * unit), leaf_penalty=whole.leaf_penalty * unit)
         path = tmp_path / "proof.log"
-        plain, solution = branch_and_bound(whole), branch_and_bound(problem, proof=path)
+        plain, solution = branch_and_bound(whole), branch_and_bound(problem, options=ExactOptions(proof=path))
         assert solution.objective == pytest.approx(plain.objective * unit, rel=1e-12), f"seed {seed}"
         assert (solution.stop, solution.n_nodes) == (plain.stop, plain.n_nodes), f"seed {seed}"
         assert certify(problem, solution).objective - solution.bound <= 1e-9 * solution.objective, f"seed {seed}"

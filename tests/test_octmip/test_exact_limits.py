@@ -11,6 +11,7 @@ from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Limits, Stop
@@ -50,7 +51,7 @@ def test_a_search_that_is_stopped_keeps_the_bound_of_the_level_below(tmp_path) -
     assert 0.0 < stopped.bound <= 2.0 * below.objective - 900.0
     with without("level_below"):
         assert branch_and_bound(problem, limits=limits).bound == 0.0
-    logged = branch_and_bound(problem, limits=limits, proof=tmp_path / "log")
+    logged = branch_and_bound(problem, limits=limits, options=ExactOptions(proof=tmp_path / "log"))
     assert logged.bound == check_proof(problem, tmp_path / "log").bound == 0.0
 
 

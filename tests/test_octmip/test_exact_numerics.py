@@ -11,6 +11,7 @@ from octmip import ClassCosts, Limits, Problem, certify, predict
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.encoding import grid
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Stop, closing_tolerance
 from octmip.trees.tree import n_splits
@@ -67,7 +68,7 @@ def test_a_search_that_is_cut_off_leaves_a_bound_that_holds():
 def test_a_log_of_costs_that_were_cut_off_proves_its_bound(tmp_path):
     for seed in range(BLOCK):
         problem = wide_problem(np.random.default_rng([54, seed]))
-        solution = branch_and_bound(problem, proof=tmp_path / "proof.log")
+        solution = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
         report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
         assert Fraction(report.bound) <= exact_objective(problem, optimum(problem).tree), f"seed {seed}"
 
@@ -94,7 +95,7 @@ REAL = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 2, 1], depth=1, weights=[0.1
 )
 def test_numbers_above_the_true_ones_are_refused(tmp_path, change, complaint):
     path = tmp_path / "proof.log"
-    branch_and_bound(REAL, proof=path)
+    branch_and_bound(REAL, options=ExactOptions(proof=path))
     name, edit = change
     lines = path.read_text().splitlines()
     place = next(i for i, line in enumerate(lines) if line.startswith(name + " "))

@@ -7,6 +7,7 @@ from benchmarks.cases.fuzz.exact_proofs import corrupted
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
 
 BLOCK = 20
@@ -16,7 +17,7 @@ BLOCK = 20
 def test_every_log_of_the_solver_proves_its_bound(first, tmp_path):
     for seed in range(first, first + BLOCK):
         problem = random_problem(np.random.default_rng([41, seed]))
-        solution = branch_and_bound(problem, proof=tmp_path / "proof.log")
+        solution = branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
         report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
         assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
         assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"

@@ -19,6 +19,7 @@ from octmip.interfaces.cli import main
 from octmip.monitor import Library, ModelSelector
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 
@@ -120,7 +121,7 @@ def test_a_parquet_table_that_promises_more_than_memory_is_refused(tmp_path, mon
 def log_of(tmp_path, **limits):
     problem = Problem(SAMPLES, LABELS, depth=1, **limits)
     solver = two_feature_branch_and_bound if limits else branch_and_bound
-    solver(problem, proof=tmp_path / "proof.log")
+    solver(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
     return problem, tmp_path / "proof.log"
 
 
@@ -157,7 +158,7 @@ def test_a_hostile_log_is_refused_with_its_line(tmp_path, limits, line, text, se
 def test_a_log_that_halves_regions_without_end_does_not_exhaust_the_stack(tmp_path):
     problem = Problem(SAMPLES, LABELS, depth=2, split="hyperplane", split_size=2)
     path = tmp_path / "proof.log"
-    two_feature_branch_and_bound(problem, proof=path)
+    two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
     lines = path.read_text().split("\n")
     lines[6:6] = ["R -1 -1"] * 100_000
     path.write_text("\n".join(lines))

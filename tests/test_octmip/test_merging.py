@@ -6,6 +6,7 @@ import pytest
 from octmip import Problem, certify
 from octmip.trees.encoding import rank_features
 from octmip.trees.methods.merging import merged
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 
 FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
@@ -47,7 +48,8 @@ def test_weights_and_repeated_rows_in_any_order_get_the_same_tree(options):
         rows = rng.permutation(np.repeat(np.arange(40), weights))
         repeated = Problem(features[rows], labels[rows], depth=3, **options)
         first, second = (
-            local_search(problem, seed=seed, restarts=2, perturbations=4) for problem in (weighed, repeated)
+            local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
+            for problem in (weighed, repeated)
         )
         certify(weighed, first)
         assert first.tree == second.tree

@@ -13,6 +13,7 @@ from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine
 from octmip.trees.mip.flow import solve_flow
@@ -295,7 +296,7 @@ def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
     import highspy
 
     problem = blobs(depth=1)
-    solution = solve_oct(problem, write=tmp_path / f"model{suffix}")
+    solution = solve_oct(problem, options=MipOptions(write=tmp_path / f"model{suffix}"))
     reader = highspy.Highs()
     reader.setOptionValue("output_flag", False)
     reader.readModel(str(tmp_path / f"model{suffix}"))

@@ -13,6 +13,7 @@ from benchmarks.oracles.paper_models import oct_h as paper
 from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct_h
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
 from octmip.trees.mip.blocks.hyperplanes import choose_mu, space_of
@@ -206,7 +207,7 @@ def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_bet
     labels[:2] = 0, 1
     problem = Problem(features, labels, depth=1, split="hyperplane")
     narrow = solve(problem, "exact")
-    solution = solver(problem, incumbent=narrow.tree, mu=0.005)
+    solution = solver(problem, incumbent=narrow.tree, options=MipOptions(mu=0.005))
     certify(problem, solution)
     assert solution.objective == solution.bound == narrow.objective == 2
     assert solution.details["bound_in_scope"] == 3

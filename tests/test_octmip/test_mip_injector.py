@@ -4,6 +4,7 @@ import pytest
 
 from octmip import Leaf, Limits, Split, certify, solve
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.highs.injector import IncumbentInjector
 from octmip.trees.mip.oct import solve_oct
 from tests.test_octmip.test_mip import stop_at_six, uci
@@ -28,7 +29,7 @@ def test_what_the_source_of_an_injector_raises_comes_out():
 
 def test_the_exact_core_assists_with_its_bound():
     problem = uci("wine", depth=2)
-    solution = solve(problem, "oct", Limits(seconds=60), options={"assist": ("exact",)})
+    solution = solve(problem, "oct", Limits(seconds=60), options=MipOptions(assist=("exact",)))
     certify(problem, solution)
     assert solution.is_optimal
     assert solution.objective == 6 == solution.details["lower_bound_given"]
@@ -45,7 +46,7 @@ def test_the_search_assists_while_highs_runs(monkeypatch):
         Limits(seconds=120),
         incumbent=Split(0, 5.5, Leaf(0), Leaf(2)),
         progress=stop_at_six,
-        options={"assist": ("search",)},
+        options=MipOptions(assist=("search",)),
     )
     assert solution.objective == 6
     assert len(turns) >= 1
@@ -64,6 +65,6 @@ def _counted(turns):
 def test_an_assistant_must_be_known_and_is_for_mixed_integer_methods():
     problem = uci("iris", depth=1)
     with pytest.raises(ProblemError, match="expected a tuple of some of exact, search"):
-        solve(problem, "flow", options={"assist": "exact"})
+        solve(problem, "flow", options=MipOptions(assist="exact"))
     with pytest.raises(ProblemError, match="takes no option 'assist'"):
-        solve(problem, "exact", options={"assist": ("search",)})
+        solve(problem, "exact", options=MipOptions(assist=("search",)))

@@ -12,6 +12,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.two_feature import best_objective
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
@@ -101,7 +102,7 @@ def test_assistants_incumbents_and_given_bounds_hold_at_large_weights(assist):
         drawn = wild(seed, "large")
         problem = Problem(drawn.features, drawn.targets, depth=2, weights=drawn.weights)
         best = optimum(problem)
-        holds(problem, solve(problem, "oct", options={"assist": assist}), best.objective)
+        holds(problem, solve(problem, "oct", options=MipOptions(assist=assist)), best.objective)
         holds(problem, solve(problem, "flow", incumbent=best.tree), best.objective)
         holds(problem, solve_oct(problem, lower_bound=best.objective * 0.999), best.objective)
 

@@ -25,6 +25,7 @@ from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions, MipOptions
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
@@ -160,7 +161,7 @@ def test_hyperplanes_over_missing_readings_are_refused():
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-        solve(problem, "flow", options={"assist": ("search",)})
+        solve(problem, "flow", options=MipOptions(assist=("search",)))
 
 
 def test_an_incumbent_with_sides_is_taken():
@@ -184,7 +185,7 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
 def test_every_log_of_a_problem_with_gaps_proves_its_bound(first, tmp_path):
     for seed in range(first, first + 20):
         problem, log = problem_with_gaps(seed), tmp_path / "proof.log"
-        solution = branch_and_bound(problem, proof=log)
+        solution = branch_and_bound(problem, options=ExactOptions(proof=log))
         report = check_proof(problem, log, bound=solution.bound)
         assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
         assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
@@ -193,7 +194,7 @@ def test_every_log_of_a_problem_with_gaps_proves_its_bound(first, tmp_path):
 
 def test_a_log_belongs_to_its_gaps(tmp_path):
     problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
-    branch_and_bound(problem, proof=log)
+    branch_and_bound(problem, options=ExactOptions(proof=log))
     with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 gaps., expected .octmip-proof 3."):
         check_proof(replace(problem, features=np.nan_to_num(problem.features)), log)
     moved = replace(problem, features=np.array([[1.0], [NAN], [2.0]]))

@@ -10,6 +10,7 @@ from octmip.errors import DataError, ProblemError
 from octmip.trees.encoding import integer_costs
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import feasible_incumbent, native_progress, relabelled, without, write_log
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.solution import Progress, Stop
@@ -93,8 +94,9 @@ def test_a_log_is_written_whole_or_not_at_all(tmp_path):
 
 @pytest.mark.parametrize("solver", SOLVERS[:2])
 def test_a_log_that_cannot_be_written_is_refused_before_the_search(solver, tmp_path):
+    options = ExactOptions(proof=tmp_path / "none" / "log")
     with pytest.raises(DataError, match="no folder"):
-        solver(problem(), proof=tmp_path / "none" / "log", progress=lambda state: pytest.fail("searched"))
+        solver(problem(), options=options, progress=lambda state: pytest.fail("searched"))
 
 
 @pytest.mark.parametrize("solver", SOLVERS[:2])

@@ -11,6 +11,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path
@@ -156,7 +157,7 @@ def test_ctrl_c_ends_the_path_with_what_is_known(monkeypatch):
         (lambda: trace_path(WEIGHTED, most_solves=0), "most_solves is 0"),
         (lambda: trace_path(WEIGHTED, method="magic"), "method is 'magic'"),
         (lambda: trace_path(WEIGHTED, method="cart").best_at(-1.0), r"penalty is -1\.0"),
-        (lambda: trace_path(WEIGHTED, method="cart", options={"tea": 1}), "takes no option 'tea'"),
+        (lambda: trace_path(WEIGHTED, method="cart", options=SearchOptions(restarts=1)), "takes no option 'restarts'"),
     ],
 )
 def test_a_path_that_cannot_be_asked_for_is_refused(ask, sentence):

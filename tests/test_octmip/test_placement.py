@@ -23,6 +23,7 @@ from octmip.sensing import (
     problem_on,
     sample_bound,
 )
+from octmip.trees.methods.options import SearchOptions
 
 
 def readings(n: int = 120, p: int = 8) -> Problem:
@@ -49,7 +50,7 @@ def test_the_best_tree_says_which_sensors_to_install():
 def test_a_placement_is_never_worse_than_the_choices_it_starts_from(split):
     rng = np.random.default_rng(4)
     problem = Problem(rng.normal(size=(80, 12)), rng.integers(0, 3, 80), depth=3, split=split)
-    quick = {"method": "search", "options": {"restarts": 1, "perturbations": 0}}
+    quick = {"method": "search", "options": SearchOptions(restarts=1, perturbations=0)}
     starts = [by_chance(problem, 4, rng) for _ in range(3)]
     least = min(placement_on(problem, sensors, **quick).solution.objective for sensors in starts)
     assert place_sensors(problem, starts=starts, **quick).solution.objective <= least
@@ -120,9 +121,11 @@ def test_bounds_are_met_where_they_can_be():
 
 def test_a_hyperplane_frontier_has_the_bounds_that_are_known():
     problem = replace(readings(), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
-    points = placement_frontier(problem, values=[1, 2], options={"restarts": 1})
+    points = placement_frontier(problem, values=[1, 2], options=SearchOptions(restarts=1))
     assert all(0 < label_bound(problem) <= p.solution.bound <= p.solution.objective for p in points)
-    told = placement_frontier(problem, values=[2], bound=points[1].solution.objective, options={"restarts": 1})
+    told = placement_frontier(
+        problem, values=[2], bound=points[1].solution.objective, options=SearchOptions(restarts=1)
+    )
     assert told[0].solution.is_optimal
 
 

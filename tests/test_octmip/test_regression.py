@@ -13,6 +13,7 @@ from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predi
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.trees.losses import NUMBER_LOSSES, SquaredError
 from octmip.trees.losses.exact_sums import best_constant, sum_of_errors
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
 
@@ -43,7 +44,7 @@ def test_a_cluster_that_begins_in_the_last_of_the_bins_of_targets_is_counted(tmp
     targets = [2.65, 0.38, 3.81, 0.06, 27.99, 0.68, 2.91, 4.73, 1.63, 1.43, 0.07, 0.69, 0.34, 1, 0, 0.04]
     targets += [0.56, 1.68, 0.67, 0.11, 0.31, 0.42, 0, 0.21, 0.22, 0.26, 1.89, 0.1, 2.44, 1.89, 2.4, 1.66]
     problem = Problem(np.arange(32.0)[:, None], np.array(targets), depth=2, loss=SquaredError())
-    solution = exact_regression(problem, proof=tmp_path / "proof.log")
+    solution = exact_regression(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
     assert solution.is_optimal
     assert solution.objective == pytest.approx(33.26635)
     assert check_proof(problem, tmp_path / "proof.log").bound <= 33.26635
@@ -152,12 +153,12 @@ def test_an_incumbent_is_never_made_worse_and_a_foreign_one_is_refused(loss):
 def test_search_finds_trees_of_the_problem_and_none_beats_the_proof(loss, options):
     features, targets = smooth(90)
     problem = Problem(features, targets, depth=2, loss=NUMBER_LOSSES[loss], **options)
-    found = solve(problem, "search", options={"restarts": 3})
+    found = solve(problem, "search", options=SearchOptions(restarts=3))
     assert certify(problem, found).bound == -math.inf
     assert found.objective < problem.baseline
     if "leaf_model" not in options and "split" not in options:
         assert found.objective >= solve(problem).objective
-    assert solve(problem, "search", options={"restarts": 3}).tree == found.tree
+    assert solve(problem, "search", options=SearchOptions(restarts=3)).tree == found.tree
 
 
 def test_linear_leaves_and_planes_find_what_made_the_data():
@@ -220,7 +221,7 @@ def test_methods_that_know_no_regression_are_refused():
         with pytest.raises(ProblemError, match=words):
             solve(problem, method)
     with pytest.raises(ProblemError, match="no option 'proof'"):
-        solve(problem, options={"proof": "log"})
+        solve(problem, options=ExactOptions(proof="log"))
 
 
 def test_sums_are_exact():

@@ -14,6 +14,7 @@ from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
 from octmip.trees import _native
 from octmip.trees.losses import NUMBER_LOSSES, AbsoluteError, SquaredError
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
 from octmip.trees.regression.far_targets import FARTHEST, closed_up, reach
@@ -117,7 +118,10 @@ def test_tenths_with_a_far_target_are_proven_with_a_log(loss, far, tmp_path):
         targets = np.round(3 * rng.normal(size=40), 1)
         targets[int(rng.integers(40))] = far
         problem = Problem(rng.normal(size=(40, 2)), targets, depth=2, loss=NUMBER_LOSSES[loss])
-        solution, least = exact_regression(problem, proof=tmp_path / "proof.log"), Runs(problem).least()
+        solution, least = (
+            exact_regression(problem, options=ExactOptions(proof=tmp_path / "proof.log")),
+            Runs(problem).least(),
+        )
         exact = problem.exact_objective(solution.tree)
         assert solution.stop is Stop.OPTIMAL
         assert float(abs(exact - least)) <= solution.tolerance <= 1e-8 * float(least)
@@ -172,7 +176,7 @@ def test_what_arithmetic_cannot_tell_apart_is_not_called_optimal():
 def test_a_log_that_closes_gaps_up_too_far_proves_less(tmp_path):
     problem, path = Problem(np.arange(4.0)[:, None], [0.0, 9.0, 0.0, 9.0], depth=1, loss=AbsoluteError()), tmp_path
     log = path / "proof.log"
-    assert exact_regression(problem, proof=log).bound == 9
+    assert exact_regression(problem, options=ExactOptions(proof=log)).bound == 9
     grid = " ".join(map(str, log_scale(problem, 9.0)))
     nearer = " ".join([*grid.split(" ")[:3], "2"])
     log.write_text(log.read_text().replace(f"grid {grid}\n", f"grid {nearer}\n"))

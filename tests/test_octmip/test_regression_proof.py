@@ -11,6 +11,7 @@ from benchmarks.regression.enumeration import least_objective, random_problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import NUMBER_LOSSES, AbsoluteError, NumberLossName, SquaredError
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
@@ -32,7 +33,7 @@ def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: 
     for seed in range(N_RANDOM):
         problem = random_problem(np.random.default_rng([41, seed]), loss)
         least, path = least_objective(problem), tmp_path / "proof.log"
-        solution = exact_regression(problem, proof=path)
+        solution = exact_regression(problem, options=ExactOptions(proof=path))
         report = check_proof(problem, path, bound=solution.bound)
         certify(problem, solution)
         assert Fraction(report.bound) <= least, seed
@@ -42,7 +43,7 @@ def test_logs_of_random_problems_prove_the_optimum_that_enumeration_finds(loss: 
 @pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: NumberLossName, tmp_path: Path) -> None:
     problem = strains(loss)
-    solution = exact_regression(problem, proof=tmp_path / "proof.log")
+    solution = exact_regression(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
     report = check_proof(problem, tmp_path / "proof.log", bound=solution.bound)
     assert solution.is_optimal
     assert solution.stop is Stop.OPTIMAL
@@ -53,7 +54,7 @@ def test_a_log_of_whole_numbers_proves_what_the_solver_does(loss: NumberLossName
 @pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_log_without_one_of_its_lines_is_refused(loss: NumberLossName, tmp_path: Path) -> None:
     problem, path = strains(loss), tmp_path / "proof.log"
-    exact_regression(problem, proof=path)
+    exact_regression(problem, options=ExactOptions(proof=path))
     lines = path.read_text().splitlines(keepends=True)
     accepted = []
     for dropped in range(len(lines)):
@@ -71,7 +72,7 @@ def test_a_log_without_one_of_its_lines_is_refused(loss: NumberLossName, tmp_pat
 @pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
 def test_a_log_with_a_raised_bound_is_refused(loss: NumberLossName, tmp_path: Path) -> None:
     problem, path = strains(loss, depth=2), tmp_path / "proof.log"
-    exact_regression(problem, proof=path)
+    exact_regression(problem, options=ExactOptions(proof=path))
     text = path.read_text()
     claim = text.split("claim ")[1].split("\n")[0]
     raised = str(int(claim) + 1)
@@ -85,7 +86,7 @@ def test_a_log_with_a_raised_bound_is_refused(loss: NumberLossName, tmp_path: Pa
 
 def test_a_log_of_other_data_or_of_another_question_is_refused(tmp_path: Path) -> None:
     problem, path = strains("absolute", depth=2), tmp_path / "proof.log"
-    exact_regression(problem, proof=path)
+    exact_regression(problem, options=ExactOptions(proof=path))
     targets = problem.targets.copy()
     targets[7] += 20.0
     changed = Problem(problem.features, targets, depth=2, loss=AbsoluteError())
@@ -101,7 +102,7 @@ def test_a_log_of_other_data_or_of_another_question_is_refused(tmp_path: Path) -
 
 def test_a_log_that_proves_less_than_a_tree_claims_is_refused(tmp_path: Path) -> None:
     problem, path = strains("absolute", depth=2), tmp_path / "proof.log"
-    solution = exact_regression(problem, proof=path)
+    solution = exact_regression(problem, options=ExactOptions(proof=path))
     with pytest.raises(CertificateError, match=r"but .* is claimed for the tree"):
         check_proof(problem, path, bound=math.nextafter(solution.bound, math.inf))
 

@@ -7,6 +7,7 @@ import pytest
 
 from octmip import Limits, Problem, solve
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.run import Run
 from octmip.trees.solver import solve_run
 
@@ -14,7 +15,9 @@ RNG = np.random.default_rng(0)
 PROBLEM = Problem(RNG.normal(size=(60, 3)), RNG.integers(0, 3, 60), depth=2)
 
 
-@pytest.mark.parametrize("run", [Run(), Run("search", seed=3, options={"restarts": 2}), Run("cart", n_jobs=2)])
+@pytest.mark.parametrize(
+    "run", [Run(), Run("search", seed=3, options=SearchOptions(restarts=2)), Run("cart", n_jobs=2)]
+)
 def test_a_run_solves_as_its_parts_do(run):
     found = solve_run(PROBLEM, run)
     parts = solve(PROBLEM, run.method, run.limits, None, run.seed, run.n_jobs, run.progress, run.options)
@@ -31,7 +34,7 @@ def test_progress_and_incumbent_reach_the_solver():
 
 def test_an_option_that_the_method_does_not_take_is_refused():
     with pytest.raises(ProblemError, match="takes no option 'restarts'"):
-        solve_run(PROBLEM, Run("exact", options={"restarts": 2}))
+        solve_run(PROBLEM, Run("exact", options=SearchOptions(restarts=2)))
 
 
 def test_a_run_is_frozen():

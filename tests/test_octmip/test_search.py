@@ -15,6 +15,7 @@ from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 
 NOISE = np.random.default_rng(1)
@@ -26,7 +27,7 @@ def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_th
     n_missed = 0
     for seed in range(300):
         problem = random_problem(rng)
-        solution = local_search(problem, seed=seed, restarts=5)
+        solution = local_search(problem, seed=seed, options=SearchOptions(restarts=5))
         certify(problem, solution)
         best = optimum(problem).objective
         assert solution.objective >= best - 1e-9 * max(1.0, best)
@@ -39,7 +40,9 @@ def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_
     for seed in range(40):
         problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
         cart = greedy_tree(problem)
-        solution = local_search(problem, seed=seed, restarts=2, perturbations=5, incumbent=cart.tree)
+        solution = local_search(
+            problem, seed=seed, options=SearchOptions(restarts=2, perturbations=5), incumbent=cart.tree
+        )
         certify(problem, solution)
         assert solution.objective <= cart.objective
 
@@ -51,7 +54,7 @@ def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_
         problem = random_problem(rng, max_samples=40, max_features=5, max_depth=4)
         if problem.depth < 3:
             continue  # cuts are shifted and subtrees rebuilt from three levels on
-        solution = local_search(problem, seed=seed, restarts=2, perturbations=6)
+        solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=6))
         certificate = certify(problem, solution)
         assert certificate.objective == pytest.approx(solution.objective)
         seen |= {name for name, is_on in _complications(problem).items() if is_on}
@@ -70,8 +73,8 @@ def _complications(problem):
 
 
 def test_one_seed_is_one_tree_for_any_number_of_threads():
-    alone = local_search(LARGE, seed=7, restarts=6, perturbations=3)
-    together = local_search(LARGE, seed=7, restarts=6, perturbations=3, n_jobs=4)
+    alone = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3))
+    together = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3), n_jobs=4)
     assert alone.tree == together.tree
     assert alone.objective == together.objective
 
@@ -91,7 +94,7 @@ def test_no_cost_left_is_a_proof_and_any_other_tree_has_no_bound():
     assert solved.is_optimal
     assert solved.bound == 0.0
     assert solved.stop is Stop.OPTIMAL
-    open_end = local_search(LARGE, restarts=1, perturbations=0)
+    open_end = local_search(LARGE, options=SearchOptions(restarts=1, perturbations=0))
     assert open_end.bound == -math.inf
     assert open_end.stop is Stop.FINISHED
 
@@ -116,7 +119,7 @@ def test_the_penalty_buys_no_split_that_does_not_pay():
 
 
 def test_a_time_limit_ends_the_search_with_a_tree():
-    solution = local_search(LARGE, limits=Limits(seconds=0.05), restarts=10**6)
+    solution = local_search(LARGE, limits=Limits(seconds=0.05), options=SearchOptions(restarts=10**6))
     certify(LARGE, solution)
     assert solution.stop is Stop.TIME
     nothing = local_search(LARGE, limits=Limits(seconds=0.0))
@@ -125,13 +128,13 @@ def test_a_time_limit_ends_the_search_with_a_tree():
 
 
 def test_a_node_limit_ends_the_search():
-    assert local_search(LARGE, limits=Limits(nodes=50), restarts=10**6).stop is Stop.NODES
+    assert local_search(LARGE, limits=Limits(nodes=50), options=SearchOptions(restarts=10**6)).stop is Stop.NODES
 
 
 def test_control_c_returns_the_best_tree_so_far():
     timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
     timer.start()
-    solution = local_search(LARGE, restarts=10**6, limits=Limits(seconds=60))
+    solution = local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=60))
     timer.join()
     certify(LARGE, solution)
     assert solution.stop is Stop.INTERRUPTED
@@ -139,7 +142,7 @@ def test_control_c_returns_the_best_tree_so_far():
 
 def test_progress_is_reported_and_what_it_raises_is_raised():
     seen = []
-    local_search(LARGE, restarts=10**6, limits=Limits(seconds=0.4), progress=seen.append)
+    local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=0.4), progress=seen.append)
     assert seen
     assert all(state.seconds >= 0 for state in seen)
 
@@ -147,13 +150,17 @@ def test_progress_is_reported_and_what_it_raises_is_raised():
         raise ValueError("from the callback")
 
     with pytest.raises(ValueError, match="from the callback"):
-        local_search(LARGE, restarts=10**6, limits=Limits(seconds=60), progress=fail)
+        local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=60), progress=fail)
 
 
-@pytest.mark.parametrize("options", [{"restarts": 0}, {"n_jobs": 0}, {"perturbations": -1}])
+@pytest.mark.parametrize(
+    "options", [{"restarts": 0}, {"perturbations": -1}, {"restarts": 1.5}, {"checkpoint": 7}, {"every": -1.0}]
+)
 def test_options_out_of_range_are_refused(options):
     with pytest.raises(ProblemError, match="expected"):
-        local_search(LARGE, **options)
+        SearchOptions(**options)
+    with pytest.raises(ProblemError, match="n_jobs is 0; expected 1 or more"):
+        local_search(LARGE, n_jobs=0)
 
 
 STRAINS = Path(__file__).parents[3] / "shared" / "uav" / "strains.csv"
@@ -169,7 +176,7 @@ def test_search_is_never_worse_than_cart_and_finds_its_lost_class_on_the_publish
         features = (np.repeat(means, 100, axis=0) + rng.normal(0, 1000**0.5, (2500, 2))) / 3
         train = rng.permutation(2500)[:1750]
         problem = Problem(features[train], np.repeat(labels, 100)[train], depth=3)
-        objective = local_search(problem, seed=seed, restarts=5).objective
+        objective = local_search(problem, seed=seed, options=SearchOptions(restarts=5)).objective
         assert objective <= greedy_tree(problem).objective
         escaped += objective < 60  # a lost class costs about 350 of the 1750 samples
     assert escaped >= 19
@@ -180,6 +187,8 @@ def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_fou
     features = rng.normal(size=(30_000, 40))  # too many for exact blocks, so that the node is visited
     noisy = rng.random(30_000) < 0.1
     problem = Problem(features, (features[:, 4] > 0.3) ^ noisy, depth=1)
-    found = local_search(problem, restarts=1, perturbations=0, incumbent=Split(2, 0.0, Leaf(0), Leaf(1)))
+    found = local_search(
+        problem, options=SearchOptions(restarts=1, perturbations=0), incumbent=Split(2, 0.0, Leaf(0), Leaf(1))
+    )
     assert found.tree.feature == 4
     assert found.objective == branch_and_bound(problem).objective

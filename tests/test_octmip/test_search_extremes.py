@@ -8,6 +8,7 @@ import pytest
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
 from octmip.trees.tree import leaf_index, predict
@@ -88,7 +89,7 @@ def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning()
     rng = np.random.default_rng(21)
     for seed in range(300):
         problem = extreme_problem(rng)
-        solution = local_search(problem, seed=seed, restarts=2, perturbations=4)
+        solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
         certify(problem, solution)
 
 
@@ -98,7 +99,7 @@ def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
     units = 2.0 ** np.array([700.0, -900.0, 3.0])
     options = {"depth": 2, "split": "hyperplane", "split_size": 2}
     plain, scaled = (
-        local_search(Problem(values, labels, **options), restarts=2, perturbations=6)
+        local_search(Problem(values, labels, **options), options=SearchOptions(restarts=2, perturbations=6))
         for values in (features, features * units)
     )
     assert np.array_equal(predict(plain.tree, features), predict(scaled.tree, features * units))
@@ -114,7 +115,9 @@ def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
         options = {"depth": 2, "weights": weights, "loss": ClassCosts(costs), "class_names": (0, 1, 2)}
         problem = Problem(rng.normal(size=(n, 2)), labels, split="hyperplane", **options)
         known = greedy_tree(problem)
-        solution = local_search(problem, seed=seed, incumbent=known.tree, restarts=1, perturbations=2)
+        solution = local_search(
+            problem, seed=seed, incumbent=known.tree, options=SearchOptions(restarts=1, perturbations=2)
+        )
         certify(problem, solution)
         assert solution.objective <= known.objective
 
@@ -125,7 +128,7 @@ def test_a_penalty_beyond_all_costs_leaves_one_leaf():
         problem = Problem(
             rng.normal(size=(40, 4)), rng.integers(0, 2, 40), depth=8, split="hyperplane", leaf_penalty=penalty
         )
-        assert isinstance(local_search(problem, restarts=1, perturbations=3).tree, Leaf)
+        assert isinstance(local_search(problem, options=SearchOptions(restarts=1, perturbations=3)).tree, Leaf)
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05])

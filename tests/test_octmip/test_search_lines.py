@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import ClassCosts, Problem, certify
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 
@@ -29,14 +30,17 @@ def test_lines_keep_every_limit_of_the_problem():
     for seed in range(3):
         rng = np.random.default_rng([71, seed])
         for problem in variants(clouds(seed, most_samples=130), rng):
-            certify(problem, local_search(problem, seed=seed, restarts=1, perturbations=4))
+            certify(problem, local_search(problem, seed=seed, options=SearchOptions(restarts=1, perturbations=4)))
 
 
 def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_it():
     n_hits = 0
     for seed in range(24):
         problem = random_two_feature_problem(np.random.default_rng([72, seed]), depth=1 + seed % 2, max_samples=30)
-        found, best = local_search(problem, seed=seed, restarts=3), two_feature_branch_and_bound(problem)
+        found, best = (
+            local_search(problem, seed=seed, options=SearchOptions(restarts=3)),
+            two_feature_branch_and_bound(problem),
+        )
         certify(problem, found)
         assert best.is_optimal
         assert found.objective >= best.bound - best.tolerance
@@ -47,5 +51,7 @@ def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_i
 @pytest.mark.parametrize("seed", [3, 9])
 def test_lines_do_not_depend_on_the_number_of_threads(seed):
     problem = clouds(seed, most_samples=130)
-    alone, together = (local_search(problem, seed=1, restarts=3, perturbations=3, n_jobs=n) for n in (1, 3))
+    alone, together = (
+        local_search(problem, seed=1, options=SearchOptions(restarts=3, perturbations=3), n_jobs=n) for n in (1, 3)
+    )
     assert alone.tree == together.tree

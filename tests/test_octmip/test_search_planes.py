@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Problem, certify
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.tree import splits
 
@@ -15,7 +16,7 @@ def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():
     rng = np.random.default_rng(11)
     for seed in range(150):
         problem = hyperplane_problem(rng, max_samples=40, max_features=5, max_depth=4)
-        certify(problem, local_search(problem, seed=seed, restarts=2, perturbations=4))
+        certify(problem, local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4)))
 
 
 def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
@@ -24,7 +25,9 @@ def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
         features, labels = rng.normal(size=(80, 4)), rng.integers(0, 3, 80)
         options = {"depth": 2, "weights": rng.integers(1, 5, 80).astype(float)}
         axis = local_search(Problem(features, labels, **options), seed=seed)
-        planes = local_search(Problem(features, labels, split="hyperplane", **options), seed=seed, restarts=2)
+        planes = local_search(
+            Problem(features, labels, split="hyperplane", **options), seed=seed, options=SearchOptions(restarts=2)
+        )
         assert planes.objective <= axis.objective
 
 
@@ -41,7 +44,9 @@ def test_one_hyperplane_separates_what_one_can():
 def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
     rng = np.random.default_rng(14)
     problem = Problem(rng.normal(size=(150, 4)), rng.integers(0, 3, 150), depth=3, split="hyperplane")
-    alone, together = (local_search(problem, seed=3, restarts=4, perturbations=5, n_jobs=n) for n in (1, 3))
+    alone, together = (
+        local_search(problem, seed=3, options=SearchOptions(restarts=4, perturbations=5), n_jobs=n) for n in (1, 3)
+    )
     assert alone.tree == together.tree
     assert alone.objective == together.objective
 
@@ -49,8 +54,8 @@ def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
 def test_an_incumbent_is_never_lost():
     rng = np.random.default_rng(15)
     problem = Problem(rng.normal(size=(100, 4)), rng.integers(0, 3, 100), depth=2, split="hyperplane")
-    known = local_search(problem, seed=1, restarts=3)
-    again = local_search(problem, seed=2, restarts=1, perturbations=0, incumbent=known.tree)
+    known = local_search(problem, seed=1, options=SearchOptions(restarts=3))
+    again = local_search(problem, seed=2, options=SearchOptions(restarts=1, perturbations=0), incumbent=known.tree)
     assert again.objective <= known.objective
 
 

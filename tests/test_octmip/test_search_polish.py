@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.trees.methods.margin import widened, width
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
 from octmip.trees.tree import Node, leaf_index, splits
@@ -98,8 +99,9 @@ def test_axis_aligned_splits_and_planes_with_an_empty_side_are_left_alone():
 def test_no_searched_tree_breaks_a_limit_or_has_another_objective_than_its_certificate(seed):
     rng = np.random.default_rng(seed)
     problem = hyperplane_problem(rng, max_samples=30, max_features=4, max_depth=3)
-    for options in ({"restarts": 1, "perturbations": 0}, {"restarts": 3, "perturbations": 6}):
-        solution = local_search(problem, seed=seed % 97, **options)
+    for restarts, perturbations in ((1, 0), (3, 6)):
+        options = SearchOptions(restarts=restarts, perturbations=perturbations)
+        solution = local_search(problem, seed=seed % 97, options=options)
         certify(problem, solution)
         # Polished once more it may lose another feature, and its price with it.
         again = polished(problem, solution.tree)

@@ -15,6 +15,7 @@ from octmip.sensing import BaselineSplit, JointSolution, certify_joint, shared_b
 from octmip.sensing.shared import budget as shared
 from octmip.sensing.shared.label_trees import LabelTrees
 from octmip.sensing.shared.sensor_sets import SetSearch
+from octmip.trees.methods.options import SearchOptions
 
 
 def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:
@@ -107,7 +108,7 @@ def test_the_proof_by_branching_is_that_of_enumeration_with_and_without_a_good_s
 def test_search_is_never_worse_than_the_best_split_by_hand_nor_better_than_the_proof(seed):
     rng = np.random.default_rng(1000 + seed)
     problems = random_labels(rng, 2)
-    found = shared_budget(problems, 2.0, method="search", options={"restarts": 1})
+    found = shared_budget(problems, 2.0, method="search", options=SearchOptions(restarts=1))
     proven = shared_budget(problems, 2.0, method="exact")
     slack = 1e-9 * max(1.0, proven.objective)
     assert found.objective <= found.baseline_split.objective + slack
@@ -164,7 +165,7 @@ def test_hyperplanes_share_a_budget_by_search():
     features = rng.normal(size=(80, 5))
     labels = [(features[:, 0] + features[:, 1] > 0).astype(int), (features[:, 1] > features[:, 2]).astype(int)]
     problems = [Problem(features, y, depth=1, split="hyperplane", split_size=2) for y in labels]
-    joint = shared_budget(problems, 3.0, options={"restarts": 1})
+    joint = shared_budget(problems, 3.0, options=SearchOptions(restarts=1))
     assert joint.objective == 0
     assert joint.stop is Stop.OPTIMAL
     assert set(joint.sensors) == {"x0", "x1", "x2"}

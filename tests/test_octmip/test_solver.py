@@ -10,6 +10,7 @@ from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.trees import registry, solver
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.options import ExactOptions, MipOptions, SearchOptions
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
 ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))
@@ -18,7 +19,7 @@ ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))
 def answering(**changes):
     """Return a solver that answers with the error-free tree of STRIPES, some of its claims changed."""
 
-    def answer(problem, *, limits, incumbent, seed, n_jobs, progress, **options):
+    def answer(problem, *, limits, incumbent, seed, n_jobs, progress, options, **study):
         answer.calls.append({"limits": limits, "incumbent": incumbent, "seed": seed, "n_jobs": n_jobs})
         solution = Solution(ZERO_ERRORS, 0.0, 0.0, Stop.OPTIMAL, 0.0, 1, "answering", "1", seed)
         return dataclasses.replace(solution, **changes)
@@ -154,7 +155,7 @@ def test_progress_counts_from_the_start_of_solve(registered):
 
     def reporting(problem, *, progress, **_):
         progress(solver.Progress(0.0, 0.0, 0.0, 1))
-        return answering()(problem, progress=None, limits=None, incumbent=None, seed=0, n_jobs=1)
+        return answering()(problem, progress=None, limits=None, incumbent=None, seed=0, n_jobs=1, options=None)
 
     registered("exact", reporting)
     solution = solve(STRIPES, incumbent=ZERO_ERRORS, progress=seen.append)
@@ -165,24 +166,21 @@ def test_progress_counts_from_the_start_of_solve(registered):
 def test_an_option_that_the_solver_does_not_take_is_refused():
     with pytest.raises(
         ProblemError,
-        match="takes no option 'colour'; expected some of: checkpoint, cluster, every, perturbations",
+        match="takes no option 'proof'; expected some of: checkpoint, cluster, every, perturbations, restarts, solves;",
     ):
-        solve(STRIPES, method="search", options={"colour": 1})
-    assert solve(STRIPES, method="search", options={"restarts": 2}).objective == 0
+        solve(STRIPES, method="search", options=ExactOptions(proof="log"))
+    assert solve(STRIPES, method="search", options=SearchOptions(restarts=2)).objective == 0
 
 
 def test_an_option_that_a_mixed_integer_method_does_not_take_is_refused_with_those_that_it_takes():
-    takes = "assist, inject, lower_bound, max_splits, relaxation, strengthen, write"
-    with pytest.raises(ProblemError, match=f"method 'oct' takes no option 'mip_rel_gap'; expected some of: {takes}$"):
-        solve(STRIPES, "oct", options={"mip_rel_gap": 0.1})
-    with pytest.raises(ProblemError, match="takes no option 'method'"):
-        solve(STRIPES, "flow", options={"method": "exact"})
+    takes = "assist, max_splits, solves, write"
+    with pytest.raises(ProblemError, match=f"method 'oct' takes no option 'mu'; expected some of: {takes}; leave it"):
+        solve(STRIPES, "oct", options=MipOptions(mu=0.1))
 
 
-@pytest.mark.parametrize("split", ["axis", "hyperplane"])
-def test_prunes_are_switched_off_by_tests_only(split):
-    with pytest.raises(ProblemError, match="method 'exact' takes no option '_off'"):
-        solve(Problem([[0.0, 1.0], [1.0, 0.0]], [0, 1], depth=1, split=split), "exact", options={"_off": ["leaf"]})
+def test_options_of_no_class_are_refused_with_the_class_that_is_meant():
+    with pytest.raises(ProblemError, match=r"options is a dict; .*; write options=SearchOptions\(restarts=2\)"):
+        solve(STRIPES, method="search", options={"restarts": 2})
 
 
 def test_a_solver_that_is_not_installed_says_so(registered, monkeypatch):

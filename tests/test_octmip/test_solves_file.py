@@ -14,6 +14,7 @@ from octmip import Limits, Problem, solve
 from octmip.errors import DataError
 from octmip.formats import solves_file
 from octmip.interfaces.cli import main
+from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.solution import Stop
 from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.frontier import trace_frontier
@@ -34,21 +35,21 @@ def without_seconds(solution):
 def test_a_frontier_makes_no_solve_twice(over, split, tmp_path, monkeypatch):
     asked, path = problem(split=split, depth=2), tmp_path / "solves"
     plain = trace_frontier(asked, over)
-    first = trace_frontier(asked, over, options={"solves": path})
+    first = trace_frontier(asked, over, options=Options(solves=path))
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[: len(lines) // 2 + 1]) + lines[-1][:-7])  # killed while a line was written
-    again = trace_frontier(asked, over, options={"solves": path}, n_jobs=2)
+    again = trace_frontier(asked, over, options=Options(solves=path), n_jobs=2)
     for points in (first, again):
         assert [without_seconds(point.solution) for point in points] == [without_seconds(p.solution) for p in plain]
     assert len(path.read_bytes().splitlines()) == len(lines)
     monkeypatch.setattr("octmip.trees.solver._result", None)  # no solve is made any more
-    last = trace_frontier(asked, over, options={"solves": path})
+    last = trace_frontier(asked, over, options=Options(solves=path))
     assert [point.solution.tree for point in last] == [point.solution.tree for point in plain]
     assert all(point.solution.details["kept"] for point in last)
 
 
 def test_cross_validation_makes_no_solve_twice(tmp_path, monkeypatch):
-    asked, options = problem(depth=2), {"solves": tmp_path / "solves"}
+    asked, options = problem(depth=2), Options(solves=tmp_path / "solves")
     plain, first = choose_tree(asked, folds=3), choose_tree(asked, folds=3, options=options)
     monkeypatch.setattr("octmip.trees.solver._result", None)
     again = choose_tree(asked, folds=3, options=options)
@@ -57,13 +58,13 @@ def test_cross_validation_makes_no_solve_twice(tmp_path, monkeypatch):
 
 
 def test_another_question_is_another_solve(tmp_path):
-    options = {"solves": tmp_path / "solves"}
+    options = Options(solves=tmp_path / "solves")
     for changes, run in (({}, {}), ({"depth": 2}, {}), ({}, {"seed": 1}), ({}, {"limits": Limits(nodes=10)})):
         assert "kept" not in solve(problem(**changes), options=options, **run).details
     assert solve(problem(), options=options).details["kept"]
-    assert solve(problem(), "search", options=options | {"restarts": 2}).stop is Stop.FINISHED
-    assert "kept" not in solve(problem(), "search", options=options | {"restarts": 3}).details
-    assert solve(problem(), "search", options=options | {"restarts": 3}).details["kept"]
+    assert solve(problem(), "search", options=SearchOptions(solves=options.solves, restarts=2)).stop is Stop.FINISHED
+    assert "kept" not in solve(problem(), "search", options=SearchOptions(solves=options.solves, restarts=3)).details
+    assert solve(problem(), "search", options=SearchOptions(solves=options.solves, restarts=3)).details["kept"]
 
 
 @pytest.mark.parametrize(
@@ -79,10 +80,10 @@ def test_another_question_is_another_solve(tmp_path):
 )
 def test_what_no_solve_wrote_is_refused(edit, complaint, tmp_path):
     path = tmp_path / "solves"
-    solve(problem(), options={"solves": path})
+    solve(problem(), options=Options(solves=path))
     path.write_bytes(b"\n".join([*edit(path.read_bytes().splitlines()), b""]))
     with pytest.raises(DataError, match=complaint):
-        solve(problem(), options={"solves": path})
+        solve(problem(), options=Options(solves=path))
 
 
 def summed(rest):
@@ -97,11 +98,11 @@ def changed(line, **entries):
 
 def test_a_disk_that_is_full_leaves_whole_lines(tmp_path, monkeypatch):
     path, write = tmp_path / "solves", solves_file.os.write
-    solve(problem(), options={"solves": path})
+    solve(problem(), options=Options(solves=path))
     before = path.read_bytes()
     monkeypatch.setattr(solves_file.os, "write", lambda file, line: write(file, line[:20]))
     with pytest.warns(UserWarning, match="cannot be written"):
-        assert solve(problem(depth=2), options={"solves": path}).is_optimal
+        assert solve(problem(depth=2), options=Options(solves=path)).is_optimal
     assert path.read_bytes() == before
 
 

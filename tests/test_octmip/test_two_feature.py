@@ -12,6 +12,7 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem as AnyProblem
 from octmip.trees.solver import solve
@@ -121,7 +122,9 @@ def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: 
     least = best_objective(problem)
     for k, seconds in enumerate(np.geomspace(1e-6, 1e-2, 50)):
         log = tmp_path / f"{k}.log"
-        solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=float(seconds)), proof=log)
+        solution = two_feature_branch_and_bound(
+            problem, limits=Limits(seconds=float(seconds)), options=ExactOptions(proof=log)
+        )
         assert solution.bound <= least * (1 + 1e-12), seconds
         assert solution.is_optimal <= (solution.objective == pytest.approx(least)), seconds
 

@@ -11,6 +11,7 @@ from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import ClassCosts, Limits, Problem, Progress, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
 
 
@@ -62,7 +63,7 @@ def test_a_limit_is_handed_down_and_logs_and_checkpoints_are_refused(tmp_path: P
     assert two_feature_branch_and_bound(problem, limits=Limits(nodes=10)).stop == Stop.NODES
     for option in ("proof", "checkpoint"):
         with pytest.raises(ProblemError, match="end at depth 2"):
-            two_feature_branch_and_bound(problem, **{option: tmp_path / "file"})
+            two_feature_branch_and_bound(problem, options=ExactOptions(**{option: tmp_path / "file"}))
 
 
 def test_products_that_only_look_whole_are_taken_as_rounded() -> None:

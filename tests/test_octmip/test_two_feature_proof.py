@@ -10,6 +10,7 @@ from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 
@@ -20,7 +21,7 @@ def test_every_log_proves_the_optimum_of_enumeration(depth: int, first: int, tmp
     for seed in range(first, first + 75):
         rng = np.random.default_rng([71, depth, seed])
         problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
-        solution = two_feature_branch_and_bound(problem, proof=path)
+        solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
         report = check_proof(problem, path, bound=solution.bound)
         assert report.bound == pytest.approx(best_objective(problem), rel=1e-12), f"seed {seed}"
 
@@ -34,12 +35,12 @@ def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) 
     path = tmp_path / "proof.log"
     for seed in (2, 6, 9):
         problem = clouds(seed, most_samples=140)
-        solution = two_feature_branch_and_bound(problem, proof=path, n_jobs=2)
+        solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path), n_jobs=2)
         assert check_proof(problem, path, n_jobs=2).bound == solution.objective
 
 
 def log_of(problem: Problem, path: Path) -> list[str]:
-    two_feature_branch_and_bound(problem, proof=path)
+    two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
     return path.read_text().split("\n")
 
 

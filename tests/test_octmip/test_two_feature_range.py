@@ -10,6 +10,7 @@ from benchmarks.oracles.two_feature import best_objective
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import CertificateError
 from octmip.interfaces.cli import main
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import ProofError
@@ -88,7 +89,7 @@ def problem_of(case: str) -> Problem:
 @pytest.mark.parametrize("case", CASES)
 def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) -> None:
     problem = problem_of(case)
-    solution = two_feature_branch_and_bound(problem, proof=tmp_path / "log", check_log=False)
+    solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"), check_log=False)
     certify(problem, solution)
     optimum = best_objective(problem) if problem.n_samples < 20 else 14.0
     assert solution.bound <= optimum <= solution.objective
@@ -124,7 +125,9 @@ def test_random_problems_over_all_of_float64_have_true_bounds_and_accepted_logs(
     for seed in range(60):
         problem = wide_problem(np.random.default_rng([90, seed]))
         path = tmp_path / "log"
-        solution = two_feature_branch_and_bound(problem, proof=path, check_log=False, limits=Limits(nodes=500))
+        solution = two_feature_branch_and_bound(
+            problem, options=ExactOptions(proof=path), check_log=False, limits=Limits(nodes=500)
+        )
         optimum = best_objective(problem)
         assert solution.bound <= optimum <= solution.objective, f"seed {seed}"
         assert not solution.is_optimal or solution.objective == optimum, f"seed {seed}"
@@ -164,7 +167,7 @@ def test_a_log_that_the_checker_refuses_is_not_written_and_the_solution_stays(
     problem = problem_of("the least numbers there are")
     path = tmp_path / "proof.log"
     with pytest.raises(ProofError, match=r"not written: expected a log of the bound .*not proven to cost 5"):
-        two_feature_branch_and_bound(problem, proof=path)
+        two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
     assert list(tmp_path.iterdir()) == []
     table, tree = tmp_path / "data.csv", tmp_path / "tree.json"
     table.write_text("a,b,y\n0,0,x\n1,0,z\n0,1,z\n1,1,x\n")
@@ -181,7 +184,7 @@ def test_a_log_that_the_checker_refuses_is_not_written_and_the_solution_stays(
 def test_boxes_within_boxes_without_end_are_refused(tmp_path: Path) -> None:
     problem = problem_of("a sample 1e-13 from an edge")
     path = tmp_path / "proof.log"
-    two_feature_branch_and_bound(problem, proof=path)
+    two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
     lines = path.read_text().split("\n")
     first = next(row for row, line in enumerate(lines) if line.startswith(("T ", "R ")))
     path.write_text("\n".join([*lines[:first], *["R 0 0"] * 200_000, *lines[first:]]))

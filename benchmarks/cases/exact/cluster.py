@@ -31,6 +31,7 @@ from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.cluster import Cluster, open_cluster
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Solution
 
@@ -48,6 +49,7 @@ CASES: tuple[tuple[str, int, float], ...] = (
     ("mu2", 4, 900.0),
 )
 """Set, depth, and the limit in seconds from which on it is asked."""
+NO_LIMITS = Limits()
 
 
 SMALL = Problem(np.arange(40.0).reshape(20, 2) % 7, np.arange(20) % 2, depth=3)
@@ -64,7 +66,7 @@ def results(limit: float, threads: Sequence[int], only: str = "", kills: int = 0
             continue
         table = published(name, 0) if name.startswith("mu") else uci(name)
         problem = Problem(table.features, table.labels, depth=depth)
-        alone, seconds = timed(problem, limits=Limits(seconds=limit))
+        alone, seconds = timed(problem, Limits(seconds=limit))
         case: Line = {"size": size, "seed": 0, "objective": alone.objective, "alone": seconds}
         for count in threads:
             shared, line = _shared(problem, alone, count)
@@ -116,10 +118,10 @@ def _simulated(problem: Problem) -> Iterator[Line]:
         yield {"kind": "simulated", "in_work": size, "work": work, "serial": serial, **tasks, "seconds": simulated}
 
 
-def timed(problem: Problem, **options: Any) -> tuple[Solution, float]:
+def timed(problem: Problem, limits: Limits = NO_LIMITS, cluster: Any = None) -> tuple[Solution, float]:
     """Return the solution of a problem and the wall seconds that it took."""
     start = time.perf_counter()
-    return branch_and_bound(problem, **options), time.perf_counter() - start
+    return branch_and_bound(problem, limits=limits, options=ExactOptions(cluster=cluster)), time.perf_counter() - start
 
 
 @dataclass(slots=True)
@@ -170,7 +172,7 @@ def recorded(problem: Problem, size: int) -> tuple[list[list[float]], float]:
     """Return the processor seconds of the tasks of each level, and those of all that is no task."""
     recorder = Recorder(None, size)
     start = time.process_time()
-    branch_and_bound(problem, cluster=recorder)
+    branch_and_bound(problem, options=ExactOptions(cluster=recorder))
     total = time.process_time() - start
     levels = list(recorder.levels.values())
     return levels, max(0.0, total - sum(map(sum, levels)))

@@ -22,6 +22,7 @@ from benchmarks.data import three_classes
 from benchmarks.tables import Line
 from octmip import Limits, Problem, predict
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 
 FLOAT32 = "proof, depth 2, float32 table"
@@ -77,7 +78,7 @@ def _proof(features: Floats, labels: Classes, limit: float) -> Answer:
 def _search(depth: int) -> Callable[[Floats, Classes, float], Answer]:
     def answer(features: Floats, labels: Classes, limit: float) -> Answer:
         problem = Problem(features, labels, depth=depth)
-        solution = local_search(problem, restarts=1, limits=Limits(seconds=limit))
+        solution = local_search(problem, options=SearchOptions(restarts=1), limits=Limits(seconds=limit))
         tree = solution.tree
         assert tree is not None
         return str(solution.stop), round(solution.objective), lambda rows: predict(tree, rows)

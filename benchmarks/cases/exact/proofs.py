@@ -13,6 +13,7 @@ from benchmarks.data import Table, published, synthetic_uav, uci
 from benchmarks.tables import Line
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 
@@ -63,7 +64,7 @@ def _measured(problem: Problem, n_threads: int) -> Line:
         solution = branch_and_bound(problem)
         solve = _seconds(lambda: branch_and_bound(problem))
         solve_on_threads = _seconds(lambda: branch_and_bound(problem, n_jobs=n_threads))
-        write = _seconds(lambda: branch_and_bound(problem, incumbent=solution, proof=path))
+        write = _seconds(lambda: branch_and_bound(problem, incumbent=solution, options=ExactOptions(proof=path)))
         report = check_proof(problem, path, bound=solution.bound)
         check = _seconds(lambda: check_proof(problem, path))
         check_on_threads = _seconds(lambda: check_proof(problem, path, n_jobs=n_threads))

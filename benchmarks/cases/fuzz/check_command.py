@@ -34,6 +34,7 @@ from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 
@@ -86,7 +87,7 @@ def corrupted(seed: int, command: Path) -> tuple[str, str]:
     with tempfile.TemporaryDirectory() as folder:
         log, file = Path(folder) / "proof.log", Path(folder) / "problem.json"
         solve = branch_and_bound if problem.split == "axis" else two_feature_branch_and_bound
-        solve(problem, proof=log)
+        solve(problem, options=ExactOptions(proof=log))
         write_problem_file(file, problem)
         what = str(rng.choice(["log", "log", "problem", "both"]))
         if what != "log":

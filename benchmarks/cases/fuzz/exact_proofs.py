@@ -14,6 +14,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.tables import Line
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.tree import Leaf, Node, Split
@@ -37,7 +38,7 @@ def _drawn(rng: Generator) -> Problem:
 
 
 def _solved(problem: Problem, path: Path) -> Solution:
-    return branch_and_bound(problem, proof=path)
+    return branch_and_bound(problem, options=ExactOptions(proof=path))
 
 
 def _least(problem: Problem) -> float:

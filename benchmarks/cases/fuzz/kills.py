@@ -33,6 +33,7 @@ from octmip.interfaces.cli import main
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 
 KILLS_A_CHAIN, N_KILLS = 5, 50
@@ -138,13 +139,16 @@ def _tree(path: Path, rng: Any) -> None:
 
 
 def _log(path: Path, rng: Any) -> None:
-    branch_and_bound(Problem(rng.integers(0, 30, (80, 4)).astype(float), rng.integers(0, 3, 80), depth=2), proof=path)
+    branch_and_bound(
+        Problem(rng.integers(0, 30, (80, 4)).astype(float), rng.integers(0, 3, 80), depth=2),
+        options=ExactOptions(proof=path),
+    )
 
 
 def _checkpoint(path: Path, rng: Any) -> None:
     fixed = type(rng)(type(rng.bit_generator)(7))
     problem = Problem(fixed.integers(0, 90, (200, 5)).astype(float), fixed.integers(0, 3, 200), depth=3)
-    branch_and_bound(problem, checkpoint=path, every=0.0)
+    branch_and_bound(problem, options=ExactOptions(checkpoint=path, every=0.0))
 
 
 def _dataset(path: Path, rng: Any) -> None:

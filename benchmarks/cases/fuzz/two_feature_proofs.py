@@ -11,6 +11,7 @@ from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, ProofFuzz, s
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.tables import Line
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
@@ -34,7 +35,7 @@ def _drawn(rng: Generator) -> Problem:
 
 
 def _solved(problem: Problem, path: Path) -> Solution:
-    return two_feature_branch_and_bound(problem, proof=path)
+    return two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
 
 
 def _other_place(rng: Generator, lines: list[str]) -> None:

@@ -21,6 +21,7 @@ from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 
@@ -80,7 +81,7 @@ def compared(seed: int) -> Pair:
     problem = _drawn(rng)
     with tempfile.TemporaryDirectory() as folder:
         log = Path(folder) / "proof.log"
-        branch_and_bound(problem, proof=log)
+        branch_and_bound(problem, options=ExactOptions(proof=log))
         kind = str(rng.choice(["whole", "a line changed", "claim raised", "other data"]))
         if kind == "other data":
             problem = changed_data(rng, problem)

@@ -20,6 +20,7 @@ from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.cluster import open_cluster
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import Options
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 
@@ -49,7 +50,7 @@ def kill_workers(seed: int, n_solves: int) -> dict[str, Any]:
             (solve, problem), tree = kinds[k % 2], trees[k % 2]
             cluster.client.wait_for_workers(1)
             pids = list(cluster.client.run(os.getpid).values())[: 1 + (rng.random() < 0.2)]
-            running = _Solve(partial(solve, problem, cluster=cluster))
+            running = _Solve(partial(solve, problem, options=Options(cluster=cluster)))
             if is_early := rng.random() < 0.5:
                 n_kills += sum(map(_kill, pids))
                 time.sleep(0.1 * rng.random())

@@ -18,6 +18,7 @@ from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Solution
@@ -79,7 +80,7 @@ def _complaint_of_log(problem: Problem, solution: Solution, least: Fraction) -> 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
         try:
-            logged = solve(problem, n_jobs=2, options={"proof": path})
+            logged = solve(problem, n_jobs=2, options=ExactOptions(proof=path))
             proven = check_proof(problem, path, bound=logged.bound).bound
         except OctmipError as error:
             return f"with a log, {type(error).__name__}: {error}"

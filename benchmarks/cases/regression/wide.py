@@ -23,6 +23,7 @@ from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
@@ -76,7 +77,7 @@ def judged(kind: str, seed: int) -> Outcome:
             counts[f"{kind}: {solution.stop}"] += 1
             if reason := _complaint(problem, solution, least):
                 return reason, counts
-            logged = exact_regression(problem, proof=path)
+            logged = exact_regression(problem, options=ExactOptions(proof=path))
             certify(problem, logged)
             proven = check_proof(problem, path, bound=logged.bound).bound
             counts[f"{kind}: with a log, {logged.stop}"] += 1

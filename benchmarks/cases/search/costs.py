@@ -10,6 +10,7 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits
@@ -55,7 +56,10 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
                 for seed in SEEDS:
                     watch = Stopwatch()
                     found = local_search(
-                        problem, seed=seed, restarts=1, perturbations=PERTURBATIONS, limits=Limits(seconds=limit)
+                        problem,
+                        seed=seed,
+                        options=SearchOptions(restarts=1, perturbations=PERTURBATIONS),
+                        limits=Limits(seconds=limit),
                     )
                     seconds.append(watch.read()[0])
                     objectives.append(found.objective)

@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.tables import Line
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
@@ -48,7 +49,9 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def _answer(problem: Problem, limit: float, perturbations: int | None) -> Callable[[], Solution]:
-    return lambda: local_search(problem, restarts=1, perturbations=perturbations, **cpu_limit(limit))
+    return lambda: local_search(
+        problem, options=SearchOptions(restarts=1, perturbations=perturbations), **cpu_limit(limit)
+    )
 
 
 def _problem(n: int, split: Literal["axis", "hyperplane"]) -> Problem:

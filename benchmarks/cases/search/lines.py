@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from benchmarks.cpu import cpu_limit
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
@@ -27,7 +28,10 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         data = table()
         problem = Problem(data.features, data.labels, depth=2, split="hyperplane", split_size=2)
         best = two_feature_branch_and_bound(problem, n_jobs=max(threads)).objective
-        searches = (local_search(problem, seed=s, restarts=ENDLESS, **cpu_limit(limit)) for s in range(N_SEEDS))
+        searches = (
+            local_search(problem, seed=s, options=SearchOptions(restarts=ENDLESS), **cpu_limit(limit))
+            for s in range(N_SEEDS)
+        )
         yield {"size": name, "seed": 0, "limit": limit, "optimum": best, "found": [s.objective for s in searches]}
 
 

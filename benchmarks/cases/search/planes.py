@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, published_earlier, synthetic_uav, uci
 from benchmarks.tables import Line
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 
@@ -98,7 +99,9 @@ def _searched(row: _Row, size: int | None, limit: float, seed: int, n_jobs: int)
     problem = Problem(table.features, table.labels, depth=row.depth, split="hyperplane", split_size=size)
     seconds = limit * n_jobs * (1.0 if row.is_long else SHORT_SHARE)
     watch = Stopwatch()
-    solution = local_search(problem, seed=seed, n_jobs=n_jobs, restarts=ENDLESS, **cpu_limit(seconds))
+    solution = local_search(
+        problem, seed=seed, n_jobs=n_jobs, options=SearchOptions(restarts=ENDLESS), **cpu_limit(seconds)
+    )
     cpu, wall = watch.read()
     return {
         "seed": seed,

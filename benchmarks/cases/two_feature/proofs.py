@@ -7,6 +7,7 @@ from pathlib import Path
 from benchmarks.cpu import cpu_seconds
 from benchmarks.tables import Line
 from benchmarks.two_feature import CASES
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
@@ -28,7 +29,7 @@ def _line(problem: Problem, limit: float, n_threads: int) -> Line:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
         solution = two_feature_branch_and_bound(
-            problem, limits=Limits(seconds=limit), n_jobs=n_threads, proof=path, check_log=False
+            problem, limits=Limits(seconds=limit), n_jobs=n_threads, options=ExactOptions(proof=path), check_log=False
         )
         written = cpu_seconds()
         report = check_proof(problem, path, bound=solution.bound, n_jobs=n_threads)

@@ -15,6 +15,7 @@ from benchmarks.uav.study import best_pair
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset
 from octmip import Problem, certify, predict
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import EFFORT
 from octmip.trees.solver import Method, solve
 
@@ -99,16 +100,16 @@ def problem_of(cell: Cell, data: Dataset, gauges: Sequence[str]) -> Problem:
     return Problem(data.features[data.is_train][:, columns_of(data, gauges)], labels, **options)
 
 
-def effort_of(cell: Cell, restarts: int) -> tuple[Method, dict[str, int]]:
+def effort_of(cell: Cell, restarts: int) -> tuple[Method, SearchOptions]:
     """Return method and options of a cell, where a hyperplane tree for mu2 gets `restarts`.
 
     Axis-aligned trees of depth 3 with fewest errors are proven within a second or two.
     """
     if cell.split_size == 1 and cell.depth == 3 and cell.objective == "errors":
-        return "exact", {}
+        return "exact", SearchOptions()
     if cell.split_size == 1:
-        return "search", {"restarts": min(SHARE * restarts, EFFORT["axis"][0])}
-    return "search", {"restarts": SHARE * restarts if cell.label == "mu1" else restarts}
+        return "search", SearchOptions(restarts=min(SHARE * restarts, EFFORT["axis"][0]))
+    return "search", SearchOptions(restarts=SHARE * restarts if cell.label == "mu1" else restarts)
 
 
 def run_cells(cells: Sequence[Cell], means: MeanStrains, recipe: Recipe, restarts: int) -> list[Line]:
@@ -137,7 +138,7 @@ def run_cell(cell: Cell, data: Dataset, gauges: Sequence[str], restarts: int) ->
         deviation = np.abs(np.array(problem.class_names)[predict(solution.tree, features)] - truth)
         figures |= {f"{name}_error_rate": float((deviation > 0).mean()), f"{name}_mae": float(deviation.mean())}
     size = {"n_splits": certificate.n_splits, "gauges": list(certificate.sensors)}
-    return {**asdict(cell), **figures, **size, "method": method, **options, "cpu_seconds": round(cpu, 2)}
+    return {**asdict(cell), **figures, **size, "method": method, **options.given(), "cpu_seconds": round(cpu, 2)}
 
 
 def columns_of(data: Dataset, gauges: Sequence[str]) -> list[int]:

@@ -15,6 +15,7 @@ from femlib.dataset import Dataset
 from octmip import Limits, Problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import placement_frontier, sample_bound
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import Point
 
 NUMBERS = {2: (1, 2, 3, 4, 5), 3: (1, 2, 3, 4)}  # by depth
@@ -61,8 +62,8 @@ def hyperplane_rows(data: Dataset, depth: int, is_smoke: bool) -> list[Row]:
     before = cpu_seconds()
     limits = Limits(seconds=2.0 if is_smoke else MIO_SECONDS)
     bound = sample_bound(problem, *((20, 1) if is_smoke else SAMPLES), limits=limits)
-    restarts = {"restarts": 1, "perturbations": 0} if is_smoke else {"restarts": 2}
-    points = placement_frontier(problem, values=(2, 4, 8), bound=bound, options=restarts)
+    options = SearchOptions(restarts=1, perturbations=0) if is_smoke else SearchOptions(restarts=2)
+    points = placement_frontier(problem, values=(2, 4, 8), bound=bound, options=options)
     cpu = cpu_seconds() - before
     return [{**_row("4, number", point, cpu), "bound from samples": round(bound)} for point in points]
 

@@ -35,13 +35,14 @@ from octmip import Problem, certify
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_chance, by_information, by_reading, by_tree, place_sensors, placement_on
 from octmip.trees import _native
+from octmip.trees.methods.options import SearchOptions
 
 LABEL, SPLIT_SIZE = "mu2", 4
 DEPTHS = (3, 4, 5)
 COMPARED_DEPTH = 3  # at which all ways of choosing are compared
 RANDOM_CHOICES = 1  # per seed
 DEEPER_SEEDS = 1  # trees of depth 4 and 5 take minutes
-EFFORT = {"restarts": 6}
+EFFORT = SearchOptions(restarts=6)
 GREEDY_ROWS = 400
 # The paper's train MAE at depth 3, four features per split: the installed gauges, all candidates.
 PAPER = {"installed": 11.64, "candidates": 9.89}
@@ -123,7 +124,7 @@ def cells(seed: int, depth: int) -> list[Cell]:
 def run_cell(cell: Cell, data: Dataset, n_gauges: int, is_smoke: bool) -> Line:
     """Return errors, gauges and Bayes limit of one cell."""
     problem = problem_of(data, LABEL, cell.depth, data.gauges, SPLIT_SIZE, for_mae=True)
-    effort = {"restarts": 1, "perturbations": 0} if is_smoke else EFFORT
+    effort = SearchOptions(restarts=1, perturbations=0) if is_smoke else EFFORT
     n_gauges = min(n_gauges, 3) if is_smoke else n_gauges
     before = cpu_seconds()
     is_started = cell.choice == STARTED

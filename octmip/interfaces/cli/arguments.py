@@ -4,15 +4,15 @@ import argparse
 import contextlib
 import math
 from collections.abc import Iterator
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from octmip.errors import DataError
 from octmip.formats.messages import shown
 from octmip.interfaces.cli.samples.file_arguments import reads
 from octmip.interfaces.cli.samples.options import add_column_arguments, add_label_arguments, add_target_arguments
 from octmip.trees.cluster import open_cluster
+from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
-from octmip.trees.registry import METHODS
 from octmip.trees.solution import Limits
 from octmip.trees.solver import chosen_method
 
@@ -127,7 +127,7 @@ def add_cluster_argument(group: argparse._ActionsContainer) -> None:
 
 
 @contextlib.contextmanager
-def cluster_of(arguments: argparse.Namespace, problem: Problem) -> Iterator[dict[str, object]]:
+def cluster_of(arguments: argparse.Namespace, problem: Problem) -> Iterator[dict[str, Any]]:
     """Open the cluster that the arguments name; yields the solver's options, none without --cluster.
 
     Raises

@@ -15,8 +15,8 @@ from octmip.interfaces.report.text import narrow_scope
 from octmip.trees.certificate import certify
 from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
+from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
-from octmip.trees.registry import METHODS
 from octmip.trees.solution import Limits, Stop, relative_gap
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import score

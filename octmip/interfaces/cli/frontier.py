@@ -23,6 +23,7 @@ from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.methods.options import Options
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits
 from octmip.trees.tradeoff import Choice, Point, choose_tree, trace_frontier
@@ -44,8 +45,8 @@ def run(arguments: argparse.Namespace) -> int:
     problem = question.problem
     kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
     with cluster_of(arguments, problem) as shared:
-        points = _points(arguments, problem, values, limits, kept | shared)
-        choice = None if arguments.folds is None else _choice(arguments, problem, limits, kept | shared)
+        points = _points(arguments, problem, values, limits, Options(**kept, **shared))
+        choice = None if arguments.folds is None else _choice(arguments, problem, limits, Options(**kept, **shared))
     with held_back():
         rows = [_row(arguments.over, point) for point in points]
         if choice is not None:
@@ -62,7 +63,7 @@ def _points(
     problem: Problem,
     values: list[float] | None,
     limits: Limits,
-    options: dict[str, Any],
+    options: Options,
 ) -> list[Point]:
     with ProgressLine() as progress:
         return trace_frontier(
@@ -111,7 +112,7 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: dict[str, Any]) -> Choice | None:
+def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, options: Options) -> Choice | None:
     """Return what cross-validation chooses, its folds by the workers of a cluster, or in so many threads.
 
     None after a signal: there is no choice from half the folds, but a frontier to show.
@@ -120,7 +121,7 @@ def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, opt
         return None
     with ElapsedLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
         # A file of solves is this process's own: whoever keeps one takes the folds here.
-        if "cluster" not in options or "solves" in options:
+        if options.cluster is None or options.solves is not None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
         return choose_tree(
             problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=options

@@ -3,6 +3,7 @@
 import argparse
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
@@ -27,6 +28,7 @@ from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.methods.options import OPTIONS
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_provable
 from octmip.trees.solution import ProofError, Solution
@@ -64,7 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
                 seed=arguments.seed,
                 n_jobs=arguments.threads,
                 progress=progress,
-                options=options | shared,
+                options=OPTIONS[chosen_method(question.problem, arguments.method)](**options, **shared),
             )
         except ProofError as error:
             solution, unproven = error.solution, error
@@ -94,13 +96,13 @@ def _check_predicted(arguments: argparse.Namespace) -> None:
         )
 
 
-def _options(arguments: argparse.Namespace) -> dict[str, object]:
-    kept = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
+def _options(arguments: argparse.Namespace) -> dict[str, Any]:
+    kept: dict[str, Any] = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
     if arguments.every is not None and not arguments.checkpoint:
         raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
     if kept:
         return dict(kept) | ({} if arguments.every is None else {"every": arguments.every})
-    options: dict[str, object] = {}
+    options: dict[str, Any] = {}
     for name in ("write", "assist"):
         if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):
             raise DataError(
@@ -109,8 +111,6 @@ def _options(arguments: argparse.Namespace) -> dict[str, object]:
     if arguments.assist:
         options["assist"] = tuple(arguments.assist)
     if arguments.write:
-        if Path(arguments.write).suffix not in (".mps", ".lp"):
-            raise DataError(f"--write {arguments.write} ends with neither .mps nor .lp; expected one of these")
         options["write"] = arguments.write
     return options
 

@@ -13,7 +13,7 @@ journal, 63, for readings that are not linear in the parameters.
 
 import importlib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -22,11 +22,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
 from octmip.sensing.placement.placement import problem_on
+from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits
 from octmip.trees.solver import Method, solve
 
-QUICK: Mapping[str, Any] = {"restarts": 1, "perturbations": 0}
+QUICK = SearchOptions(restarts=1, perturbations=0)
 QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are many
 
 
@@ -174,7 +175,7 @@ def by_tree(
     method: Method = "search",
     limits: Limits = Limits(nodes=QUICK_NODES),  # noqa: B008 (frozen)
     seed: int = 0,
-    options: Mapping[str, Any] = QUICK,
+    options: Options = QUICK,
 ) -> tuple[str, ...]:
     """Return sensors by forward selection: each time the one with which, beside those chosen, a quick tree errs least.
 

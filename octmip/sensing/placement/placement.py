@@ -13,7 +13,7 @@ disjoint parts of the samples add up (`sample_bound`). Neither is tight where a 
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
@@ -23,8 +23,9 @@ import numpy as np
 
 from octmip.errors import ProblemError
 from octmip.trees.encoding.numbers import exact_sum, rounded_down
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import Method, solve_run
 from octmip.trees.tradeoff import Point
@@ -64,7 +65,7 @@ def place_sensors(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> Placement:
     """Return the sensors that the best tree over all candidates reads, within `problem.sensor_budget` if it has one.
 
@@ -122,7 +123,7 @@ def placement_on(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> Placement:
     """Return these sensors with the best tree that reads no others; the other args are those of `octmip.solve`.
 
@@ -180,7 +181,7 @@ def placement_frontier(
     bound: float = 0.0,
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> list[Point]:
     """Return the best tree for each number of sensors, or for each cost that they may have together.
 

@@ -14,9 +14,9 @@ and keep the best trees met, so they are never worse than it.
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Literal
 
 from octmip.errors import ProblemError
 from octmip.sensing.shared.baseline_split import best_baseline_split
@@ -25,8 +25,9 @@ from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
 from octmip.sensing.shared.sensor_sets import Proof, SetSearch
 from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
 from octmip.trees._native import __version__
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Leaf, Node
 
@@ -43,7 +44,7 @@ def shared_budget(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> JointSolution:
     """Return one tree for each problem, all within one budget of sensors, and the bound of their weighted sum.
 

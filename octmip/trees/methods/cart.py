@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip.trees.encoding import Ranks, rank_features
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import SIDES, Leaf, Node, Split, complexity, midpoint
@@ -35,13 +36,15 @@ def greedy_tree(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: Options = NO_OPTIONS,
 ) -> Solution:
     """Return scikit-learn's CART for a problem, without a bound.
 
     Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
     budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
     addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits only `seconds` is looked at,
-    between the sensors of that choice; `incumbent`, `n_jobs` and `progress` are there because every solver has them.
+    between the sensors of that choice; `incumbent`, `n_jobs`, `progress` and `options` are there because every
+    solver has them.
 
     Raises
     ------

@@ -27,7 +27,7 @@ from octmip.trees.encoding import (
     rows_from_tree,
     tree_from_rows,
 )
-from octmip.trees.methods.checkpoint.envelope import CHECKPOINT_SECONDS, checked_every, resumed_from, unusable
+from octmip.trees.methods.checkpoint.envelope import CHECKPOINT_SECONDS, every_of, resumed_from, unusable
 from octmip.trees.methods.checkpoint.exact_keeper import Found, Keeper
 from octmip.trees.methods.checkpoint.exact_state import KnownRow
 from octmip.trees.methods.native_call import (
@@ -40,6 +40,7 @@ from octmip.trees.methods.native_call import (
     whole_cost,
     write_log,
 )
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.shared_work import submitter
 from octmip.trees.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.trees.problem import Problem
@@ -58,11 +59,8 @@ def branch_and_bound(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    proof: str | Path | None = None,
-    checkpoint: str | Path | None = None,
-    every: float | None = None,
+    options: ExactOptions = ExactOptions(),  # noqa: B008 (frozen)
     break_ties: bool = False,
-    cluster: Any = None,
 ) -> Solution:
     """Return the best axis-aligned tree of a problem and the proof's bound.
 
@@ -80,20 +78,13 @@ def branch_and_bound(
         threads. Cost, bound and tree of a finished search do not depend on it.
     progress
         called with a `Progress` about every 50 ms.
-    proof
-        file for a log that `octmip.trees.proof.check_proof` verifies; it takes a second search, about as long.
-    checkpoint
-        file in which what is proven is kept, and at the end; where it exists the search goes on from it, and the
-        bound rests on it (`details["resumed_from"]`). From depth 3 on: what is kept are solved cuts of the root.
-    every
-        seconds between two checkpoints, 0 or more; None: `CHECKPOINT_SECONDS`.
+    options
+        the proof's log takes a second search, about as long. The checkpoint keeps solved cuts of the root, from depth 3
+        on; a bound that goes on from it rests on it (`details["resumed_from"]`). The processes of a cluster solve the
+        root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-    cluster
-        processes that solve the root's cuts, from depth 3 on: "local" (`n_jobs` of them), the address of a Dask
-        scheduler, a Dask client or an open `octmip.trees.cluster.Cluster`. Tree, bound and evaluated cuts are those of
-        one machine.
 
     Raises
     ------
@@ -107,17 +98,17 @@ def branch_and_bound(
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
-    every = checked_every(every)
+    proof = options.proof
     start = feasible_incumbent(problem, incumbent)
     if proof is not None:
         check_writable(proof)
     ranks = rank_features(problem)
-    keeper = None if checkpoint is None else Keeper(problem, ranks, checkpoint, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every)
+    keeper = None if options.checkpoint is None else Keeper(problem, ranks, options.checkpoint, started)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every_of(options))
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "label_sets", "cancelling"]
     with ExitStack() as stack:
-        search.cluster = stack.enter_context(opened({"cluster": cluster}, n_jobs))["cluster"]
+        search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
         search.search(start)
         ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
         if proof is not None:

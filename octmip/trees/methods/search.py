@@ -18,17 +18,16 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, opened
 from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
-from octmip.trees.methods.checkpoint.envelope import checked_every, resumed_from
+from octmip.trees.methods.checkpoint.envelope import every_of, resumed_from
 from octmip.trees.methods.checkpoint.search_keeper import FinishedTurns, SearchKeeper
 from octmip.trees.methods.merging import merged
 from octmip.trees.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.shared_work import turn_submitter
 from octmip.trees.problem import Problem
@@ -52,11 +51,7 @@ def local_search(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    restarts: int | None = None,
-    perturbations: int | None = None,
-    checkpoint: str | Path | None = None,
-    every: float | None = None,
-    cluster: Any = None,
+    options: SearchOptions = SearchOptions(),  # noqa: B008 (frozen)
 ) -> Solution:
     """Return the best tree that a local search finds.
 
@@ -67,17 +62,12 @@ def local_search(
         seed: of the restarts' random streams.
         n_jobs: threads.
         progress: called every few hundredths of a second.
-        restarts: independent starts; by default those of `EFFORT`, more for a small axis-aligned problem.
-        perturbations: a restart ends after so many perturbations in a row without a better tree (before the better
-            restarts are chosen a quarter of that with hyperplanes, none without; twice that for the last); by default
-            as `restarts`. With `restarts=1, perturbations=0` the answer is quick: one descent and exact blocks of two
-            levels.
-        checkpoint: file in which finished turns of restarts are kept, and at the end; where it exists the search goes
-            on from it, and ends with the tree of one that never stopped (unless time or nodes are limited).
-        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
-        cluster: processes that take the restarts' turns: "local" (`n_jobs` of them), the address of a Dask scheduler,
-            a Dask client or an open `octmip.trees.cluster.Cluster`. The tree is that of one machine. Ctrl-C returns the
-            best of the turns that are finished.
+        options: restarts and perturbations are by default those of `EFFORT`, more for a small axis-aligned problem. Of
+            the perturbations in a row that end a restart, a quarter are made before the better restarts are chosen with
+            hyperplanes, none without, and twice as many by the last. With `restarts=1, perturbations=0` the answer is
+            quick: one descent and exact blocks of two levels. The checkpoint keeps finished turns of restarts; a search
+            that goes on from it ends with the tree of one that never stopped (unless time or nodes are limited). The
+            processes of a cluster take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
 
     Returns
     -------
@@ -86,28 +76,26 @@ def local_search(
     Raises
     ------
     ProblemError
-        `restarts` or `n_jobs` is below 1, `perturbations` or `every` below 0, or the incumbent is no tree of this
-        problem.
+        `n_jobs` is below 1, or the incumbent is no tree of this problem.
     DataError
         the checkpoint cannot be read or written, or belongs to another search.
     """
-    for name, value, least in (("restarts", restarts, 1), ("n_jobs", n_jobs, 1), ("perturbations", perturbations, 0)):
-        if value is not None and value < least:
-            raise ProblemError(f"{name} is {value}; expected {least} or more")
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     searched, ranks = merged(problem)
     effort, costs = _effort(searched), integer_costs(searched)
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
-    n_restarts = effort[0] if restarts is None else restarts
-    n_perturbations = effort[1] if perturbations is None else perturbations
+    n_restarts = effort[0] if options.restarts is None else int(options.restarts)
+    n_perturbations = effort[1] if options.perturbations is None else int(options.perturbations)
     keeper = None
-    if checkpoint is not None:
+    if options.checkpoint is not None:
         effort_of = seed % 2**64, n_restarts, n_perturbations, first
-        keeper = SearchKeeper(problem, searched, ranks, checkpoint, checked_every(every), effort_of, start)
+        keeper = SearchKeeper(problem, searched, ranks, options.checkpoint, every_of(options), effort_of, start)
     turns = None if keeper is None else keeper.read()
     before = 0 if turns is None else turns.n_visits
-    with opened({"cluster": cluster}, n_jobs) as options:
-        shared: Cluster | None = options["cluster"]
+    with opened(options, n_jobs) as with_cluster:
+        shared: Cluster | None = with_cluster.cluster
         arguments = native_arguments(searched, ranks, costs)
         turn = first, seed % 2**64, (n_restarts, n_perturbations)
         rows, _, _, stop, n_nodes = _native.search(

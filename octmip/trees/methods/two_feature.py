@@ -30,7 +30,7 @@ from octmip.trees.encoding import (
     rank_features,
     tree_from_rows,
 )
-from octmip.trees.methods.checkpoint.envelope import checked_every, resumed_from, unusable
+from octmip.trees.methods.checkpoint.envelope import every_of, resumed_from, unusable
 from octmip.trees.methods.checkpoint.two_feature_keeper import Nodes, TwoFeatureKeeper
 from octmip.trees.methods.native_call import (
     better,
@@ -43,6 +43,7 @@ from octmip.trees.methods.native_call import (
     whole_cost,
     write_log,
 )
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof, log_header
 from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
@@ -61,11 +62,9 @@ def two_feature_branch_and_bound(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    proof: str | Path | None = None,
+    options: ExactOptions = ExactOptions(),  # noqa: B008 (frozen)
     check_log: bool = True,
     whole_coefficients: int | None = None,
-    checkpoint: str | Path | None = None,
-    every: float | None = None,
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -78,14 +77,12 @@ def two_feature_branch_and_bound(
         seed: has no effect on the optimum; kept in the solution.
         n_jobs: threads; the result does not depend on them.
         progress: called every few hundredths of a second.
-        proof: file for a log that `octmip.trees.proof.check_proof` verifies; it takes a second search, about as long.
+        options: the proof's log takes a second search, about as long. The checkpoint keeps the open nodes of a proof of
+            depth 2; a bound that goes on from it rests on it (`details["resumed_from"]`).
         check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
             written unchecked.
         whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
             samples alike. A wish; `Problem.integer_normals` is a condition.
-        checkpoint: file in which the open nodes of a proof of depth 2 are kept, and at the end; where it exists the
-            search goes on from it, and the bound rests on it (`details["resumed_from"]`).
-        every: seconds between two checkpoints, 0 or more; by default `CHECKPOINT_SECONDS`.
 
     Raises
     ------
@@ -97,6 +94,7 @@ def two_feature_branch_and_bound(
     DataError
         the checkpoint cannot be read, or belongs to another search.
     """
+    proof, checkpoint = options.proof, options.checkpoint
     _check(problem, n_jobs, checkpoint)
     if problem.depth > MOST_DEPTH and (proof is not None or checkpoint is not None):
         raise ProblemError(
@@ -110,8 +108,8 @@ def two_feature_branch_and_bound(
         return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
     ranks, keeper, nodes, first = rank_features(problem), None, None, known
     if checkpoint is not None:
-        options = seed % 2**64, whole_coefficients, *sorted(switched_off())
-        keeper = TwoFeatureKeeper(problem, ranks, checkpoint, checked_every(every), options, start, known)
+        settings = seed % 2**64, whole_coefficients, *sorted(switched_off())
+        keeper = TwoFeatureKeeper(problem, ranks, checkpoint, every_of(options), settings, start, known)
         nodes = keeper.read()
         first = keeper.incumbent
     before = 0 if nodes is None else nodes.n_nodes

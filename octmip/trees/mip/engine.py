@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.blocks.heap import Heap, Placed, place, to_tree
 from octmip.trees.mip.highs import highs, process
 from octmip.trees.mip.highs.claims import Accuracy, accuracy
@@ -89,15 +90,13 @@ class Request:
         name of the solver.
     limits, incumbent, seed, n_jobs, progress
         as in `octmip.trees.solver.solve`.
-    max_splits
-        at most so many splits (features summed over the splits), the C of Bertsimas & Dunn's tuning; None: no limit.
+    options
+        of the method; not all of its models have a use for each.
     lower_bound
         a bound proven elsewhere, for instance by `octmip.trees.methods.exact`; enters the model as the bound of a
         column that is the objective, and is named in the details.
     inject
         asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
-    write
-        file to write the model to (.mps or .lp) before it is solved.
     relaxation
         also solve the linear relaxation, for the details.
     """
@@ -108,10 +107,9 @@ class Request:
     seed: int = 0
     n_jobs: int = 1
     progress: ProgressCallback | None = None
-    max_splits: int | None = None
+    options: MipOptions = MipOptions()  # noqa: RUF009  (frozen)
     lower_bound: float = -math.inf
     inject: Callable[[float], Node | None] | None = None
-    write: Path | str | None = None
     relaxation: bool = False
 
 
@@ -168,7 +166,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     Raises
     ------
     ProblemError
-        the incumbent is deeper than the problem allows, the lower bound is none, or `max_splits` is no whole number.
+        the incumbent is deeper than the problem allows, or the lower bound is none.
     SolverError
         HiGHS cannot be run, or refuses the model.
     """
@@ -197,7 +195,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
-    tree = starting_tree(problem, request.incumbent, request.seed, request.max_splits)
+    tree = starting_tree(problem, request.incumbent, request.seed, request.options.max_splits)
     objective = problem.objective(tree)
     if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
@@ -214,8 +212,8 @@ def run_formulation(
     rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
         rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
-    if request.write is not None:
-        write_rows(rows, request.write, title_of(problem, request.method))
+    if request.options.write is not None:
+        write_rows(rows, request.options.write, title_of(problem, request.method))
     result.details |= _describe(problem, formulation, request, clock)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
@@ -272,7 +270,7 @@ def _run_once(
         return f"HiGHS ended with {outcome.status}"
     if outcome.values is None:
         return ""
-    decoded = decode(problem, formulation, outcome.values, request.max_splits)
+    decoded = decode(problem, formulation, outcome.values, request.options.max_splits)
     reason = refutation(problem, outcome, result.price_bound, decoded)
     try:
         checked_leaf_index(problem, decoded.tree)
@@ -352,7 +350,7 @@ def _injector(
         tree = source(formulation.prices.true(best))
         if tree is None:
             return None
-        tree = canonicalise(problem, tree, request.max_splits)
+        tree = canonicalise(problem, tree, request.options.max_splits)
         if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
             return None
         checked_leaf_index(problem, tree)
@@ -368,7 +366,7 @@ def _injector(
 
 def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
     """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
-    most = request.max_splits
+    most = request.options.max_splits
     if most is None or most >= (2**problem.depth - 1) * problem.max_split_size:
         return formulation.scope
     counted = f"split{'s' * (most != 1)}"

@@ -37,6 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding import rank_features
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.blocks import sensor_rows
 from octmip.trees.mip.blocks.classcount import ClassCount
 from octmip.trees.mip.blocks.fixing import admissible_cuts
@@ -264,7 +265,7 @@ def solve_flow(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    mu: float | None = None,
+    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
     fix: int = 2,
     **request: Any,
 ) -> Solution:
@@ -274,22 +275,23 @@ def solve_flow(
     ----------
     incumbent
         tree to start from; None: CART's.
-    mu
-        strictness of hyperplanes; None: chosen from the data by the rule of `octmip.trees.mip.blocks.hyperplanes`.
+    options
+        `mu`, the strictness of hyperplanes, is by default chosen from the data by the rule of
+        `octmip.trees.mip.blocks.hyperplanes`.
     fix
         how far cuts are left out of the model beforehand: the levels of `octmip.trees.mip.blocks.fixing`.
     request
-        the other fields of `octmip.trees.mip.engine.Request`, among them ``max_splits``.
+        the other fields of `octmip.trees.mip.engine.Request`.
 
     Raises
     ------
     SolverError
         HiGHS failed, or its solution does not survive decoding.
     """
-    settings = Request("flow", limits, incumbent, seed, n_jobs, progress, **request)
+    settings = Request("flow", limits, incumbent, seed, n_jobs, progress, options, **request)
 
     def build(known: Known) -> Flow:
-        return formulate(problem, known, max_splits=settings.max_splits, mu=mu, fix=fix)
+        return formulate(problem, known, max_splits=options.max_splits, mu=options.mu, fix=fix)
 
     return solve_formulation(problem, build, settings)
 

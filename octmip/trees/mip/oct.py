@@ -47,6 +47,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks, rank_features
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow
 from octmip.trees.mip.blocks import axis, sensor_rows
 from octmip.trees.mip.blocks.heap import Heap, Placed
@@ -172,6 +173,7 @@ def solve_oct(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
     strengthen: bool = False,
     **request: Any,
 ) -> Solution:
@@ -184,7 +186,7 @@ def solve_oct(
     strengthen
         use the rows of `octmip.trees.mip.flow`, the same trees with a far better bound, instead of the printed.
     request
-        the other fields of `octmip.trees.mip.engine.Request`, among them ``max_splits``.
+        the other fields of `octmip.trees.mip.engine.Request`.
 
     Raises
     ------
@@ -194,10 +196,10 @@ def solve_oct(
         HiGHS failed, or its solution does not survive decoding.
     """
     axis.require_axis(problem, "oct")
-    settings = Request("oct", limits, incumbent, seed, n_jobs, progress, **request)
+    settings = Request("oct", limits, incumbent, seed, n_jobs, progress, options, **request)
 
     def build(known: Known) -> Oct | flow.Flow:
-        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=settings.max_splits)
+        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=options.max_splits)
 
     return solve_formulation(problem, build, settings)
 

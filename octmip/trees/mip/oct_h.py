@@ -35,6 +35,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow
 from octmip.trees.mip.blocks import sensor_rows
 from octmip.trees.mip.blocks.heap import Heap, Placed, place
@@ -148,8 +149,8 @@ def solve_oct_h(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
     strengthen: bool = False,
-    mu: float | None = None,
     **request: Any,
 ) -> Solution:
     """Solve OCT-H with HiGHS and return the best tree of both kinds and the bound over the mu-separated ones.
@@ -160,10 +161,10 @@ def solve_oct_h(
         tree to start from; None: CART's.
     strengthen
         use the rows of `octmip.trees.mip.flow` instead of the printed ones.
-    mu
-        strictness; None: chosen from the data by the rule of `octmip.trees.mip.blocks.hyperplanes`.
+    options
+        `mu`, the strictness, is by default chosen from the data by the rule of `octmip.trees.mip.blocks.hyperplanes`.
     request
-        the other fields of `octmip.trees.mip.engine.Request`, among them ``max_splits``.
+        the other fields of `octmip.trees.mip.engine.Request`.
 
     Raises
     ------
@@ -173,10 +174,10 @@ def solve_oct_h(
         HiGHS failed, or its solution does not survive decoding.
     """
     _require_hyperplanes(problem)
-    settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, **request)
+    settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, options, **request)
 
     def build(known: Known) -> OctH | flow.Flow:
-        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=settings.max_splits, mu=mu)
+        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=options.max_splits, mu=options.mu)
 
     return solve_formulation(problem, build, settings)
 

@@ -13,7 +13,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import count
-from pathlib import Path
 
 from octmip.errors import ProblemError
 from octmip.formats.files import check_writable
@@ -22,6 +21,7 @@ from octmip.trees.certificate import checked_incumbent
 from octmip.trees.encoding import Ranks, tree_from_rows
 from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.native_call import logged
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.grid import Grid
 from octmip.trees.regression.proof_log import write_proof
@@ -41,7 +41,7 @@ def exact_regression(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    proof: str | Path | None = None,
+    options: ExactOptions = ExactOptions(),  # noqa: B008 (frozen)
 ) -> Solution:
     """Return the best axis-aligned regression tree of a problem and the proof's bound.
 
@@ -59,9 +59,9 @@ def exact_regression(
         threads, from depth 3 on. Cost, bound and tree of a finished search do not depend on it.
     progress
         called with a `Progress` about every 50 ms.
-    proof
-        file for a log that `octmip.trees.proof.check_proof` verifies. Another search writes it, in the checker's whole
-        numbers and several times as long; limits do not hold for it. The solution's bound is what the log proves.
+    options
+        another search writes the proof's log, in the checker's whole numbers and several times as long; limits do not
+        hold for it. The solution's bound is what the log proves.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def exact_regression(
         )
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
-    search = _Search(problem, limits, n_jobs, progress)
+    search, proof = _Search(problem, limits, n_jobs, progress), options.proof
     search.keep(checked_incumbent(problem, incumbent))
     if proof is not None:
         check_writable(proof)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.leaf_models import constant_of, errors, fitted_leaf
 from octmip.trees.regression.questions import Samples, by_means, by_sides, parts
@@ -22,6 +23,7 @@ from octmip.trees.tree import Leaf, Node, complexity, without_empty_sides
 
 SOLVER = "search"
 MOST_SWEEPS = 20
+RESTARTS = 10
 LEAST_GAIN = 1e-12
 """Of the error of the best leaf: what is less is rounding."""
 Rows = NDArray[np.int64]
@@ -35,7 +37,7 @@ def search_regression(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    restarts: int = 10,
+    options: SearchOptions = SearchOptions(),  # noqa: B008 (frozen)
 ) -> Solution:
     """Return the best tree that a local search finds, without a bound.
 
@@ -53,8 +55,8 @@ def search_regression(
         without effect: the search takes one thread.
     progress
         called with a `Progress` after each sweep over a tree.
-    restarts
-        trees that are built and improved.
+    options
+        restarts are trees that are built and improved, `RESTARTS` by default.
 
     Raises
     ------
@@ -69,7 +71,7 @@ def search_regression(
         if start is not None:
             search.usable = np.unique([j for j in range(problem.n_features) if search.is_affordable(start, j)])
             search.improve_tree(without_empty_sides(start, problem.features))
-        for turn in range(restarts):
+        for turn in range(RESTARTS if options.restarts is None else options.restarts):
             if search.is_over():
                 break
             search.restart(turn)

@@ -17,10 +17,10 @@ Dask cluster), and come out the same in all of them unless a time limit strikes.
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import Method, solve_run
 from octmip.trees.tradeoff.folds import Fold, Rows, checked_folds, fold_numbers, part_of, stratified_folds
@@ -143,7 +144,7 @@ def choose_tree(
     most_solves: int = MOST_SOLVES,
     seed: int = 0,
     n_jobs: int | None = None,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> Choice:
     """Return the tree of cross-validated depth and leaf penalty, fitted to all samples.
 
@@ -186,7 +187,8 @@ def choose_tree(
     trace = delayed(trace_depths)
     parts = [part_of(problem, rows, f"the training rows of fold {k}") for k, (rows, _) in enumerate(pairs)]
     # A fold is one task of a cluster, and is not divided any further.
-    own = {name: value for name, value in options.items() if name != "cluster"}
+    run = Run(method, limits, seed, options=options)
+    own = replace(options, cluster=None)
     settings = {"method": method, "limits": limits, "most_solves": most_solves, "seed": seed, "options": own}
     with opened(options, n_jobs) as shared:
         *of_folds, paths = Parallel(n_jobs=n_jobs)(trace(part, levels, **settings) for part in (*parts, problem))
@@ -196,7 +198,7 @@ def choose_tree(
         chosen = _chosen(steps, rule)
         final = replace(problem, depth=chosen.depth, leaf_penalty=chosen.alpha * problem.baseline)
         known = paths[levels.index(chosen.depth)].best_at(final.leaf_penalty).tree
-        solution = solve_run(final, Run(method, limits, seed, options=shared), known)
+        solution = solve_run(final, replace(run, options=shared), known)
     return Choice(final, solution, chosen, steps, tuple(paths), fold_numbers(problem, pairs), rule)
 
 

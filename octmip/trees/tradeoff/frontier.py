@@ -7,14 +7,15 @@ and bounds never fall behind. A frontier over the penalty has one point for each
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.solver import Method, solve_run
 from octmip.trees.tradeoff.path import trace_run
@@ -63,7 +64,7 @@ def trace_frontier(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> list[Point]:
     """Return one point for each value, values ascending; `limits` hold for each point by itself.
 

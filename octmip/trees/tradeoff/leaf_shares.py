@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 
 from octmip.errors import ProblemError
+from octmip.trees.methods.options import SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.solver import solve
@@ -31,7 +32,7 @@ from octmip.trees.uncertainty.leaf_distribution import fitted_line
 FOLDS = 10
 LEAST_ROWS = 100
 """Rows below which no line is fitted."""
-EFFORT = {"restarts": 1, "perturbations": 0}
+EFFORT = SearchOptions(restarts=1, perturbations=0)
 """Of the local search for a refit."""
 
 

@@ -18,17 +18,17 @@ start: so no point of the path is worse than CART.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
 from octmip.trees.encoding.numbers import exact_objective, rounded_down
+from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.problem import Problem
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, Method, chosen_method, solve_run
 from octmip.trees.tree import Leaf, Node, complexity
@@ -124,7 +124,7 @@ def trace_path(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> PenaltyPath:
     """Return the trees that are best for some penalty.
 
@@ -183,7 +183,7 @@ def trace_depths(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     most_solves: int = MOST_SOLVES,
     seed: int = 0,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
 ) -> list[PenaltyPath]:
     """Return one path for each depth, ascending, each begun with the trees of the path before.
 
@@ -264,10 +264,11 @@ class _Tracer:
         largest = (2**self.free.depth - 1) * self.free.max_split_size
         if not self._first_trees():
             return False
+        options = self.run.options.of_kind(MipOptions, f"method {self.run.method!r}", without=("cluster",))
         for most in range(1, min(largest, most_solves) + 1):
             starts = [pruned(self.free, known.tree, most) for known in self.best.values()]
             start = min(starts, key=lambda tree: (self.free.objective(tree), complexity(tree)))
-            solution = self._solve(self.free, start, {"max_splits": most})
+            solution = self._solve(self.free, start, replace(options, max_splits=most))
             # Fewer splits are allowed too, so bounds of larger numbers hold for smaller ones; never the other way.
             bounds.append((most, solution.bound))
             if self.is_interrupted:
@@ -282,9 +283,10 @@ class _Tracer:
     def _first_trees(self) -> bool:
         """Add the trees of CART and of a search that takes as long as before a proof; return whether Ctrl-C let it."""
         limits = replace(self.run.limits, seconds=SEARCH_SHARE * self.run.limits.seconds)
-        kept = {name: value for name, value in self.run.options.items() if name == "solves"}
-        cart = replace(self.run, method="cart", limits=limits, options=kept)
-        for run in (cart, replace(cart, method="search", options=kept | {"restarts": FIRST_RESTARTS})):
+        solves = self.run.options.solves
+        cart = replace(self.run, method="cart", limits=limits, options=Options(solves=solves))
+        few = SearchOptions(solves=solves, restarts=FIRST_RESTARTS)
+        for run in (cart, replace(cart, method="search", options=few)):
             first = solve_run(self.free, run)
             if first.tree is not None:
                 self.add(first.tree)
@@ -293,12 +295,12 @@ class _Tracer:
 
     def _solve_at(self, penalty: float) -> None:
         start = min(self.best.values(), key=lambda known: (known.price(penalty), known.complexity)).tree
-        solution = self._solve(replace(self.free, leaf_penalty=penalty), start, {})
+        solution = self._solve(replace(self.free, leaf_penalty=penalty), start, self.run.options)
         if not self.is_interrupted:
             self.bounds[penalty] = solution.bound
 
-    def _solve(self, problem: Problem, start: Node, more: Mapping[str, int]) -> Solution:
-        solution = solve_run(problem, replace(self.run, options={**self.run.options, **more}), start)
+    def _solve(self, problem: Problem, start: Node, options: Options) -> Solution:
+        solution = solve_run(problem, replace(self.run, options=options), start)
         self.n_solves += 1
         self.is_interrupted |= solution.stop is Stop.INTERRUPTED
         self.tolerance = max(self.tolerance, solution.tolerance)

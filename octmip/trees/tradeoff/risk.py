@@ -5,15 +5,16 @@ bound of a point is a line in the plane of the two numbers that no tree of the s
 those of the frontier's convex hull; between two of them no price of a failure prefers another tree.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.typing import ArrayLike
 
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.risk import ErrorRates, RiskModel
-from octmip.trees.run import NO_OPTIONS, Run
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import Method, solve_run
 from octmip.trees.tree import predict
@@ -40,7 +41,7 @@ def trace_risk_frontier(
     limits: Limits = Limits(),  # noqa: B008 (frozen)
     seed: int = 0,
     n_jobs: int = 1,
-    options: Mapping[str, Any] = NO_OPTIONS,
+    options: Options = NO_OPTIONS,
     **asked: Any,
 ) -> list[RiskPoint]:
     """Return a point for each price of a failure, ascending; each search starts from the tree of the point before.

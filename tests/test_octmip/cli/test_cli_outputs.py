@@ -13,6 +13,7 @@ import pytest
 from octmip import Problem, solve
 from octmip.formats.files import is_same_file
 from octmip.interfaces.cli.samples.file_arguments import use_of
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.solution import ProofError
 
 Run = Callable[..., tuple[int, str, str]]
@@ -176,7 +177,7 @@ def test_a_proof_log_that_cannot_be_written_loses_no_tree(
         assert "log cannot be written (No space left on device)" in err
     problem = Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)
     with pytest.raises(ProofError, match="No space left") as raised:
-        solve(problem, options={"proof": tmp_path / "log"})
+        solve(problem, options=ExactOptions(proof=tmp_path / "log"))
     assert raised.value.solution.is_optimal
 
 
@@ -185,11 +186,11 @@ def test_a_checkpoint_that_cannot_be_written_warns_and_the_proof_goes_on(full: d
     problem = Problem(rng.normal(size=(60, 4)), rng.integers(0, 3, 60), depth=3)
     kept = tmp_path / "kept"
     with pytest.warns(UserWarning, match=r"kept cannot be written \(No space left.*the next time it is tried again"):
-        found = solve(problem, "exact", options={"checkpoint": kept, "every": 0.0})
+        found = solve(problem, "exact", options=ExactOptions(checkpoint=kept, every=0.0))
     assert found.is_optimal
     assert full["tries"] > 1
     full["is_full"] = False
-    again = solve(problem, "exact", options={"checkpoint": kept, "every": 0.0})
+    again = solve(problem, "exact", options=ExactOptions(checkpoint=kept, every=0.0))
     assert again.objective == found.objective
     assert kept.exists()
 

@@ -8,6 +8,7 @@ import pytest
 
 from octmip import Problem, SquaredError, ValueLeaf, solve
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.trees.methods.options import SearchOptions
 
 
 @pytest.fixture
@@ -141,7 +142,7 @@ def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
     targets = np.where(features[:, 0] + features[:, 1] > 0, features[:, 2], 4.0)
     options = {"split": "hyperplane", "leaf_model": "linear", "sensor_cost": [1, 2, 3], "sensor_budget": 9}
     problem = Problem(features, targets, depth=1, loss=SquaredError(), **options)
-    solution = solve(problem, options={"restarts": 2})
+    solution = solve(problem, options=SearchOptions(restarts=2))
     write_tree_file(tmp_path / "t.json", record_tree(problem, solution))
     file = read_tree_file(tmp_path / "t.json")
     assert file.solution == solution

@@ -21,6 +21,7 @@ from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.cli.stages import term_as_interrupt
 from octmip.trees.methods.interruption import held_back
+from octmip.trees.methods.options import Options
 from octmip.trees.near_sets import Role, sensor_roles
 from octmip.trees.solution import Progress, Stop
 
@@ -239,7 +240,7 @@ def test_a_solve_that_was_interrupted_is_not_kept_as_finished(random_problem: Pr
         raise KeyboardInterrupt
 
     solves = tmp_path / "solves"
-    assert solve(random_problem, progress=interrupted, options={"solves": solves}).stop is Stop.INTERRUPTED
+    assert solve(random_problem, progress=interrupted, options=Options(solves=solves)).stop is Stop.INTERRUPTED
     assert solves.read_bytes().count(b"\n") == 1  # the line of the format
 
 

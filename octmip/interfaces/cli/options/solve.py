@@ -14,7 +14,7 @@ from octmip.interfaces.cli.arguments import (
 )
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import add_held_out_arguments
-from octmip.trees.solver import ASSISTANTS
+from octmip.trees.methods.options import ASSISTANTS
 
 EXAMPLES = """\
   octmip solve iris.csv --label species --depth 2

@@ -13,11 +13,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
-from octmip.errors import DataError, ProblemError
+from octmip.errors import DataError
 from octmip.formats.files import PathLike, keep_bytes, read_bytes
 from octmip.formats.problem_file import question_digest
 from octmip.trees import _native
 from octmip.trees.encoding import NodeRow
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.problem import Problem
 
 T = TypeVar("T")
@@ -37,18 +38,9 @@ CHECKPOINT_SECONDS = 60.0
 """Seconds between two checkpoints."""
 
 
-def checked_every(every: float | None) -> float:
-    """Return the seconds between two checkpoints, `CHECKPOINT_SECONDS` where none are given.
-
-    Raises
-    ------
-    ProblemError
-        it is no finite number of 0 or more.
-    """
-    every = CHECKPOINT_SECONDS if every is None else every
-    if not 0 <= every < math.inf:
-        raise ProblemError(f"every is {every!r} seconds; expected a finite number of 0 or more; give one")
-    return every
+def every_of(options: SearchOptions | ExactOptions) -> float:
+    """Return the seconds between two checkpoints, `CHECKPOINT_SECONDS` where none are given."""
+    return CHECKPOINT_SECONDS if options.every is None else float(options.every)
 
 
 def resumed_from(seconds: float, n_nodes: int) -> dict[str, object]:

@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import NodeSearch, Tasks
 from octmip.trees.mip.benders.question import Question
@@ -38,6 +39,7 @@ def solve_benders(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
+    options: Options = NO_OPTIONS,
 ) -> Solution:
     """Solve OCT by logic-based Benders decomposition on HiGHS and return the tree and the bound.
 
@@ -47,6 +49,8 @@ def solve_benders(
         tree to start from; None: CART's.
     n_jobs
         subproblems that run side by side, four at most; the tree is the same for any number.
+    options
+        none are its own.
 
     Raises
     ------

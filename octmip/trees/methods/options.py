@@ -1,0 +1,270 @@
+"""Options: what a method takes beside problem, limits, incumbent, seed and threads.
+
+Each option stands once, as a field of its class: name, type, default, the values that it may have, and a line of help.
+Python checks by it, and the command reads its words and prints its help from it. Settings that only a study of the
+solvers changes are no options: they are further arguments of the solver's own function.
+"""
+
+import math
+import numbers
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import Field, dataclass, field, fields
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+from octmip.errors import ProblemError
+
+ASSISTANTS = ("exact", "search")
+"""Who may assist HiGHS."""
+MODEL_FILES = (".mps", ".lp")
+"""Endings of the files in which a mixed-integer model can be written."""
+T = TypeVar("T", bound="Options")
+
+
+@dataclass(frozen=True, slots=True)
+class Values:
+    """The values that an option may have.
+
+    Attributes
+    ----------
+    words
+        say what they are, after "expected".
+    hold
+        whether a value is one of them.
+    read
+        makes one of a word of the command; it may raise a ValueError.
+    """
+
+    words: str
+    hold: Callable[[Any], bool]
+    read: Callable[[str], Any] = str
+
+
+def _whole(least: int) -> Values:
+    return Values(
+        f"a whole number, {least} or more",
+        lambda value: isinstance(value, numbers.Integral) and not isinstance(value, bool) and int(value) >= least,
+        int,
+    )
+
+
+def _is_path(value: object) -> bool:
+    return isinstance(value, str | os.PathLike)
+
+
+def _some_assistants(value: object) -> bool:
+    return isinstance(value, tuple | list | set) and set(value) <= set(ASSISTANTS)
+
+
+FILE = Values("the name of a file", _is_path)
+MODEL_FILE = Values(
+    f"the name of a file that ends with {' or '.join(MODEL_FILES)}",
+    lambda value: _is_path(value) and Path(value).suffix in MODEL_FILES,
+)
+SECONDS = Values(
+    "a finite number of seconds, 0 or more",
+    lambda value: isinstance(value, numbers.Real) and 0 <= float(value) < math.inf,
+    float,
+)
+POSITIVE = Values(
+    "a finite number above 0", lambda value: isinstance(value, numbers.Real) and 0 < float(value) < math.inf, float
+)
+ANYONE = Values("'local', the address of a Dask scheduler, a Dask client or an open Cluster", lambda value: True)
+SOME_ASSISTANTS = Values(
+    f"a tuple of some of {', '.join(ASSISTANTS)}", _some_assistants, lambda word: tuple(word.split(","))
+)
+
+
+def _means(values: Values, words: str) -> dict[str, Any]:
+    """Return what a field says of its option: its values, and a line of help."""
+    return {"values": values, "help": words}
+
+
+def values_of(option: "Field[Any]") -> Values:
+    """Return the values that an option may have."""
+    values: Values = option.metadata["values"]
+    return values
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """Options of every method.
+
+    Raises
+    ------
+    ProblemError
+        a value is none of those that its option may have.
+    """
+
+    solves: str | Path | None = field(
+        default=None,
+        metadata=_means(
+            FILE, "file of solves that are done: one that stands there is not made again, others are added"
+        ),
+    )
+    cluster: Any = field(
+        default=None, metadata=_means(ANYONE, "other processes that share the work; the tree is that of one machine")
+    )
+
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            value, values = getattr(self, one.name), values_of(one)
+            if value is not one.default and not values.hold(value):
+                raise ProblemError(
+                    f"{one.name} is {value!r}; expected {values.words}; give one, or leave {one.name} out"
+                )
+
+    def given(self) -> dict[str, Any]:
+        """Return the options that differ from their defaults, by name."""
+        values = {one.name: (getattr(self, one.name), one.default) for one in fields(self)}
+        return {name: value for name, (value, default) in values.items() if value is not default}
+
+    def of_kind(self, kind: type[T], who: str, without: tuple[str, ...] = ()) -> T:
+        """Return these options as those of another class.
+
+        Parameters
+        ----------
+        kind
+            the class.
+        who
+            takes them, as in "method 'cart'".
+        without
+            options of the class that it does not take all the same.
+
+        Raises
+        ------
+        ProblemError
+            one that is given is none of those that `who` takes.
+        """
+        takes = [name for name in kind.names() if name not in without]
+        unknown = [name for name in self.given() if name not in takes]
+        if unknown:
+            raise ProblemError(
+                f"{who} takes no option {unknown[0]!r}; expected some of: {', '.join(sorted(takes))}; leave it out, or "
+                "choose another method"
+            )
+        return kind(**self.given())
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Return the names of the options."""
+        return tuple(one.name for one in fields(cls))
+
+    @classmethod
+    def read(cls, words: Mapping[str, str]) -> Self:
+        """Return the options that words of the command give by name.
+
+        Raises
+        ------
+        ProblemError
+            there is no such option, or the word is none of its values.
+        """
+        known = {one.name: values_of(one) for one in fields(cls)}
+        found = {}
+        for name, word in words.items():
+            if name not in known:
+                raise ProblemError(f"there is no option {name!r}; expected some of: {', '.join(sorted(known))}")
+            try:
+                found[name] = known[name].read(word)
+            except ValueError as error:
+                raise ProblemError(f"{name} is {word!r}; expected {known[name].words}; give one") from error
+        return cls(**found)
+
+
+NO_OPTIONS = Options()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchOptions(Options):
+    """Options of the local search."""
+
+    restarts: int | None = field(
+        default=None,
+        metadata=_means(_whole(1), "independent starts; by default more for small problems, 10 for trees of numbers"),
+    )
+    perturbations: int | None = field(
+        default=None,
+        metadata=_means(
+            _whole(0), "a restart ends after so many in a row without a better tree; by default as restarts"
+        ),
+    )
+    checkpoint: str | Path | None = field(
+        default=None,
+        metadata=_means(FILE, "file that keeps what was found; where it exists the search goes on from it"),
+    )
+    every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExactOptions(Options):
+    """Options of the exact cores."""
+
+    proof: str | Path | None = field(
+        default=None,
+        metadata=_means(
+            FILE, "file for a proof log that certify --proof and check_proof verify; a second search writes it"
+        ),
+    )
+    checkpoint: str | Path | None = field(
+        default=None,
+        metadata=_means(FILE, "file that keeps what is proven; where it exists the search goes on from it"),
+    )
+    every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MipOptions(Options):
+    """Options of the mixed-integer models."""
+
+    assist: tuple[str, ...] = field(
+        default=(),
+        metadata=_means(
+            SOME_ASSISTANTS, "exact: the exact core proves a bound first; search: local search hands over better trees"
+        ),
+    )
+    max_splits: int | None = field(
+        default=None,
+        metadata=_means(_whole(0), "at most so many splits, or features in all of them: the C of Bertsimas & Dunn"),
+    )
+    mu: float | None = field(
+        default=None,
+        metadata=_means(
+            POSITIVE, "least distance of a sample from a hyperplane, in scaled features; by default by the data"
+        ),
+    )
+    write: str | Path | None = field(
+        default=None, metadata=_means(MODEL_FILE, "file for the model, .mps or .lp, before it is solved")
+    )
+
+
+OPTIONS: Mapping[str, type[Options]] = {
+    "cart": Options,
+    "search": SearchOptions,
+    "exact": ExactOptions,
+    "oct": MipOptions,
+    "oct_h": MipOptions,
+    "flow": MipOptions,
+    "benders": Options,
+}
+"""The class of each method's options."""
+METHODS = ("auto", *OPTIONS)
+
+
+def refuse_untyped(options: object, method: str) -> None:
+    """Check that options are of one of the classes.
+
+    Raises
+    ------
+    ProblemError
+        they are a mapping, or something else.
+    """
+    if not isinstance(options, Options):
+        kind = OPTIONS.get(method, Options).__name__
+        given = (
+            ", ".join(f"{name}={value!r}" for name, value in options.items()) if isinstance(options, dict) else "..."
+        )
+        raise ProblemError(
+            f"options is a {type(options).__name__}; expected one of the classes of options; write "
+            f"options={kind}({given})"
+        )
