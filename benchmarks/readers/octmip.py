@@ -157,7 +157,7 @@ def tree_command(rng: Generator, folder: Path) -> None:
         ("report", tree, "--out", out),
         ("certify", tree, table),
         ("certify", tree, table, "--json"),
-        ("predict", tree, table, "--probabilities", "--label", "y"),
+        ("predict", tree, table, "--proba", "--label", "y"),
         ("predict", tree, table, "--json"),
         ("solve", table, "--label", "y", "--depth", 2, "--features", "a,b,c", "--incumbent", tree, *anew),
     )
@@ -243,16 +243,15 @@ def table_command(name: str) -> Callable[[Generator, Path], None]:
 
 
 def make_words(number: int, folder: Path) -> None:
-    """Write a table with its costs, sensors and groups of features."""
+    """Write a table with its costs and sensors."""
     write_table(problem_of(2 * number), folder / "data.csv")
     (folder / "costs.csv").write_text("true,0,1,2\n0,0,1,2.5\n1,10,0,1\n2,1,1,0\n")
     rows = ("sensor,cost", "a,1", "b,2.5", "c,0") if number % 2 else ("feature,sensor,cost", "a,l,1", "b,l,1", "c,r,2")
     (folder / "sensors.csv").write_text("\n".join(rows) + "\n")
-    (folder / "groups.txt").write_text("a,b\nc\n")
 
 
 def words_command(name: str, option: str) -> Callable[[Generator, Path], None]:
-    """Return what solves a problem with a file of costs, sensors or groups, and reads the file by itself."""
+    """Return what solves a problem with a file of costs or sensors, and reads the file by itself."""
 
     def read(rng: Generator, folder: Path) -> None:
         readers: Mapping[str, Callable[[], object]] = {
@@ -310,7 +309,6 @@ OCTMIP = {
     "tree file of a raw table": Reader(make_raw, "raw.json", mangled_json, raw_command),
     "costs": Reader(make_words, "costs.csv", mangled_csv, words_command("costs.csv", "--costs")),
     "sensors": Reader(make_words, "sensors.csv", mangled_csv, words_command("sensors.csv", "--sensor-cost")),
-    "groups": Reader(make_words, "groups.txt", mangled_csv, words_command("groups.txt", "--allowed-splits")),
     "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
     "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
     "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),

@@ -2,12 +2,12 @@
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol, cast
 
 from octmip.errors import SolverError
 from octmip.trees.losses import NUMBER_LOSSES
-from octmip.trees.methods.options import OPTIONS, Options
+from octmip.trees.methods.options import OPTIONS, Options, values_of
 from octmip.trees.problem import Problem
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, ProgressCallback, Solution
@@ -121,6 +121,18 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
 """Which solver answers which pair of loss and split, by method: the one table that a new loss or method enters."""
 
 
+def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:
+    """Return the options that each method takes for some loss and split: default, values, help, as JSON holds them."""
+    found: dict[str, dict[str, dict[str, Any]]] = {method: {} for method in OPTIONS}
+    for solvers in REGISTRY.values():
+        for method, solver in solvers.items():
+            for one in fields(OPTIONS[method]):
+                if one.name not in solver.without:
+                    said = {"default": one.default, "values": values_of(one).words, "help": one.metadata["help"]}
+                    found[method][one.name] = said
+    return found
+
+
 def options_for(problem: Problem, method: str, given: Options) -> Options:
     """Return options as the class of a method, by which a problem is solved.
 
@@ -130,6 +142,23 @@ def options_for(problem: Problem, method: str, given: Options) -> Options:
         one is given that the method does not take for this loss and split.
     """
     return given.of_kind(OPTIONS[method], f"method {method!r}", solvers_of(problem)[method].without)
+
+
+def taken(problem: Problem, method: str) -> tuple[str, ...]:
+    """Return the options that a method takes for a loss and split; none where it does not answer them."""
+    solver = solvers_of(problem).get(method)
+    return () if solver is None else tuple(name for name in OPTIONS[method].names() if name not in solver.without)
+
+
+def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Options:
+    """Return the options that words of the command give by name; the rest as in `options_for`.
+
+    Raises
+    ------
+    ProblemError
+        as `options_for`, or a word is none of the values of its option.
+    """
+    return OPTIONS[method].read(words, f"method {method!r}", solvers_of(problem)[method].without)
 
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:

@@ -92,7 +92,7 @@ def test_predictions_are_read_back_as_the_names_that_were_trained_on(tmp_path, c
     for name in names:
         tree, table = hostile_file(tmp_path, name)
         out = tmp_path / "p.csv"
-        assert main(["predict", tree, table, "--out", str(out), "--probabilities"]) == 0
+        assert main(["predict", tree, table, "--out", str(out), "--proba"]) == 0
         with out.open(newline="", encoding="utf-8") as file:
             rows = list(csv.reader(file))
         assert [row[0] for row in rows[1:]] == [name] * 6 + ["high"] * 6

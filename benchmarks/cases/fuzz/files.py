@@ -11,7 +11,6 @@ All readers of the two packages, each a line of the table:
     octmip.formats.tree_file.read_tree_file     tree file; with certify, predict, report, solve --incumbent
     octmip.formats.table.read_table             tables, .csv, .csv.gz, .tsv, .parquet; with solve, certify, predict
     octmip.formats.table.read_costs, .read_sensors  solve --costs, solve --sensor-cost
-    octmip.interfaces.cli.samples.question._groups         solve --allowed-splits
     octmip.trees.proof.check_proof                    proof logs, both kinds; with certify --proof
     octmip.monitor.ModelSelector.read           selector
     octmip.gap.read_campaign                    campaign, commissioning run; with diagnose

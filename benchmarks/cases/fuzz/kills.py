@@ -99,7 +99,7 @@ class Proof:
     """A run of the command, in a process of its own."""
 
     def __init__(self, folder: Path, words: Sequence[str], kept: Path | None = None) -> None:
-        checkpoint = [] if kept is None else ["--checkpoint", str(kept), "--every", "0.2"]
+        checkpoint = [] if kept is None else ["--checkpoint", str(kept), "--option", "every=0.2"]
         data = str(folder / "data.csv")
         self._words = ["solve", data, "--label", "label", "--seconds", "3600", "--json", *words, *checkpoint]
         self._out = folder / "out.json"

@@ -3,24 +3,38 @@
 import argparse
 import contextlib
 import math
-from collections.abc import Iterator
-from typing import Any, NoReturn
+import textwrap
+from collections.abc import Iterable, Iterator
+from typing import NoReturn
 
 from octmip.errors import DataError
 from octmip.formats.messages import shown
 from octmip.interfaces.cli.samples.file_arguments import reads
-from octmip.interfaces.cli.samples.options import add_column_arguments, add_label_arguments, add_target_arguments
-from octmip.trees.cluster import open_cluster
-from octmip.trees.methods.options import METHODS
+from octmip.interfaces.cli.samples.options import (
+    add_column_arguments,
+    add_label_arguments,
+    add_leaf_model,
+    add_target_arguments,
+)
+from octmip.trees.cluster import opened
+from octmip.trees.methods.options import FILE, METHODS, Options, all_options, help_of, values_of
 from octmip.trees.problem import Problem
+from octmip.trees.registry import read_options
 from octmip.trees.solution import Limits
 from octmip.trees.solver import chosen_method
 
 MOST_THREADS = 1024
+DATA, TREE, LOSS, METHOD, OUTPUT = "data", "tree", "loss", "method and limits", "output"
+GROUPS = (DATA, TREE, LOSS, METHOD, OUTPUT)
+"""Groups of options, in the order in which a command shows them."""
+OF_METHODS = "options of the methods, by --option NAME=VALUE"
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, like every other error of the command."""
+    """A parser whose errors are one line, like every other error of the command.
+
+    --help shows what people use, --help-all the options too that are declared by `rarely`.
+    """
 
     def __init__(self, prog: str, description: str | None, examples: str = "") -> None:
         super().__init__(
@@ -31,6 +45,9 @@ class Parser(argparse.ArgumentParser):
             add_help=False,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
+        self.is_whole = False
+        for title in GROUPS:
+            self.add_argument_group(title)
 
     def error(self, message: str) -> NoReturn:
         """Raise the message of argparse as a DataError."""
@@ -41,64 +58,120 @@ class Parser(argparse.ArgumentParser):
         needed = [action for action in self._actions if action.required]
         words = [str(action.metavar or action.dest) for action in needed if not action.option_strings]
         words += [f"{action.option_strings[-1]} {action.metavar or ''}" for action in needed if action.option_strings]
-        self.add_argument_group("help").add_argument("-h", "--help", action="help", help="show this text")
+        n_rare = sum(map(is_rare, self._actions))
+        group = self.add_argument_group("help")
+        group.add_argument("-h", "--help", action=_ShowHelp, help="show this text")
+        if n_rare:
+            group.add_argument("--help-all", action=_ShowHelp, help=f"show {n_rare} more options")
         self.usage = " ".join([self.prog, *words, "[options]"])
         return self
+
+    def format_help(self) -> str:
+        """Return the help: of the options that people use, or of all."""
+        formatter = self._get_formatter()
+        formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
+        formatter.add_text(self.description)
+        for group in self._action_groups:
+            formatter.start_section(group.title)
+            formatter.add_text(group.description)
+            formatter.add_arguments(a for a in group._group_actions if self.is_whole or not is_rare(a))
+            formatter.end_section()
+        if self.is_whole and "--option" in self._option_string_actions:
+            formatter.start_section(OF_METHODS)
+            formatter.add_text("\n".join(_lines_of_methods({action.dest for action in self._actions})))
+            formatter.end_section()
+        formatter.add_text(self.epilog)
+        return formatter.format_help()
+
+
+class _ShowHelp(argparse.Action):
+    """Shows the help, with --help-all that of every option."""
+
+    def __init__(self, option_strings: list[str], dest: str, help: str) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help, default=argparse.SUPPRESS)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        assert isinstance(parser, Parser)
+        parser.is_whole = "--help-all" in self.option_strings
+        parser.print_help()
+        parser.exit()
+
+
+def rarely(action: argparse.Action) -> argparse.Action:
+    """Declare that an option is used rarely: --help-all shows it."""
+    vars(action)["is_rare"] = True
+    return action
+
+
+def is_rare(action: argparse.Action) -> bool:
+    """Whether an option is used rarely."""
+    return bool(vars(action).get("is_rare", False))
+
+
+def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentGroup:
+    """Return a group of a parser's options, one of `GROUPS`."""
+    return next(group for group in parser._action_groups if group.title == title)
+
+
+def _lines_of_methods(own: set[str]) -> Iterator[str]:
+    """Yield a line for each option of a method that --option may name beside the command's `own`."""
+    for name in _nameable(own):
+        lines = textwrap.wrap(help_of(name), 56)
+        yield f"{name:<20}  {lines[0]}"
+        yield from (f"{'':<22}{line}" for line in lines[1:])
+
+
+def _nameable(own: Iterable[str]) -> list[str]:
+    """Return the options that --option may name: none of the command's own, and no file, which it might overwrite."""
+    return [name for name, option in all_options().items() if name not in own and values_of(option) is not FILE]
 
 
 def add_everyday_arguments(
     parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False
-) -> argparse._ArgumentGroup:
-    """Add the table, the label (or a target of numbers), the depth and the time, and return their group."""
-    group = parser.add_argument_group("everyday")
-    add_label_arguments(group, is_required=not has_target)
+) -> None:
+    """Add the table, the label (or a target of numbers and its loss), the depth and the time."""
+    add_label_arguments(group_of(parser, DATA), is_required=not has_target)
+    group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
     if has_target:
-        add_target_arguments(group)
-    group.add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
+        add_target_arguments(group_of(parser, DATA), group_of(parser, LOSS))
+        rarely(add_leaf_model(group_of(parser, TREE)))
     shown = "no limit" if math.isinf(seconds) else f"{seconds:g}"
-    group.add_argument(
+    group_of(parser, METHOD).add_argument(
         "--seconds", metavar="S", type=float, default=seconds, help=f"stop after S seconds (default {shown})"
     )
-    return group
 
 
 def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments that describe samples, tree, costs and sensors."""
-    add_column_arguments(parser)
-    group = parser.add_argument_group("tree")
+    for action in add_column_arguments(group_of(parser, DATA)):
+        rarely(action)
+    group = group_of(parser, TREE)
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
     group.add_argument(
-        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
-    )
-    group.add_argument(
-        "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"
-    )
-    group.add_argument("--split-size", metavar="K", type=int, help="at most K features in one split")
-    reads(
-        group.add_argument(
-            "--allowed-splits", metavar="FILE", help="text file: on each line the columns that may meet in one split"
-        )
-    )
-    group.add_argument("--integer-normals", metavar="N", type=int, help="hyperplane coefficients are integers up to N")
-    group = parser.add_argument_group("costs and sensors")
-    reads(
-        group.add_argument(
-            "--costs", metavar="FILE", help="table of misclassification costs: true class by predicted class"
-        )
+        "--split-size", metavar="K", type=int, help="at most K features in one split; hyperplanes where K is 2 or more"
     )
     group.add_argument("--budget", metavar="B", type=float, help="most sensor cost of the whole tree")
+    sensors = group.add_argument(
+        "--sensor-cost", metavar="FILE", help="table with columns [feature,]sensor,cost (default: each column costs 1)"
+    )
+    price = group.add_argument(
+        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
+    )
+    kind = group.add_argument(
+        "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"
+    )
+    for action in (reads(sensors), price, kind):
+        rarely(action)
     reads(
-        group.add_argument(
-            "--sensor-cost",
-            metavar="FILE",
-            help="table with columns [feature,]sensor,cost (default: each column costs 1)",
+        group_of(parser, LOSS).add_argument(
+            "--costs", metavar="FILE", help="table of misclassification costs: true class by predicted class"
         )
     )
 
 
 def add_run_arguments(parser: argparse.ArgumentParser, with_method: bool = True) -> None:
     """Add method, limits, seed, threads and --json."""
-    group = parser.add_argument_group("run")
+    group = group_of(parser, METHOD)
     if with_method:
         group.add_argument(
             "--method",
@@ -106,47 +179,71 @@ def add_run_arguments(parser: argparse.ArgumentParser, with_method: bool = True)
             default="auto",
             help="default auto: exact, or search for hyperplanes; exact proves hyperplanes of 2 features to depth 2",
         )
-    group.add_argument("--gap", metavar="G", type=float, default=0.0, help="stop at this relative gap (default 0)")
-    group.add_argument("--nodes", metavar="N", type=float, default=math.inf, help="stop after N search nodes")
-    group.add_argument(
+    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
+    gap = group.add_argument(
+        "--gap", metavar="G", type=float, default=0.0, help="stop at this relative gap (default 0)"
+    )
+    memory = group.add_argument(
         "--memory", metavar="GB", type=float, default=8.0, help="most memory of the solver's tables (default 8)"
     )
-    group.add_argument("--seed", metavar="N", type=int, default=0, help="seed of all random choices (default 0)")
-    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
-    add_json_argument(group)
+    seed = group.add_argument("--seed", metavar="N", type=int, default=0, help="seed of all random choices (default 0)")
+    for action in (gap, memory, seed):
+        rarely(action)
+    add_json_argument(group_of(parser, OUTPUT))
 
 
-def add_cluster_argument(group: argparse._ActionsContainer) -> None:
-    """Add --cluster."""
-    group.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="share the work among the workers of a Dask scheduler (tcp://host:8786), or of this machine: local (as "
-        "many processes as --threads); axis-aligned proofs from depth 3 on (exact), restarts of search",
+def add_flag(group: argparse._ActionsContainer, name: str, metavar: str) -> argparse.Action:
+    """Add an option of the command for one of the methods; its help is the class's."""
+    return rarely(group.add_argument(f"--{name}", metavar=metavar, help=help_of(name)))
+
+
+def add_method_options(parser: argparse.ArgumentParser) -> None:
+    """Add --option."""
+    rarely(
+        group_of(parser, METHOD).add_argument(
+            "--option",
+            metavar="NAME=VALUE",
+            action="append",
+            default=[],
+            help="an option of the method, of those below; may be given several times",
+        )
     )
 
 
-@contextlib.contextmanager
-def cluster_of(arguments: argparse.Namespace, problem: Problem) -> Iterator[dict[str, Any]]:
-    """Open the cluster that the arguments name; yields the solver's options, none without --cluster.
+def words_of(arguments: argparse.Namespace) -> dict[str, str]:
+    """Return the options of the method that the arguments give, each as a word, by name.
 
     Raises
     ------
     DataError
-        a method that a cluster does not help, or nobody answers at the address.
+        --option is no NAME=VALUE, or has another name than it may.
     """
-    if arguments.cluster is None:
-        yield {}
-        return
+    own = {name: getattr(arguments, name) for name in all_options() if hasattr(arguments, name)}
+    nameable = _nameable(own)
+    pairs = [text.partition("=") for text in arguments.option]
+    for (name, sign, _), text in zip(pairs, arguments.option, strict=True):
+        if name not in nameable or not sign:
+            raise DataError(
+                f"--option is {shown(text)}; expected NAME=VALUE with one of the names {', '.join(nameable)}; "
+                "--help-all says what they mean"
+            )
+    return {name: word for name, word in own.items() if word is not None} | {name: word for name, _, word in pairs}
+
+
+@contextlib.contextmanager
+def method_options(arguments: argparse.Namespace, problem: Problem) -> Iterator[Options]:
+    """Yield the options of the method, with an open cluster where they name one.
+
+    Raises
+    ------
+    ProblemError
+        the method takes no such option, or a word is none of its values.
+    DataError
+        an option is no NAME=VALUE, or nobody answers at the address of the cluster.
+    """
     method = chosen_method(problem, arguments.method)
-    if method != "search" and (method != "exact" or problem.split != "axis"):
-        kind = "proofs of splits over two features" if method == "exact" else f"method {method!r}"
-        raise DataError(
-            "--cluster shares axis-aligned proofs (exact) and restarts of the local search (search); got "
-            f"{kind}, done by the process that asks; leave it out, or take --threads"
-        )
-    with open_cluster(arguments.cluster, arguments.threads) as cluster:
-        yield {"cluster": cluster}
+    with opened(read_options(problem, method, words_of(arguments)), arguments.threads) as options:
+        yield options
 
 
 def add_json_argument(parser: argparse._ActionsContainer) -> None:
@@ -170,4 +267,4 @@ def limits_of(arguments: argparse.Namespace) -> Limits:
         value = getattr(arguments, name)
         if not least <= value <= most:
             raise DataError(f"--{name} is {shown(value)}; expected {least} or more, and at most {most}")
-    return Limits(arguments.seconds, arguments.gap, arguments.nodes, arguments.memory * 2.0**30)
+    return Limits(arguments.seconds, arguments.gap, memory=arguments.memory * 2.0**30)

@@ -4,10 +4,10 @@ import argparse
 from typing import Any
 
 from octmip.errors import DataError, ProblemError, SolverError
-from octmip.formats.names import visible
+from octmip.formats.names import shown, visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
-from octmip.interfaces.cli.arguments import limits_of
+from octmip.interfaces.cli.arguments import limits_of, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
@@ -17,6 +17,7 @@ from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
+from octmip.trees.registry import read_options, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import score
@@ -77,6 +78,7 @@ def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> 
     """Return a row for each method; after a signal those that are known, if there are any."""
     rows: list[dict[str, Any]] = []
     methods = _methods(arguments, question.problem)
+    _refuse_options_of_none(arguments, question.problem, methods)
     start = solve(question.problem, "cart", seed=arguments.seed).tree if set(methods) & set(BY_HIGHS) else None
     for method in methods:
         try:
@@ -104,6 +106,17 @@ def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
     return names
 
 
+def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, methods: list[Any]) -> None:
+    """Raise a DataError where none of the methods takes an option that is given; the others go without it."""
+    takes = {name for method in methods for name in taken(problem, method)}
+    for name in words_of(arguments):
+        if name not in takes:
+            raise DataError(
+                f"--option names {shown(name)}; expected what one of the methods takes: {', '.join(sorted(takes))}; "
+                "leave it out, or name another of --methods"
+            )
+
+
 def _row(
     arguments: argparse.Namespace, question: Question, method: Any, limits: Limits, start: Node | None
 ) -> dict[str, Any]:
@@ -111,8 +124,10 @@ def _row(
     try:
         with ProgressLine(f"{method}: ") as progress:
             times = GapTimes(progress)
+            words = {name: word for name, word in words_of(arguments).items() if name in taken(problem, method)}
+            options = read_options(problem, method, words)
             run = {"seed": arguments.seed, "n_jobs": arguments.threads, "progress": times}
-            solution = solve(problem, method, limits, start, **run)
+            solution = solve(problem, method, limits, start, options=options, **run)
         if solution.tree is None:
             return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
         row = describe(problem, solution, certify(problem, solution))

@@ -55,20 +55,34 @@ class Finding:
 def run(arguments: argparse.Namespace) -> int:
     """Examine and show."""
     findings = list(_findings())
-    machine = _machine()
+    machine, methods = _machine(), _methods()
     is_healthy = all(finding.is_good for finding in findings if finding.is_needed)
     if arguments.json:
         listed = [{"name": f.name, "good": f.is_good, "needed": f.is_needed, "says": f.says} for f in findings]
-        print(json.dumps({"is_healthy": is_healthy, "findings": listed, **machine}))
+        print(json.dumps({"is_healthy": is_healthy, "findings": listed, "methods": methods, **machine}))
         return 0 if is_healthy else 1
     width = max(len(finding.name) for finding in findings)
     for finding in findings:
         mark = "ok     " if finding.is_good else "FAULT  " if finding.is_needed else "absent "
         print(f"{mark} {finding.name:<{width}}  {visible(finding.says)}")
+    if methods:
+        print("\nmethods and their options (octmip.trees.methods.options; the command takes them by --option)")
+    for method, options in methods.items():
+        print(f"{method:<8}  {', '.join(options)}")
     memory = machine["memory_gigabytes"]
     print(f"\n{machine['threads']} threads, {'unknown' if memory is None else f'{memory:.1f} GB'} of memory")
     print("This installation works." if is_healthy else "This installation does not work: see the lines with FAULT.")
     return 0 if is_healthy else 1
+
+
+def _methods() -> dict[str, dict[str, Any]]:
+    """Return the options of each method; nothing where the package cannot be imported, as a finding says."""
+    try:
+        registry = importlib.import_module("octmip.trees.registry")
+    except Exception:
+        return {}
+    found: dict[str, dict[str, Any]] = registry.options_by_method()
+    return found
 
 
 def _findings() -> Iterator[Finding]:

@@ -15,8 +15,8 @@ from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes, then_written
 from octmip.interfaces.cli.arguments import (
-    cluster_of,
     limits_of,
+    method_options,
 )
 from octmip.interfaces.cli.options.frontier import PICTURES
 from octmip.interfaces.cli.samples.question import Question, ask
@@ -43,10 +43,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     question = ask(arguments)
     problem = question.problem
-    kept = {"solves": arguments.checkpoint} if arguments.checkpoint else {}
-    with cluster_of(arguments, problem) as shared:
-        points = _points(arguments, problem, values, limits, Options(**kept, **shared))
-        choice = None if arguments.folds is None else _choice(arguments, problem, limits, Options(**kept, **shared))
+    with method_options(arguments, problem) as options:
+        points = _points(arguments, problem, values, limits, options)
+        choice = None if arguments.folds is None else _choice(arguments, problem, limits, options)
     with held_back():
         rows = [_row(arguments.over, point) for point in points]
         if choice is not None:

@@ -29,7 +29,7 @@ MADE = "shares of the training rows, which are too high for fresh ones"
 def run(arguments: argparse.Namespace) -> int:
     """Predict and show."""
     file = read_tree_file(arguments.tree)
-    if arguments.probabilities and file.loss.predicts == "number":
+    if arguments.proba and file.loss.predicts == "number":
         raise DataError(
             f"--proba adds shares of classes, but {arguments.tree} predicts numbers; expected a tree of classes; leave "
             "it out"
@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     reached = leaf_index(file.tree, features)
     predicted = _predicted(file, features, reached)
     predictions = predicted.tolist() if not file.class_names else [file.class_names[code] for code in predicted]
-    shares = _shares(file)[reached].tolist() if arguments.probabilities else None
+    shares = _shares(file)[reached].tolist() if arguments.proba else None
     index = _index(arguments.index, file, table)
     label = arguments.label or _known_target(file, table)
     counted = _counted(file, table, label, predicted) if label else None

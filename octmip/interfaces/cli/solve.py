@@ -2,8 +2,6 @@
 
 import argparse
 from functools import partial
-from pathlib import Path
-from typing import Any
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
@@ -21,18 +19,17 @@ from octmip.interfaces.cli.answer import (
     verdict,
 )
 from octmip.interfaces.cli.arguments import (
-    cluster_of,
     limits_of,
+    method_options,
 )
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.interruption import held_back, is_heard
-from octmip.trees.methods.options import OPTIONS
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_provable
 from octmip.trees.solution import ProofError, Solution
-from octmip.trees.solver import chosen_method, solve
+from octmip.trees.solver import solve
 from octmip.trees.tradeoff import Comparison, beside_cart
 from octmip.trees.tree import Node
 
@@ -41,22 +38,14 @@ def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
     _check_predicted(arguments)
-    options = _options(arguments)
     question = ask(arguments)
-    if arguments.checkpoint and chosen_method(question.problem, arguments.method) not in ("exact", "search"):
-        raise DataError(
-            f"--checkpoint keeps what methods 'exact' and 'search' have found; got method {arguments.method!r}; "
-            "leave it out"
-        )
-    if arguments.proof:
-        check_provable(question.problem)
-        if (method := chosen_method(question.problem, arguments.method)) != "exact":
-            raise DataError(f"--proof logs what method exact proves; got method {method!r}; leave one of the two out")
     if arguments.write_problem:
         write_problem_file(arguments.write_problem, question.problem)
     incumbent = _incumbent(arguments.incumbent, question.problem) if arguments.incumbent else None
     unproven: ProofError | None = None
-    with cluster_of(arguments, question.problem) as shared, ProgressLine() as progress:
+    with method_options(arguments, question.problem) as options, ProgressLine() as progress:
+        if arguments.proof:
+            check_provable(question.problem)
         try:
             solution = solve(
                 question.problem,
@@ -66,7 +55,7 @@ def run(arguments: argparse.Namespace) -> int:
                 seed=arguments.seed,
                 n_jobs=arguments.threads,
                 progress=progress,
-                options=OPTIONS[chosen_method(question.problem, arguments.method)](**options, **shared),
+                options=options,
             )
         except ProofError as error:
             solution, unproven = error.solution, error
@@ -94,25 +83,6 @@ def _check_predicted(arguments: argparse.Namespace) -> None:
             f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
             f"--target; leave it out, or name a column of numbers with --target"
         )
-
-
-def _options(arguments: argparse.Namespace) -> dict[str, Any]:
-    kept: dict[str, Any] = {name: Path(path) for name in ("proof", "checkpoint") if (path := getattr(arguments, name))}
-    if arguments.every is not None and not arguments.checkpoint:
-        raise DataError("--every says how often a checkpoint is written; expected --checkpoint FILE beside it; add it")
-    if kept:
-        return dict(kept) | ({} if arguments.every is None else {"every": arguments.every})
-    options: dict[str, Any] = {}
-    for name in ("write", "assist"):
-        if getattr(arguments, name) and arguments.method not in ("oct", "oct_h", "flow"):
-            raise DataError(
-                f"--{name} needs a mixed-integer method, not {arguments.method!r}; add --method oct, oct_h or flow"
-            )
-    if arguments.assist:
-        options["assist"] = tuple(arguments.assist)
-    if arguments.write:
-        options["write"] = arguments.write
-    return options
 
 
 def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:

@@ -28,6 +28,7 @@ from octmip.interfaces.estimator.settings import (
 )
 from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import whole_of
@@ -78,6 +79,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         equal parts to every class; 0 leaves the shares of the training rows.
     method
         of `octmip.solve`: "auto" proves for splits on one feature, and searches without a proof for hyperplanes.
+    options
+        of the method, for instance ``SearchOptions(restarts=20)`` (`octmip.trees.methods.options`); None: the defaults.
     seconds
         limit of wall time [s]; the best tree so far is fitted, with a ConvergenceWarning where a proof was begun.
     n_jobs
@@ -124,6 +127,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         missing: Literal["either-side", "refuse"] = "either-side",
         smoothing: Smoothing = "out-of-fold",
         method: Method = "auto",
+        options: Options | None = None,
         seconds: float = 60.0,
         n_jobs: int | None = None,
         random_state: RandomState = 0,
@@ -142,6 +146,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         self.missing = missing
         self.smoothing = smoothing
         self.method = method
+        self.options = options
         self.seconds = seconds
         self.n_jobs = n_jobs
         self.random_state = random_state
@@ -177,7 +182,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         problem = self._problem(features[kept], labels[kept], weights[kept])
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
         limits = Limits(seconds=self.seconds)
-        self._keep(problem, solve(problem, self.method, limits, seed=seed, n_jobs=threads))
+        options = self.options or NO_OPTIONS
+        self._keep(problem, solve(problem, self.method, limits, seed=seed, n_jobs=threads, options=options))
         self._shares = LeafShares(problem, self.tree_, self.smoothing, self.seconds, seed, threads)
         if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")

@@ -16,6 +16,7 @@ from octmip.interfaces.estimator.samples import learn_samples, read_samples
 from octmip.interfaces.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
 from octmip.trees.certificate import certify
 from octmip.trees.losses import NUMBER_LOSSES, NumberLossName
+from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict_values
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import whole_of
@@ -46,6 +47,8 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         as in `OptimalTreeClassifier`.
     method
         "auto" proves where splits read one feature and leaves hold one number, else searches; "exact" or "search".
+    options
+        of the method (`octmip.trees.methods.options`); None: the defaults.
     seconds
         limit of wall time [s]; the best tree so far is fitted, with a ConvergenceWarning where a proof was begun.
     n_jobs
@@ -82,6 +85,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         categories: Literal["yes-no", "order", "refuse"] = "yes-no",
         missing: Literal["either-side", "refuse"] = "either-side",
         method: Literal["auto", "exact", "search"] = "auto",
+        options: Options | None = None,
         seconds: float = 60.0,
         n_jobs: int | None = None,
         random_state: RandomState = 0,
@@ -100,6 +104,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         self.categories = categories
         self.missing = missing
         self.method = method
+        self.options = options
         self.seconds = seconds
         self.n_jobs = n_jobs
         self.random_state = random_state
@@ -132,7 +137,8 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         kept = weights != 0
         problem = self._problem(features[kept], targets[kept], weights[kept])
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        solution = solve(problem, self.method, Limits(seconds=self.seconds), seed=seed, n_jobs=threads)
+        limits, options = Limits(seconds=self.seconds), self.options or NO_OPTIONS
+        solution = solve(problem, self.method, limits, seed=seed, n_jobs=threads, options=options)
         if solution.tree is None:
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
         self.problem_, self.solution_ = problem, solution

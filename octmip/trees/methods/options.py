@@ -8,7 +8,7 @@ solvers changes are no options: they are further arguments of the solver's own f
 import math
 import numbers
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Self, TypeVar
@@ -104,7 +104,10 @@ class Options:
         ),
     )
     cluster: Any = field(
-        default=None, metadata=_means(ANYONE, "other processes that share the work; the tree is that of one machine")
+        default=None,
+        metadata=_means(
+            ANYONE, "local, or the address of a Dask scheduler: workers that share the work; the tree is the same"
+        ),
     )
 
     def __post_init__(self) -> None:
@@ -137,14 +140,20 @@ class Options:
         ProblemError
             one that is given is none of those that `who` takes.
         """
-        takes = [name for name in kind.names() if name not in without]
-        unknown = [name for name in self.given() if name not in takes]
+        given = self.given()
+        kind.refuse_unknown(given, who, without)
+        return kind(**given)
+
+    @classmethod
+    def refuse_unknown(cls, names: Iterable[str], who: str, without: tuple[str, ...] = ()) -> None:
+        """Raise a ProblemError where one of the names is no option of this class that `who` takes."""
+        takes = [name for name in cls.names() if name not in without]
+        unknown = [name for name in names if name not in takes]
         if unknown:
             raise ProblemError(
                 f"{who} takes no option {unknown[0]!r}; expected some of: {', '.join(sorted(takes))}; leave it out, or "
                 "choose another method"
             )
-        return kind(**self.given())
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
@@ -152,19 +161,18 @@ class Options:
         return tuple(one.name for one in fields(cls))
 
     @classmethod
-    def read(cls, words: Mapping[str, str]) -> Self:
-        """Return the options that words of the command give by name.
+    def read(cls, words: Mapping[str, str], who: str, without: tuple[str, ...] = ()) -> Self:
+        """Return the options that words of the command give by name; the rest as in `of_kind`.
 
         Raises
         ------
         ProblemError
             there is no such option, or the word is none of its values.
         """
+        cls.refuse_unknown(words, who, without)
         known = {one.name: values_of(one) for one in fields(cls)}
         found = {}
         for name, word in words.items():
-            if name not in known:
-                raise ProblemError(f"there is no option {name!r}; expected some of: {', '.join(sorted(known))}")
             try:
                 found[name] = known[name].read(word)
             except ValueError as error:
@@ -173,6 +181,14 @@ class Options:
 
 
 NO_OPTIONS = Options()
+
+
+def _refuse_every_alone(options: "SearchOptions | ExactOptions") -> None:
+    if options.every is not None and options.checkpoint is None:
+        raise ProblemError(
+            f"every is {options.every!r} without a checkpoint; expected the name of a file that is written so often; "
+            "give checkpoint too, or leave every out"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -195,6 +211,10 @@ class SearchOptions(Options):
     )
     every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
 
+    def __post_init__(self) -> None:
+        Options.__post_init__(self)
+        _refuse_every_alone(self)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExactOptions(Options):
@@ -211,6 +231,10 @@ class ExactOptions(Options):
         metadata=_means(FILE, "file that keeps what is proven; where it exists the search goes on from it"),
     )
     every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
+
+    def __post_init__(self) -> None:
+        Options.__post_init__(self)
+        _refuse_every_alone(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -249,6 +273,23 @@ OPTIONS: Mapping[str, type[Options]] = {
 }
 """The class of each method's options."""
 METHODS = ("auto", *OPTIONS)
+
+
+def all_options() -> dict[str, "Field[Any]"]:
+    """Return the fields of all options by name."""
+    return {one.name: one for kind in OPTIONS.values() for one in fields(kind)}
+
+
+def methods_with(name: str) -> list[str]:
+    """Return the methods whose class has an option."""
+    return [method for method, kind in OPTIONS.items() if name in kind.names()]
+
+
+def help_of(name: str) -> str:
+    """Return the line of help of an option, with the methods that take it."""
+    methods = methods_with(name)
+    whose = "" if len(methods) == len(OPTIONS) else f" ({', '.join(methods)})"
+    return f"{all_options()[name].metadata['help']}{whose}"
 
 
 def refuse_untyped(options: object, method: str) -> None:

@@ -48,8 +48,20 @@ BAD_WORDS = {
     "negative penalty": (["--depth", 1, "--leaf-penalty", -0.5], "leaf_penalty is -0.5"),
     "negative seconds": (["--depth", 1, "--seconds", -3], "limit seconds is -3"),
     "NaN seconds": (["--depth", 1, "--seconds", "nan"], "limit seconds is nan"),
-    "assistance without HiGHS": (["--depth", 1, "--assist", "exact"], "needs a mixed-integer method, not 'auto'"),
-    "unknown assistant": (["--depth", 1, "--method", "oct", "--assist", "luck"], "invalid choice: 'luck'"),
+    "assistance without HiGHS": (
+        ["--depth", 1, "--option", "assist=exact"],
+        "method 'exact' takes no option 'assist'; expected some of: checkpoint, cluster, every, proof, solves;",
+    ),
+    "unknown assistant": (
+        ["--depth", 1, "--method", "oct", "--option", "assist=luck"],
+        "assist is ('luck',); expected a tuple of some of exact, search",
+    ),
+    "option without a value": (["--depth", 1, "--option", "restarts"], "--option is 'restarts'; expected NAME=VALUE"),
+    "file as an option": (["--depth", 1, "--option", "proof=iris.csv"], "--option is 'proof=iris.csv'; expected NAME="),
+    "restarts of text": (
+        ["--depth", 1, "--method", "search", "--option", "restarts=many"],
+        "restarts is 'many'; expected a whole number, 1 or more",
+    ),
     "no threads": (["--depth", 1, "--threads", 0], "--threads is 0"),
     "negative seed": (["--depth", 1, "--seed", -1], "--seed is -1"),
     "split size on axis splits": (["--depth", 1, "--split", "axis", "--split-size", 2], "split is 'axis'"),

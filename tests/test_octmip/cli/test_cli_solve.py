@@ -37,8 +37,6 @@ def test_every_setting_reaches_the_problem(data, run, tmp_path):
     (tmp_path / "costs.csv").write_text("true,low,high\nlow,0,5\nhigh,2,0\n")
     (tmp_path / "sensors.csv").write_text("feature,sensor,cost\na,left,3\nb,right,1\n")
     words = ["--features", "b,a", "--split-size", 2, "--leaf-size", 3, "--leaf-penalty", 0.5, "--weights", "w"]
-    (tmp_path / "groups.txt").write_text("b\n\na, b\n")
-    words += ["--allowed-splits", tmp_path / "groups.txt"]
     words += ["--costs", tmp_path / "costs.csv", "--sensor-cost", tmp_path / "sensors.csv", "--budget", 2]
     out_file = tmp_path / "t.json"
     words += ["--method", "cart", "--seed", 7, "--out", out_file]
@@ -53,7 +51,6 @@ def test_every_setting_reaches_the_problem(data, run, tmp_path):
     assert settings["loss"]["costs"] == [[0, 2], [5, 0]]
     assert settings["leaf_penalty"] == 0.5
     assert settings["depth"] == 2
-    assert settings["allowed_splits"] == [[0], [0, 1]]
     assert settings["sensor_cost"] == {"right": 1, "left": 3}
     assert settings["sensor_budget"] == 2
     assert run("certify", out_file, data)[0] == 0

@@ -203,17 +203,10 @@ def test_another_table_tests_the_tree(survey, run, tmp_path):
     assert "errors held out" in out
 
 
-def test_sensors_and_groups_name_columns_of_the_table(survey, run, tmp_path):
+def test_sensors_name_columns_of_the_table(survey, run, tmp_path):
     (tmp_path / "sensors.csv").write_text('sensor,cost\ncolour,5\nage,1\n"x,""y""",1\n')
-    (tmp_path / "groups.txt").write_text("age\n")
     words = (*SOLVE, "--sensor-cost", tmp_path / "sensors.csv", "--json")
     assert set(json.loads(run("solve", survey, *words, "--budget", 2)[1])["sensors"]) <= {"age", 'x,"y"'}
-    answer = json.loads(run("solve", survey, *words, "--allowed-splits", tmp_path / "groups.txt")[1])
-    assert answer["sensors"] == ["age"]
-    (tmp_path / "groups.txt").write_text("age\n\ncolour, nope\n")
-    code, _, err = run("solve", survey, *words, "--allowed-splits", tmp_path / "groups.txt")
-    assert code == 2
-    assert "groups.txt, line 3 names 'nope'; expected columns to split on" in err
 
 
 def test_a_column_that_counts_the_rows_is_pointed_out(run, tmp_path):

@@ -83,7 +83,7 @@ def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):
     assert code == 0
     assert out.splitlines() == ["prediction"] + ["low"] * 12 + ["high"] * 18
     assert err == ""
-    code, out, err = run("predict", tree, data, "--label", "y", "--out", tmp_path / "p.csv", "--probabilities")
+    code, out, err = run("predict", tree, data, "--label", "y", "--out", tmp_path / "p.csv", "--proba")
     assert code == 0
     assert out == ""
     assert "1 of 30 samples wrong" in err
@@ -98,9 +98,9 @@ def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):
 
 def test_predict_says_how_probabilities_were_made(data, run, tree):
     made = "shares of the training rows, which are too high for fresh ones"
-    _, _, err = run("predict", tree, data, "--probabilities")
+    _, _, err = run("predict", tree, data, "--proba")
     assert err == f"note: probabilities are {made}\n"
-    _, out, err = run("predict", tree, data, "--probabilities", "--json")
+    _, out, err = run("predict", tree, data, "--proba", "--json")
     assert json.loads(out)["probabilities_made"] == made
     assert err == ""
 

@@ -9,7 +9,16 @@ A method that cannot answer the problem is listed with the reason.
 
 import argparse
 
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments
+from octmip.interfaces.cli.arguments import (
+    DATA,
+    METHOD,
+    add_everyday_arguments,
+    add_method_options,
+    add_problem_arguments,
+    add_run_arguments,
+    group_of,
+    rarely,
+)
 from octmip.interfaces.cli.samples.options import add_held_out_arguments
 
 EXAMPLES = """\
@@ -21,8 +30,11 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip compare`."""
-    group = add_everyday_arguments(parser, seconds=60.0)
-    add_held_out_arguments(group)
-    group.add_argument("--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)")
+    add_everyday_arguments(parser, seconds=60.0)
+    rarely(add_held_out_arguments(group_of(parser, DATA)))
+    group_of(parser, METHOD).add_argument(
+        "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"
+    )
     add_problem_arguments(parser)
     add_run_arguments(parser, with_method=False)
+    add_method_options(parser)

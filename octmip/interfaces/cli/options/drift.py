@@ -7,7 +7,13 @@ drift. Reaching a limit is no error, nor is Ctrl-C: the best tree so far and its
 
 import argparse
 
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments
+from octmip.interfaces.cli.arguments import (
+    OUTPUT,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    group_of,
+)
 from octmip.interfaces.cli.samples.file_arguments import writes
 
 EXAMPLES = """\
@@ -19,7 +25,8 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip drift`."""
-    group = add_everyday_arguments(parser)
+    add_everyday_arguments(parser)
+    group = parser.add_argument_group("drift")
     group.add_argument(
         "--off",
         metavar="[GAUGE=]AMOUNT",
@@ -29,7 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--gauges-off", metavar="K", type=int, default=1, help="most gauges off at a time (default 1)")
     writes(
-        group.add_argument(
+        group_of(parser, OUTPUT).add_argument(
             "--out", metavar="TREE.json", help="write the tree to this file, with what it costs without drift"
         )
     )

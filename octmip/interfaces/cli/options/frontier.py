@@ -8,10 +8,15 @@ per unit of weight, and the best pair of depth and penalty is chosen.
 import argparse
 
 from octmip.interfaces.cli.arguments import (
-    add_cluster_argument,
+    METHOD,
+    OUTPUT,
     add_everyday_arguments,
+    add_flag,
+    add_method_options,
     add_problem_arguments,
     add_run_arguments,
+    group_of,
+    rarely,
 )
 from octmip.interfaces.cli.samples.file_arguments import writes
 
@@ -26,7 +31,8 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip frontier`."""
-    group = add_everyday_arguments(parser, seconds=60.0)
+    add_everyday_arguments(parser, seconds=60.0)
+    group = parser.add_argument_group("frontier")
     group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
     group.add_argument(
         "--values",
@@ -34,13 +40,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="its values (default: depths 1 to D; 1, 2, ... sensors; a penalty for each tree on the frontier)",
     )
     group.add_argument("--folds", metavar="K", type=int, help="also cross-validate on K folds (depth, penalty)")
-    out = group.add_argument("--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}")
-    kept = group.add_argument(
+    out = group_of(parser, OUTPUT).add_argument(
+        "--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}"
+    )
+    kept = group_of(parser, METHOD).add_argument(
         "--checkpoint",
+        dest="solves",
         metavar="FILE",
         help="keep every finished solve in this file: the same command again makes only those that are missing",
     )
-    writes(out), writes(kept)
+    writes(out), writes(rarely(kept))
     add_problem_arguments(parser)
     add_run_arguments(parser)
-    add_cluster_argument(parser)
+    add_flag(group_of(parser, METHOD), "cluster", "ADDRESS")
+    add_method_options(parser)

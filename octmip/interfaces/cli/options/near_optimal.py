@@ -18,7 +18,8 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip near-optimal`."""
-    group = add_everyday_arguments(parser)
+    add_everyday_arguments(parser)
+    group = parser.add_argument_group("near-optimal")
     add_amount(group, "1%")
     group.add_argument("--best", metavar="N", type=int, default=0, help="show the N best trees (default 0)")
     group.add_argument("--sample", metavar="N", type=int, default=0, help="show N trees drawn uniformly (default 0)")

@@ -31,8 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     writes(group.add_argument("--out", metavar="FILE.csv", help="write the predictions to this file"))
     group.add_argument(
         "--proba",
-        "--probabilities",
-        dest="probabilities",
         action="store_true",
         help="add each class's share of the training samples in the leaf",
     )

@@ -6,7 +6,13 @@ trees up to --within above the optimum. Every figure is proven; where time was t
 
 import argparse
 
-from octmip.interfaces.cli.arguments import add_everyday_arguments, add_problem_arguments, add_run_arguments
+from octmip.interfaces.cli.arguments import (
+    OUTPUT,
+    add_everyday_arguments,
+    add_problem_arguments,
+    add_run_arguments,
+    group_of,
+)
 from octmip.interfaces.cli.samples.file_arguments import writes
 from octmip.interfaces.cli.sets.amount import add_amount
 
@@ -20,11 +26,14 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip sensors`."""
-    group = add_everyday_arguments(parser)
+    add_everyday_arguments(parser)
+    group = parser.add_argument_group("sensors")
     add_amount(group, "0")
     group.add_argument("--pairs", action="store_true", help="also the optimum without each two sensors")
     writes(
-        group.add_argument("--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}")
+        group_of(parser, OUTPUT).add_argument(
+            "--out", metavar="FILE", help=f"draw the table in this file, one of {', '.join(PICTURES)}"
+        )
     )
     add_problem_arguments(parser)
     add_run_arguments(parser, with_method=False)

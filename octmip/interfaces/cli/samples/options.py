@@ -14,63 +14,77 @@ def add_label_arguments(group: argparse._ArgumentGroup, is_required: bool = True
     group.add_argument("--label", metavar="COL", required=is_required, help="column with the class of each row")
 
 
-def add_target_arguments(group: argparse._ArgumentGroup) -> None:
-    """Add the column of numbers to predict, and how trees for it are judged and made."""
-    group.add_argument("--target", metavar="COL", help="instead of --label: column with the number of each row")
-    group.add_argument(
+def add_target_arguments(data: argparse._ArgumentGroup, loss: argparse._ArgumentGroup) -> None:
+    """Add the column of numbers to predict, and how trees for it are judged."""
+    data.add_argument("--target", metavar="COL", help="instead of --label: column with the number of each row")
+    loss.add_argument(
         "--loss", choices=("squared", "absolute"), help="with --target: error of a prediction (default squared)"
     )
-    group.add_argument(
+
+
+def add_leaf_model(group: argparse._ArgumentGroup) -> argparse.Action:
+    """Add --leaf-model."""
+    return group.add_argument(
         "--leaf-model",
         choices=("constant", "linear"),
         help="with --target: one number in a leaf, or a ridge regression, by search (default constant)",
     )
 
 
-def add_format_argument(group: argparse._ActionsContainer) -> None:
+def add_format_argument(group: argparse._ActionsContainer) -> argparse.Action:
     """Add --format."""
-    group.add_argument(
+    return group.add_argument(
         "--format", choices=FORMATS, help="what DATA holds (default: by its ending; CSV on standard input)"
     )
 
 
-def add_column_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that choose columns and rows, and say what becomes of text and of missing cells."""
-    group = parser.add_argument_group(
-        "table", "Lists of columns: A,B,... or the option several times; a name with a comma in quotes: '\"A,B\",C'."
-    )
+def add_column_arguments(group: argparse._ArgumentGroup) -> list[argparse.Action]:
+    """Add the options that choose columns and rows, and say what becomes of text and of missing cells.
+
+    Returns
+    -------
+    Those that few people need.
+    """
     group.add_argument(
-        "--features",
+        "--drop",
         metavar="A,B,...",
         action="append",
-        help="columns to split on (default: all but label, weights and index)",
+        help="columns to leave out, in one list or several; a name with a comma in quotes: '\"A,B\",C'",
     )
-    group.add_argument("--drop", metavar="A,B,...", action="append", help="columns to leave out")
-    group.add_argument("--index", metavar="COL", help="column that names the rows; predict writes it through")
-    group.add_argument("--weights", metavar="COL", help="column with the risk weight of each row (default: all 1)")
-    group.add_argument(
-        "--categories",
-        choices=("yes-no", "order", "refuse"),
-        help="text becomes a yes/no question per value, its rank in alphabetical order, or is refused (default yes-no)",
-    )
-    group.add_argument(
-        "--missing",
-        choices=("either-side", "refuse", "drop-rows"),
-        default="either-side",
-        help="each split sends missing cells to its better side, they are refused, or every row with one is left out "
-        "(default either-side)",
-    )
-    group.add_argument("--drop-unlabelled", action="store_true", help="leave out the rows without a label")
-    group.add_argument(
-        "--numbers-are-classes", action="store_true", help="the label's many numbers are classes, not a quantity"
-    )
-    add_format_argument(group)
+    return [
+        group.add_argument(
+            "--features",
+            metavar="A,B,...",
+            action="append",
+            help="columns to split on (default: all but label, weights and index)",
+        ),
+        group.add_argument("--index", metavar="COL", help="column that names the rows; predict writes it through"),
+        group.add_argument("--weights", metavar="COL", help="column with the risk weight of each row (default: all 1)"),
+        group.add_argument(
+            "--categories",
+            choices=("yes-no", "order", "refuse"),
+            help="text becomes a yes/no question per value, its rank in alphabetical order, or is refused (default "
+            "yes-no)",
+        ),
+        group.add_argument(
+            "--missing",
+            choices=("either-side", "refuse", "drop-rows"),
+            default="either-side",
+            help="each split sends missing cells to its better side, they are refused, or every row with one is left "
+            "out (default either-side)",
+        ),
+        group.add_argument("--drop-unlabelled", action="store_true", help="leave out the rows without a label"),
+        group.add_argument(
+            "--numbers-are-classes", action="store_true", help="the label's many numbers are classes, not a quantity"
+        ),
+        add_format_argument(group),
+    ]
 
 
-def add_held_out_arguments(group: argparse._ArgumentGroup) -> None:
-    """Add --holdout and --test."""
+def add_held_out_arguments(group: argparse._ArgumentGroup) -> argparse.Action:
+    """Add --holdout and --test, and return the latter."""
     either = group.add_mutually_exclusive_group()
     either.add_argument(
         "--holdout", metavar="SHARE", type=float, help="keep this share of each class for testing, such as 0.25"
     )
-    reads(either.add_argument("--test", metavar="FILE", help="another table to test the tree on"))
+    return reads(either.add_argument("--test", metavar="FILE", help="another table to test the tree on"))

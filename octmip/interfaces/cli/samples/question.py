@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.written import words_of
-from octmip.formats.files import read_text
 from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
@@ -29,10 +28,6 @@ from octmip.trees.tradeoff import Samples, Score, held_out_rows
 OF_CLASSES = {
     "costs": "prices of taking one class for another",
     "numbers_are_classes": "a label of classes",
-    "write": "mixed-integer models of classes",
-    "assist": "mixed-integer models of classes",
-    "checkpoint": "proofs of classes",
-    "cluster": "trees of classes; trees of numbers take --threads",
 }
 """Options that have no meaning for numbers, and what they are about."""
 FEWEST_COUNTED = 20
@@ -228,8 +223,6 @@ def _problem(
     settings = _sensor_settings(arguments, columns)
     if loss is not None:
         settings |= {"loss": loss, "leaf_model": arguments.leaf_model or "constant", "target_name": arguments.target}
-    if arguments.allowed_splits:
-        settings["allowed_splits"] = _groups(arguments.allowed_splits, columns)
     if arguments.costs:
         classes = sorted(set(labels.tolist()))
         settings |= {"loss": ClassCosts(read_costs(arguments.costs, classes)), "class_names": classes}
@@ -244,7 +237,6 @@ def _problem(
         leaf_size=arguments.leaf_size,
         leaf_penalty=arguments.leaf_penalty,
         sensor_budget=arguments.budget,
-        integer_normals=arguments.integer_normals,
         gaps=columns.lack_numbers,
         feature_names=columns.feature_names,
         **settings,
@@ -261,28 +253,11 @@ def _sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[st
     return {"sensor_of_feature": of_feature, "sensor_cost": dict(sensors.cost)}
 
 
-def _groups(path: str, columns: Columns) -> list[list[str]]:
-    """Return the groups of a text file, one per line: names of columns or of their features, separated by commas."""
-    groups = []
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
-        names = [name.strip() for name in line.split(",")] if line.strip() else []
-        unknown = [name for name in names if name not in {*columns.names, *columns.feature_names}]
-        if unknown:
-            raise DataError(
-                f"{path}, line {number} names {several(unknown)}; expected columns to split on: "
-                f"{several(columns.names)}; spell them as the table does"
-            )
-        read = [[f.name for f in columns.features if f.column == name] or [name] for name in names]
-        groups += [[name for features in read for name in features]] if names else []
-    return groups
-
-
 def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:
     """Return the kind of split that the arguments ask for."""
     if arguments.split:
         return "axis" if arguments.split == "axis" else "hyperplane"
-    wants_hyperplanes = (arguments.split_size or 1) > 1 or arguments.integer_normals is not None
-    return "hyperplane" if wants_hyperplanes else "axis"
+    return "hyperplane" if (arguments.split_size or 1) > 1 else "axis"
 
 
 def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparation) -> Samples:
