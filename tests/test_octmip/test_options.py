@@ -47,21 +47,23 @@ def test_every_option_has_a_line_of_help_and_a_default_that_needs_no_value(kind)
 
 
 def test_words_become_the_options_that_they_name():
-    read = MipOptions.read({"assist": "exact,search", "max_splits": "3", "mu": "0.01", "write": "model.lp"})
-    assert read == MipOptions(assist=("exact", "search"), max_splits=3, mu=0.01, write="model.lp")
+    words = {"assist": "exact,search", "max_splits": "3", "mu": "0.01", "write": "model.lp"}
+    assert MipOptions.read(words, "flow") == MipOptions(
+        assist=("exact", "search"), max_splits=3, mu=0.01, write="model.lp"
+    )
 
 
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ({"colour": "red"}, "there is no option 'colour'; expected some of: checkpoint, cluster, every, perturbations"),
+        ({"colour": "red"}, "search takes no option 'colour'; expected some of: cluster, every, perturbations"),
         ({"restarts": "many"}, "restarts is 'many'; expected a whole number, 1 or more"),
         ({"restarts": "-3"}, "restarts is -3; expected a whole number, 1 or more"),
     ],
 )
 def test_words_that_say_nothing_are_refused(words, sentence):
     with pytest.raises(ProblemError, match=sentence):
-        SearchOptions.read(words)
+        SearchOptions.read(words, "search", without=("checkpoint",))
 
 
 def test_a_method_takes_the_options_of_its_class_less_those_that_its_cell_leaves_out():

@@ -39,13 +39,13 @@ def run(arguments: argparse.Namespace) -> int:
     limits = limits_of(arguments)
     _check_predicted(arguments)
     question = ask(arguments)
+    if arguments.proof:
+        check_provable(question.problem)
     if arguments.write_problem:
         write_problem_file(arguments.write_problem, question.problem)
     incumbent = _incumbent(arguments.incumbent, question.problem) if arguments.incumbent else None
     unproven: ProofError | None = None
     with method_options(arguments, question.problem) as options, ProgressLine() as progress:
-        if arguments.proof:
-            check_provable(question.problem)
         try:
             solution = solve(
                 question.problem,

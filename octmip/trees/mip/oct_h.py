@@ -177,7 +177,9 @@ def solve_oct_h(
     settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, options, **request)
 
     def build(known: Known) -> OctH | flow.Flow:
-        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=options.max_splits, mu=options.mu)
+        return (flow.formulate if strengthen else formulate)(
+            problem, known, max_splits=options.max_splits, mu=options.mu
+        )
 
     return solve_formulation(problem, build, settings)
 

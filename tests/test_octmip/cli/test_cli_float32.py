@@ -1,11 +1,10 @@
 """A Parquet file of float32 columns becomes a problem as it is, and the tree is that of its values as float64."""
 
-import argparse
-
 import numpy as np
 import pandas as pd
 
 from octmip import Problem, solve
+from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.options import solve as options
 from octmip.interfaces.cli.samples.question import ask
 
@@ -17,7 +16,7 @@ def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
     frame = pd.DataFrame(features, columns=["a", "b", "c"])
     path = tmp_path / "table.parquet"
     frame.assign(y=labels).to_parquet(path)
-    parser = argparse.ArgumentParser()
+    parser = Parser("octmip solve", None)
     options.add_arguments(parser)
     problem = ask(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
     assert problem.features.dtype == np.float32

@@ -9,8 +9,10 @@ import pytest
 
 from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine
+from octmip.interfaces.cli.arguments import GROUPS, OF_METHODS
 from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
+from octmip.trees.methods.options import all_options
 from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import OVERS
 
@@ -148,3 +150,47 @@ def test_doctor_works_where_the_installation_does_not(module):
     assert done.stderr == ""
     assert "FAULT" in done.stdout
     assert module in done.stdout
+
+
+LONG = ("solve", "compare", "near-optimal", "sensors", "drift", "frontier")
+"""Commands with more options than a screen takes."""
+
+
+def shown_options(text):
+    """Return the options that a help describes, each by its name."""
+    return {line.split()[0].rstrip(",") for line in text.splitlines() if line.startswith("  -")}
+
+
+def test_help_of_solve_shows_fifteen_options_in_groups(run):
+    text = run("solve", "--help")[1]
+    assert len(shown_options(text) - {"-h", "--help-all"}) == 15
+    places = [text.index(f"\n{title}:\n") for title in GROUPS]
+    assert places == sorted(places)
+
+
+@pytest.mark.parametrize("command", LONG)
+def test_the_rest_of_a_long_help_is_shown_when_asked(run, command):
+    usual, whole = (shown_options(run(command, option)[1]) for option in ("--help", "--help-all"))
+    assert usual < whole
+    assert len(usual) <= 20
+
+
+def test_help_all_lists_the_options_of_the_methods_that_have_no_option_of_their_own(run):
+    listed = run("solve", "--help-all")[1].split(OF_METHODS)[1]
+    for name, is_listed in (("restarts", True), ("assist", True), ("proof", False), ("cluster", False)):
+        assert (f"\n  {name} " in listed) is is_listed
+
+
+def test_doctor_and_the_classes_name_the_same_options(run):
+    methods = json.loads(run("doctor", "--json")[1])["methods"]
+    assert {name for options in methods.values() for name in options} == set(all_options())
+    assert "cluster" not in methods["cart"]
+
+
+def test_an_option_of_the_methods_goes_to_those_compared_that_take_it(data, run):
+    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,search"]
+    rows = json.loads(run(*words, "--option", "restarts=2", "--json")[1])["rows"]
+    assert ["error" in row for row in rows] == [False, False]
+    code, _, err = run(*words, "--option", "assist=exact")
+    assert code == 2
+    assert "--option names 'assist'; expected what one of the methods takes: perturbations" in err
