@@ -115,13 +115,13 @@ def group_of(parser: argparse.ArgumentParser, title: str) -> argparse._ArgumentG
 
 def _lines_of_methods(own: set[str]) -> Iterator[str]:
     """Yield a line for each option of a method that --option may name beside the command's `own`."""
-    for name in _nameable(own):
+    for name in nameable(own):
         lines = textwrap.wrap(help_of(name), 56)
         yield f"{name:<20}  {lines[0]}"
         yield from (f"{'':<22}{line}" for line in lines[1:])
 
 
-def _nameable(own: Iterable[str]) -> list[str]:
+def nameable(own: Iterable[str]) -> list[str]:
     """Return the options that --option may name: none of the command's own, and no file, which it might overwrite."""
     return [name for name, option in all_options().items() if name not in own and values_of(option) is not FILE]
 
@@ -219,7 +219,7 @@ def words_of(arguments: argparse.Namespace) -> dict[str, str]:
         --option is no NAME=VALUE, or has another name than it may.
     """
     own = {name: getattr(arguments, name) for name in all_options() if hasattr(arguments, name)}
-    nameable = _nameable(own)
+    nameable = nameable(own)
     pairs = [text.partition("=") for text in arguments.option]
     for (name, sign, _), text in zip(pairs, arguments.option, strict=True):
         if name not in nameable or not sign:

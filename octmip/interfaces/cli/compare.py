@@ -4,10 +4,10 @@ import argparse
 from typing import Any
 
 from octmip.errors import DataError, ProblemError, SolverError
-from octmip.formats.names import shown, visible
+from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
-from octmip.interfaces.cli.arguments import limits_of, words_of
+from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.markdown import markdown_table
@@ -108,11 +108,11 @@ def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
 
 def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, methods: list[Any]) -> None:
     """Raise a DataError where none of the methods takes an option that is given; the others go without it."""
-    takes = {name for method in methods for name in taken(problem, method)}
+    takes = {name for method in methods for name in taken(problem, method)} & set(nameable(()))
     for name in words_of(arguments):
         if name not in takes:
             raise DataError(
-                f"--option names {shown(name)}; expected what one of the methods takes: {', '.join(sorted(takes))}; "
+                f"--option names {name!r}; expected what one of the methods takes: {', '.join(sorted(takes))}; "
                 "leave it out, or name another of --methods"
             )
 
