@@ -219,12 +219,12 @@ def words_of(arguments: argparse.Namespace) -> dict[str, str]:
         --option is no NAME=VALUE, or has another name than it may.
     """
     own = {name: getattr(arguments, name) for name in all_options() if hasattr(arguments, name)}
-    nameable = nameable(own)
+    names = nameable(own)
     pairs = [text.partition("=") for text in arguments.option]
     for (name, sign, _), text in zip(pairs, arguments.option, strict=True):
-        if name not in nameable or not sign:
+        if name not in names or not sign:
             raise DataError(
-                f"--option is {shown(text)}; expected NAME=VALUE with one of the names {', '.join(nameable)}; "
+                f"--option is {shown(text)}; expected NAME=VALUE with one of the names {', '.join(names)}; "
                 "--help-all says what they mean"
             )
     return {name: word for name, word in own.items() if word is not None} | {name: word for name, _, word in pairs}
