@@ -5,7 +5,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import Recorded, function_twin, gathered
-from octmip.gap.campaign.reduce import amplitudes, modes, phase_means
+from octmip.gap.reductions.repeats import amplitudes, modes, phase_means
 
 TIME = np.arange(0.0, 12.0, 0.001)
 

@@ -1,4 +1,4 @@
-"""A time series reduced to readings by a stated rule, each repeat of the rule a row.
+"""Rules that repeat: each repeat within a series is a row of readings.
 
 * ``phase_means``: a row is one cycle, a reading the mean of the signal over one of n equal parts of the cycle.
 * ``amplitudes``: a row is one block, a reading the amplitude at one frequency, by least squares beside a mean.
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import find_peaks, welch
 
 from octmip.errors import DataError
+from octmip.gap.reductions.series import series_of
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +44,7 @@ def phase_means(time: ArrayLike, signal: ArrayLike, period: float, parts: int, s
     DataError
         no whole cycle, or a part of one without a sample.
     """
-    t, y = _series(time, signal)
+    t, y = series_of(time, signal)
     if not (period > 0.0 and parts > 0):
         raise DataError(f"the period is {period} and the parts are {parts}; expected both above 0")
     count = int(np.floor((t[-1] - start) / period + np.median(np.diff(t)) / period + 1e-6))
@@ -66,7 +67,7 @@ def amplitudes(time: ArrayLike, signal: ArrayLike, frequencies: Sequence[float],
     DataError
         a block shorter than a period of the lowest frequency, or a frequency beyond half the sampling rate.
     """
-    t, y = _series(time, signal)
+    t, y = series_of(time, signal)
     length, rate = (t[-1] - t[0]) / max(blocks, 1), 1.0 / float(np.median(np.diff(t)))
     wrong = [f for f in frequencies if f * length < 1.0 or f > 0.5 * rate]
     if blocks < 1 or wrong or not frequencies:
@@ -100,7 +101,7 @@ def modes(time: ArrayLike, signal: ArrayLike, n_modes: int, blocks: int, windows
     DataError
         samples that are not evenly spaced, blocks too short, or fewer peaks than modes.
     """
-    t, y = _series(time, signal)
+    t, y = series_of(time, signal)
     steps = np.diff(t)
     if np.ptp(steps) > 1e-3 * float(np.median(steps)):
         raise DataError("modes need evenly spaced samples; resample the series to one rate")
@@ -142,14 +143,3 @@ def _crossing(frequency: Floats, power: Floats, k: int, way: int) -> float:
     inner, outer = power[here - way], power[here]
     share = (inner - least) / (inner - outer) if inner > outer else 1.0
     return float(frequency[here - way] + way * min(1.0, share) * (frequency[1] - frequency[0]))
-
-
-def _series(time: ArrayLike, signal: ArrayLike) -> tuple[Floats, Floats]:
-    t, y = np.asarray(time, dtype=np.float64), np.asarray(signal, dtype=np.float64)
-    if t.shape != y.shape or t.ndim != 1 or len(t) < 2:
-        raise DataError(
-            f"a series has times of shape {t.shape} and a signal of {y.shape}; expected the same length, n >= 2"
-        )
-    if not (np.isfinite(t).all() and np.isfinite(y).all() and (np.diff(t) > 0.0).all()):
-        raise DataError("a series holds numbers that are not finite, or times that do not rise; leave such samples out")
-    return t, y

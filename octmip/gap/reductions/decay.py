@@ -1,0 +1,142 @@
+"""Frequencies and dampings of a free decay, with their covariance.
+
+    y(t) = sum_j e^(-d_j t) (a_j cos w_j t + b_j sin w_j t) + sum_h (p_h cos w_h t + q_h sin w_h t) + zero(t) + noise
+
+d_j and w_j = 2 pi f_j are found by least squares, amplitudes, hum and zero by projection (Golub and Pereyra (1973), SIAM
+J. Numer. Anal. 10: variable projection). The zero is a polynomial. Where the hum of the mains beats with a mode, a
+stretch that is shorter than the beat tells little, and the covariance says so.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import least_squares
+
+from octmip.errors import DataError
+from octmip.gap.reductions.series import Floats, even_series_of
+
+LINES = 1 << 17
+"""Points of the padded spectrum in which a peak is looked for."""
+FIRST_DAMPING = 1.0
+"""Start of the search for a decay [1/s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decay:
+    """Modes of one free decay.
+
+    Attributes
+    ----------
+    frequencies
+        (n_modes,) [Hz].
+    dampings
+        (n_modes,) decay of the amplitude [1/s].
+    amplitudes
+        (n_modes,) at the first sample, in the signal's unit.
+    covariance
+        (2 n_modes, 2 n_modes) of frequencies, then dampings, grown by how alike neighbouring residuals are.
+    residual
+        standard deviation of what is left, in the signal's unit.
+    """
+
+    frequencies: Floats
+    dampings: Floats
+    amplitudes: Floats
+    covariance: Floats
+    residual: float
+
+    @property
+    def frequency_sd(self) -> Floats:
+        """Standard deviation of each frequency [Hz]."""
+        return np.sqrt(np.diag(self.covariance)[: len(self.frequencies)])
+
+
+def decay_of(
+    time: ArrayLike,
+    signal: ArrayLike,
+    bands: Sequence[tuple[float, float]],
+    hum: Sequence[float] = (),
+    zero_degree: int = 1,
+) -> Decay:
+    """Return the modes of a free decay, one in each band.
+
+    Parameters
+    ----------
+    time, signal
+        (n,) samples, evenly spaced [s, any unit].
+    bands
+        (low, high) within which the highest peak of the spectrum is a mode [Hz].
+    hum
+        frequencies that belong to the measuring chain [Hz].
+    zero_degree
+        of the polynomial that the zero of the chain follows.
+
+    Raises
+    ------
+    DataError
+        uneven samples, no band, a band without lines, or fewer samples than unknowns.
+    """
+    t, y, rate = even_series_of(time, signal)
+    unknowns = 4 * len(bands) + 2 * len(hum) + zero_degree + 1
+    if not bands or len(y) <= unknowns or any(not 0.0 <= low < high <= rate / 2 for low, high in bands):
+        raise DataError(
+            f"bands {list(bands)} for {len(y)} samples at {rate:g} samples/s; expected one or more bands between 0 and "
+            f"{rate / 2:g} Hz and over {unknowns} samples"
+        )
+    at = t - t[0]
+    share = at / at[-1]
+    chain = [share**power for power in range(zero_degree + 1)]
+    chain += [wave(2.0 * np.pi * f * at) for f in hum for wave in (np.cos, np.sin)]
+    basis = np.linalg.qr(np.column_stack(chain))[0]
+    rest = y - basis @ (basis.T @ y)
+    first = [_peak(rest, rate, low, high) for low, high in bands]
+    fit = _Fit(at, rest, basis, len(bands))
+    start = np.array([*first, *[FIRST_DAMPING] * len(bands)])
+    found = least_squares(fit, start, x_scale=np.array([0.1] * len(bands) + [1.0] * len(bands)))
+    left = fit(found.x)
+    dof = max(1, len(y) - unknowns)
+    variance = float(left @ left) / dof
+    covariance = _grown(left) * variance * np.linalg.pinv(found.jac.T @ found.jac)
+    return Decay(
+        found.x[: len(bands)], found.x[len(bands) :], fit.amplitudes(found.x), covariance, float(variance**0.5)
+    )
+
+
+def _peak(y: Floats, rate: float, low: float, high: float) -> float:
+    """Return the frequency of the highest line of the windowed, padded spectrum within a band [Hz]."""
+    n = max(LINES, len(y))
+    frequency, power = np.fft.rfftfreq(n, 1.0 / rate), np.abs(np.fft.rfft(y * np.hanning(len(y)), n))
+    inside = np.flatnonzero((frequency >= low) & (frequency <= high))
+    return float(frequency[inside[int(power[inside].argmax())]])
+
+
+def _grown(left: Floats) -> float:
+    """Return by how much the variance of a fit grows for residuals that are alike from sample to sample (AR(1))."""
+    alike = float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-300)
+    alike = min(max(alike, 0.0), 0.99)
+    return (1.0 + alike) / (1.0 - alike)
+
+
+class _Fit:
+    """Residuals of a decay at frequencies and dampings; amplitudes, hum and zero are projected out."""
+
+    def __init__(self, at: Floats, y: Floats, basis: Floats, n_modes: int) -> None:
+        self.at, self.y, self.basis, self.n_modes = at, y, basis, n_modes
+
+    def __call__(self, unknowns: Floats) -> Floats:
+        columns = self._columns(unknowns)
+        q = np.linalg.qr(columns)[0]
+        return np.asarray(self.y - q @ (q.T @ self.y))
+
+    def amplitudes(self, unknowns: Floats) -> Floats:
+        """Return the amplitude of each mode at the first sample."""
+        found = np.linalg.lstsq(self._columns(unknowns), self.y, rcond=None)[0]
+        return np.hypot(found[: self.n_modes], found[self.n_modes :])
+
+    def _columns(self, unknowns: Floats) -> Floats:
+        angle = 2.0 * np.pi * np.outer(self.at, unknowns[: self.n_modes])
+        decay = np.exp(-np.outer(self.at, unknowns[self.n_modes :]))
+        columns = np.concatenate([decay * np.cos(angle), decay * np.sin(angle)], axis=1)
+        return np.asarray(columns - self.basis @ (self.basis.T @ columns))

@@ -1,0 +1,69 @@
+"""Windows, bands and free decays as readings."""
+
+import numpy as np
+import pytest
+
+from octmip.errors import DataError
+from octmip.gap.reductions.decay import decay_of
+from octmip.gap.reductions.spectra import band_powers
+from octmip.gap.reductions.windows import window_means, window_spreads, window_steps
+
+TIME = np.arange(0.0, 1.6, 0.0005)
+DECAY = np.exp(-1.5 * TIME) * np.cos(2 * np.pi * 26.2 * TIME + 0.3)
+HIGHER = 0.4 * np.exp(-6.0 * TIME) * np.sin(2 * np.pi * 160.4 * TIME)
+HUM = 0.5 * np.sin(2 * np.pi * 60.0 * TIME + 1.0)
+
+
+def test_a_window_has_mean_spread_and_steps_of_its_samples_only():
+    stretches = [(0.0, 3.0), (5.0, 6.0)]
+    time, signal = np.arange(7.0), np.array([1.0, 3.0, 1.0, 3.0, 100.0, 5.0, 7.0])
+    assert window_means(time, signal, stretches) == pytest.approx([2.0, 6.0])
+    assert window_spreads(time, signal, stretches) == pytest.approx([2.0 / np.sqrt(3.0), np.sqrt(2.0)])
+    assert window_steps(time, signal, stretches) == pytest.approx([2.0, 2.0])
+
+
+def test_the_powers_of_all_bands_are_the_variance_and_a_tone_lies_in_its_own():
+    tone = 3.0 * np.sin(2 * np.pi * 125.0 * TIME) + 5.0
+    found = band_powers(TIME, tone, [(0.0, 100.0), (100.0, 150.0), (150.0, 1001.0)])
+    assert found.sum() == pytest.approx(4.5, rel=0.01)
+    assert found[1] == pytest.approx(4.5, rel=0.01)
+
+
+def test_a_decay_is_found_amid_hum_and_a_wandering_zero():
+    found = decay_of(TIME, DECAY + HIGHER + HUM + 2.0 - 0.7 * TIME, [(15.0, 50.0), (140.0, 300.0)], hum=[60.0])
+    assert found.frequencies == pytest.approx([26.2, 160.4], abs=1e-6)
+    assert found.dampings == pytest.approx([1.5, 6.0], abs=1e-4)
+    assert found.amplitudes == pytest.approx([1.0, 0.4], abs=1e-5)
+
+
+def test_the_covariance_of_a_decay_is_the_scatter_over_repeats():
+    rng = np.random.default_rng(3)
+    fits = [decay_of(TIME[::4], (DECAY + 0.2 * rng.standard_normal(len(TIME)))[::4], [(15.0, 50.0)]) for _ in range(60)]
+    scatter = np.std([fit.frequencies[0] for fit in fits])
+    assert np.mean([fit.frequency_sd[0] for fit in fits]) == pytest.approx(scatter, rel=0.25)
+
+
+def test_residuals_that_are_alike_widen_the_covariance():
+    rng = np.random.default_rng(4)
+    white = rng.standard_normal(len(TIME))
+    red = np.zeros_like(white)
+    for k in range(1, len(red)):
+        red[k] = 0.9 * red[k - 1] + np.sqrt(1 - 0.81) * white[k]
+    sd = [decay_of(TIME, DECAY + 0.1 * noise, [(15.0, 50.0)]).frequency_sd[0] for noise in (white, red)]
+    assert sd[1] > 3.0 * sd[0]
+
+
+@pytest.mark.parametrize(
+    ("rule", "told"),
+    [
+        (lambda: window_means(TIME, TIME, [(2.0, 3.0)]), "holds 0 samples"),
+        (lambda: band_powers(TIME, TIME, [(10.0, 10.1)]), "give a wider band"),
+        (lambda: band_powers(TIME**2 + TIME, TIME, [(10.0, 90.0)]), "evenly spaced"),
+        (lambda: decay_of(TIME, TIME, []), "expected one or more bands"),
+        (lambda: decay_of(TIME, TIME, [(10.0, 2000.0)]), "between 0 and 1000 Hz"),
+        (lambda: decay_of(TIME[:6], TIME[:6], [(10.0, 20.0)]), "over 6 samples"),
+    ],
+)
+def test_what_a_rule_cannot_take_is_refused(rule, told):
+    with pytest.raises(DataError, match=told):
+        rule()
