@@ -2,9 +2,9 @@
 
     y(t) = sum_j e^(-d_j t) (a_j cos w_j t + b_j sin w_j t) + sum_h (p_h cos w_h t + q_h sin w_h t) + zero(t) + noise
 
-d_j and w_j = 2 pi f_j are found by least squares, amplitudes, hum and zero by projection (Golub and Pereyra (1973), SIAM
-J. Numer. Anal. 10: variable projection). The zero is a polynomial. Where the hum of the mains beats with a mode, a
-stretch that is shorter than the beat tells little, and the covariance says so.
+d_j and w_j = 2 pi f_j are found by least squares; amplitudes, hum and zero are projected out. Source: Golub and Pereyra
+(1973), SIAM J. Numer. Anal. 10 (variable projection). The zero is a polynomial. A mode that beats with another, which
+is not asked for, needs a stretch longer than the beat: the covariance does not know of it.
 """
 
 from collections.abc import Sequence
@@ -95,10 +95,10 @@ def decay_of(
     fit = _Fit(at, rest, basis, len(bands))
     start = np.array([*first, *[FIRST_DAMPING] * len(bands)])
     found = least_squares(fit, start, x_scale=np.array([0.1] * len(bands) + [1.0] * len(bands)))
-    left = fit(found.x)
+    left, jacobian = fit(found.x), np.asarray(found.jac)
     dof = max(1, len(y) - unknowns)
     variance = float(left @ left) / dof
-    covariance = _grown(left) * variance * np.linalg.pinv(found.jac.T @ found.jac)
+    covariance = _grown(left) * variance * np.linalg.pinv(jacobian.T @ jacobian)
     return Decay(
         found.x[: len(bands)], found.x[len(bands) :], fit.amplitudes(found.x), covariance, float(variance**0.5)
     )
@@ -133,7 +133,7 @@ class _Fit:
     def amplitudes(self, unknowns: Floats) -> Floats:
         """Return the amplitude of each mode at the first sample."""
         found = np.linalg.lstsq(self._columns(unknowns), self.y, rcond=None)[0]
-        return np.hypot(found[: self.n_modes], found[self.n_modes :])
+        return np.asarray(np.hypot(found[: self.n_modes], found[self.n_modes :]))
 
     def _columns(self, unknowns: Floats) -> Floats:
         angle = 2.0 * np.pi * np.outer(self.at, unknowns[: self.n_modes])

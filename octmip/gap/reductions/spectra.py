@@ -35,7 +35,7 @@ def band_powers(
     DataError
         uneven samples, or a band that holds fewer than two lines of the spectrum.
     """
-    t, y, rate = even_series_of(time, signal)
+    _, y, rate = even_series_of(time, signal)
     length = min(len(y), max(16, round(window * rate) if window else len(y) // 8))
     frequency, density = welch(y, rate, nperseg=length)
     step = float(frequency[1])

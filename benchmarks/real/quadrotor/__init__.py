@@ -1,0 +1,1 @@
+"""Two small quadrotors: what the commands of the rotors in hover say about their frames."""

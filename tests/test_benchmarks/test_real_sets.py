@@ -1,0 +1,183 @@
+"""Real machines, blind: evidence over several references, the twins of the sets, the form of the answers."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.real import beam, bridge
+from benchmarks.real.answers import Answer, credible_set, write_answers
+from benchmarks.real.evidence import Hypothesis, Judged, Named, Reference, judge
+from benchmarks.real.quadrotor.flight import commands
+from benchmarks.real.quadrotor.hover import NO_LOAD, PATTERNS, hover_twin
+
+DATA = Path(__file__).parents[2].parent / "shared" / "real"
+NOTHING, NONE = np.zeros(2), np.zeros(0)
+
+
+def cause(name: str, direction: tuple[float, float], prior: float = 0.25) -> Hypothesis:
+    column = np.array(direction)
+    named = (Named(name, "here", "g"),)
+    return Hypothesis(
+        named, lambda s: s[0] * column, np.zeros(1), np.ones(1), prior, 0.0, NOTHING, NOTHING, is_signed=True
+    )
+
+
+SOUND = Hypothesis((), lambda _: NOTHING, NONE, NONE, 0.5, 0.0, NOTHING, NOTHING)
+
+
+def test_evidence_of_a_linear_cause_is_that_of_its_normal_distribution():
+    readings, noise = np.array([0.9, 0.2]), 0.04 * np.eye(2)
+    judged = judge(readings, [Reference(NOTHING, noise, 1.0)], [SOUND, cause("a", (1.0, 0.3)), cause("b", (0.0, 1.0))])
+
+    def density(column: tuple[float, float]) -> float:
+        covariance = noise + np.outer(column, column)
+        rest = readings @ np.linalg.solve(covariance, readings)
+        return float(np.exp(-0.5 * rest) / np.sqrt(np.linalg.det(covariance)))
+
+    expected = np.array([0.5 * density((0, 0)), 0.25 * density((1.0, 0.3)), 0.25 * density((0.0, 1.0))])
+    found = {one.hypothesis.causes[0].kind if one.hypothesis.causes else "": one.probability for one in judged}
+    assert [found[""], found["a"], found["b"]] == pytest.approx(expected / expected.sum(), rel=1e-6)
+    middle, low, high = judged[0].sizes[0]
+    sd = (1.0 + (1.0 + 0.09) / 0.04) ** -0.5
+    assert [middle, (high - low) / 3.29] == pytest.approx([sd**2 * (0.9 + 0.06) / 0.04, sd], rel=0.01)
+
+
+def test_a_reading_near_any_one_reference_is_sound_and_missing_ones_are_left_out():
+    days = [
+        Reference(np.array([0.0, 0.0]), 0.01 * np.eye(2), 1.0),
+        Reference(np.array([3.0, 1.0]), 0.01 * np.eye(2), 1.0),
+    ]
+    for readings in ([3.05, 0.9], [np.nan, 0.9]):
+        first = judge(np.array(readings), days, [SOUND, cause("a", (1.0, 0.0))])[0]
+        assert not first.hypothesis.causes
+        assert first.reference == 1
+    assert judge(np.array([1.5, 0.0]), days, [SOUND, cause("a", (1.0, 0.0))])[0].hypothesis.causes
+
+
+def test_sizes_that_cannot_be_negative_cost_a_cause_the_wrong_sign():
+    one = cause("a", (1.0, 0.0))
+    positive = Hypothesis(one.causes, one.change, one.mean, one.sd, one.prior, 0.0, NOTHING, NOTHING, is_signed=False)
+    day = [Reference(NOTHING, 0.04 * np.eye(2), 1.0)]
+    wrong = [judge(np.array([-1.0, 0.0]), day, [SOUND, hypothesis])[0] for hypothesis in (one, positive)]
+    assert wrong[0].hypothesis.causes
+    assert not wrong[1].hypothesis.causes
+
+
+def judged_as(*rows: tuple[float, tuple[tuple[str, str], ...]]) -> list[Judged]:
+    size = np.array([[1.0, 0.5, 1.5]])
+    return [
+        Judged(
+            Hypothesis(tuple(Named(*c, "g") for c in causes), SOUND.change, NONE, NONE, 0.1, 0.0, NOTHING, NOTHING),
+            probability, np.repeat(size, len(causes), axis=0), 0,
+        )
+        for probability, causes in rows
+    ]  # fmt: skip
+
+
+def test_the_set_is_the_fewest_causes_that_hold_a_pair_by_one_of_its_members():
+    judged = judged_as(
+        (0.5, (("cut", "M1"), ("cut", "M2"))), (0.3, (("cut", "M1"),)), (0.17, ()), (0.03, (("tape", "M4"),))
+    )
+    assert credible_set(judged) == [["cut", "M1"], ["sound", ""]]
+
+
+def test_answers_have_the_form_of_the_sets(tmp_path):
+    judged = judged_as(
+        (0.7, (("cut", "M1"), ("cut", "M2"))), (0.2, (("cut", "M1"),)), (0.06, ()), (0.04, (("unknown", ""),))
+    )
+    write_answers(tmp_path / "answers.json", [Answer("f001", tuple(judged), 0.9)])
+    [case] = json.loads((tmp_path / "answers.json").read_text())["cases"]
+    assert case["sound_probability"] == 0.06
+    assert case["unexplained_probability"] == 0.04
+    assert [(c["place"], c["probability"]) for c in case["causes"]] == [("M1", 0.9), ("M2", 0.7)]
+    assert case["causes"][0] | {"probability": 0} == {
+        "kind": "cut", "place": "M1", "size": 1.0, "low": 0.5, "high": 1.5, "unit": "g", "probability": 0,
+    }  # fmt: skip
+
+
+def test_a_beam_pinned_at_its_end_has_the_frequencies_of_the_textbook():
+    """Clamped and pinned: (beta L)^2 = 15.418 and 49.965 (Blevins (1979), table 8-1)."""
+    found = beam.frequencies(200e9, 1e9, (0.0, 0.0), 0.5, 0.505)
+    area, inertia = beam.WIDTH * beam.THICKNESS, beam.WIDTH * beam.THICKNESS**3 / 12.0
+    speed = np.sqrt(200e9 * inertia / (beam.DENSITY * area)) / (2.0 * np.pi * 0.5**2)
+    assert found == pytest.approx(np.array([15.418, 49.965]) * speed, rel=0.003)
+
+
+def test_a_mass_and_a_loose_clamp_lower_the_frequencies_and_a_farther_support_raises_them():
+    sound = beam.frequencies(200e9, 1e5, (0.0, 0.0), 0.048, 0.501)
+    assert (beam.frequencies(200e9, 1e5, (0.1, 0.0), 0.048, 0.501) < sound).all()
+    assert (beam.frequencies(200e9, 1e2, (0.0, 0.0), 0.048, 0.501) < sound).all()
+    assert (beam.frequencies(200e9, 1e5, (0.0, 0.0), 0.08, 0.501) > 1.08 * sound).all()
+
+
+def test_what_the_twin_misses_at_told_places_is_learnt_and_nothing_in_the_sound_state():
+    twin = beam.beam_twin()
+    known = beam.Knowledge(twin, NOTHING, np.eye(2), np.array([50.0]), ("S",), np.array([[0.01, -0.02]]))
+    assert known.correction(0.0, "S")[0] == pytest.approx(NOTHING, abs=5e-4)
+    missed, sd = known.correction(50.0, "S")
+    assert missed == pytest.approx([0.01, -0.02], rel=0.05)
+    assert (sd < 0.2 * np.array(beam.TWIN_ERROR)).all()
+    assert (known.correction(50.0, "R")[1] > 2.0 * sd).all()
+    assert (known.correction(300.0, "S")[1] > 0.99 * np.array(beam.TWIN_ERROR)).all()
+
+
+def test_both_logs_of_a_flight_give_the_same_commands():
+    rng = np.random.default_rng(0)
+    thrust, roll, pitch, yaw = rng.normal([40000, 500, -900, 2000], 300, (50, 4)).T
+    signs = {"m1": (-1, 1, 1), "m2": (-1, -1, -1), "m3": (1, -1, 1), "m4": (1, 1, -1)}
+    log_a = pd.DataFrame({m: thrust + r * roll / 2 + p * pitch / 2 + y * yaw for m, (r, p, y) in signs.items()})
+    log_b = pd.DataFrame({"cmd_thrust": thrust, "cmd_roll": roll, "cmd_pitch": pitch, "cmd_yaw": yaw})
+    assert commands(log_a) == pytest.approx(commands(log_b), rel=1e-9)
+    alone = pd.DataFrame({"m1": [0.0], "m2": [0.0], "m3": [65536 / 15], "m4": [0.0]})
+    assert commands(alone)[0] == pytest.approx(PATTERNS["M3"] / 4.0)
+
+
+def test_the_hover_twin_balances_forces_and_moments():
+    twin = hover_twin()
+    sound = twin.ask({}, NO_LOAD, {})
+
+    def change(**sizes: float) -> np.ndarray:
+        return twin.ask({}, NO_LOAD, {name.replace("__", " "): size for name, size in sizes.items()}) - sound
+
+    assert change(blade_cut__M2=3.0)[:4] / change(blade_cut__M2=3.0)[0] == pytest.approx(PATTERNS["M2"])
+    assert change(payload_centre__centre=4.0) == pytest.approx([1.0, 0.0, 0.0, 0.0, 0.0])
+    left = twin.ask({}, NO_LOAD, {"weight_near_rotor M3+M4": 1.0}) - sound
+    assert left[1] == pytest.approx(left[0])
+    assert left[2:4] == pytest.approx([0.0, 0.0])
+    ways = [change(**{f"weight_on_string__{rotor}": 1.0})[4] for rotor in PATTERNS]
+    assert np.sign(ways).tolist() == [-1, -1, 1, 1]
+
+
+def write_record(folder: Path, name: str, levels: tuple[float, float, float], air: float) -> None:
+    time = np.arange(0.0, 720.0, 0.5)
+    table = pd.DataFrame({"time": time, "strain": levels[0], "force_1": levels[1], "force_2": levels[2]})
+    table.assign(air_temperature=air).to_csv(folder / f"{name}.csv.gz", index=False)
+
+
+def test_a_bridge_whose_support_gave_way_is_told_from_a_sound_one(tmp_path):
+    write_record(tmp_path, "b01", (0.0, 236.0, 235.0), 2.0)
+    write_record(tmp_path, "b02", tuple(np.array([0.0, 236.0, 235.0]) + 2.0 * bridge.STEP), 2.5)
+    write_record(tmp_path, "b03", (0.5, 235.5, 235.2), 2.5)
+    rows = [("b01", "08:30", "commissioning"), ("b02", "09:30", "blind"), ("b03", "08:50", "blind")]
+    pd.DataFrame(rows, columns=["case", "clock", "role"]).to_csv(tmp_path / "tests.csv", index=False)
+    moved, sound = bridge.answers(tmp_path)
+    first = moved.row()["causes"][0]
+    assert first["kind"] == "support_lowered"
+    assert first["size"] == pytest.approx(2.0, abs=0.1)
+    assert sound.sound_probability > 0.5
+
+
+@pytest.mark.skipif(not DATA.exists(), reason="the real measurements are not beside this checkout")
+def test_the_practice_stretches_of_the_beam_are_right():
+    tests = pd.read_csv(DATA / "beam" / "tests.csv").set_index("segment")
+    chosen = tests[tests.role != "blind"]
+    stretches = {str(s): beam.read_stretch(DATA / "beam", str(s), r) for s, r in chosen.series.items()}
+    for case, moved in (("s016", 101.0), ("s029", 51.0), ("s067", 32.0)):
+        first = beam.answer(stretches[case], beam.learn_from(DATA / "beam", stretches, case)).row()["causes"][0]
+        assert first["kind"] == "support_moved"
+        assert first["size"] == pytest.approx(moved, abs=3.0)
+        assert first["low"] - 0.5 < moved < first["high"] + 0.5
+    assert beam.answer(stretches["s033"], beam.learn_from(DATA / "beam", stretches, "s033")).sound_probability > 0.9
