@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from benchmarks.real import beam, bridge
-from benchmarks.real.answers import write_answers
+from benchmarks.real.answer import write_answers
 from benchmarks.real.quadrotor import diagnosis as quadrotor
 
 SETS = {"beam": beam.answers, "bridge": bridge.answers, "quadrotor": quadrotor.answers}

@@ -15,7 +15,7 @@ from scipy.linalg import eigh
 from scipy.optimize import least_squares
 from scipy.signal import medfilt
 
-from benchmarks.real.answers import Answer
+from benchmarks.real.answer import Answer
 from benchmarks.real.evidence import Hypothesis, Named, Reference, judge
 from femlib.arrays import FloatArray
 from octmip.gap.doors.function import FunctionTwin, function_twin

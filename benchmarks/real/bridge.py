@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from benchmarks.real.answers import Answer
+from benchmarks.real.answer import Answer
 from benchmarks.real.evidence import Hypothesis, Named, Reference, judge
 from femlib.arrays import FloatArray
 from octmip.gap.doors.function import FunctionTwin, function_twin

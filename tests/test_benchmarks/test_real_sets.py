@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from benchmarks.real import beam, bridge
-from benchmarks.real.answers import Answer, credible_set, write_answers
+from benchmarks.real.answer import Answer, credible_set, write_answers
 from benchmarks.real.evidence import Hypothesis, Judged, Named, Reference, judge
 from benchmarks.real.quadrotor.flight import commands
 from benchmarks.real.quadrotor.hover import NO_LOAD, PATTERNS, hover_twin

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from benchmarks.real.answers import Answer
+from benchmarks.real.answer import Answer
 from benchmarks.real.evidence import Hypothesis, Judged, Named, judge
 from benchmarks.real.quadrotor.flight import READINGS, Flight, read_flights
 from benchmarks.real.quadrotor.hover import NO_LOAD, PAIRS, ROTORS, SIDES, hover_twin
