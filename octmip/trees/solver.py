@@ -1,16 +1,16 @@
 """One door to every solver: an incumbent from search, a proof from exact or mip, a certificate before it is returned.
 
-method    solver                                    tree found by        bound from
-cart      scikit-learn's CART                       greedy               none
-search    local search                              search               none
-exact     branch and bound over thresholds          exact (search first  exact
-                                                    from depth 5 on)
-          hyperplanes of at most two features to    exact (best axis-    exact
-          depth 2: boxes of lines                   aligned tree first)
-oct       Bertsimas & Dunn's OCT, HiGHS             search, HiGHS        HiGHS
-oct_h     Bertsimas & Dunn's OCT-H, HiGHS           search, HiGHS        HiGHS
-flow      the strengthened formulation, HiGHS       search, HiGHS        HiGHS
-benders   Benders on HiGHS: axis-aligned trees      search, HiGHS        HiGHS
+method    solver                                    starts from          bound from
+cart      scikit-learn's CART                       nothing              none
+search    local search                              itself               none
+exact     branch and bound over thresholds          search from depth    exact
+                                                    5 on
+          hyperplanes of at most two features to    the best axis-       exact
+          depth 2: boxes of lines                   aligned tree
+oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
+oct_h     Bertsimas & Dunn's OCT-H, HiGHS           CART or search       HiGHS
+flow      the strengthened formulation, HiGHS       CART or search       HiGHS
+benders   Benders on HiGHS: axis-aligned trees      CART or search       HiGHS
 auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
 
 HiGHS works alone unless it is given assistance (`options=MipOptions(assist=("exact", "search"))`): the exact core's
@@ -30,7 +30,7 @@ from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.cluster import opened
 from octmip.trees.methods.interruption import held_back
-from octmip.trees.methods.options import METHODS, NO_OPTIONS, MipOptions, Options, SearchOptions
+from octmip.trees.methods.options import METHODS, NO_OPTIONS, BendersOptions, MipOptions, Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
@@ -58,8 +58,9 @@ def solve(
 ) -> Solution:
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
-    Methods that prove begin with a local search for at most a fifth of the time limit, unless an incumbent is given or
-    the proof is quicker without; the better of incumbent and proof's own tree is returned. Ctrl-C returns the best tree
+    Where no incumbent is given, an exact proof begins with a local search for at most a fifth of the time limit unless
+    it is quicker without, and HiGHS with CART's tree (`MipOptions(start="search")`: one of local search). The better of
+    incumbent and proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree
     so far (`Stop.INTERRUPTED`).
 
     Parameters
@@ -165,9 +166,11 @@ def chosen_method(problem: Problem, method: str) -> str:
     return chosen
 
 
-def _wants_incumbent(problem: Problem, name: str) -> bool:
-    """Whether a local search first shortens the proof."""
+def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:
+    """Whether a local search comes first: it shortens a proof; HiGHS begins with CART's tree unless it is asked for."""
     solver = solvers_of(problem)[name]
+    if isinstance(options, BendersOptions):
+        return options.start == "search"
     return solver.proves and problem.depth > solver.alone_to_depth
 
 
@@ -232,13 +235,24 @@ def _fitting(problem: Problem, solution: Solution, options: Options) -> Solution
 
 def _result(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
-    if first is None and _wants_incumbent(call.problem, name):
+    if first is None and _wants_incumbent(call.problem, name, call.run.options):
         first = _first_tree(call, name)
         if first.stop is Stop.INTERRUPTED:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
     solution = _checked(call.problem, _solved(call, name, first), call.run.options)
-    return _with_better_tree(solution, first) if solvers_of(call.problem)[name].proves else solution
+    if not solvers_of(call.problem)[name].proves:
+        return solution
+    solution = _with_better_tree(solution, first)
+    return replace(solution, details=dict(solution.details) | {"tree_by": _finder(solution, name, first)})
+
+
+def _finder(solution: Solution, name: str, first: Solution | None) -> str:
+    """Return who found a solution's tree: the method, unless it began with one as good."""
+    if first is not None and first.objective <= solution.objective:
+        return first.solver
+    began = solution.details.get("start")
+    return "cart" if isinstance(began, dict) and began["objective"] <= solution.objective else name
 
 
 def _first_tree(call: _Call, name: str) -> Solution:

@@ -224,3 +224,29 @@ def test_solvers_outside_read_the_file_and_are_certified(package, tmp_path):
     made.write(tmp_path / "m.lp")
     subprocess.run([sys.executable, "-c", SOLVE[package], "m.lp", "m.sol"], check=True, cwd=tmp_path, timeout=120)
     assert made.read(tmp_path / "m.sol", solver=package).objective == optimum(problem).objective
+
+
+def test_highs_begins_with_carts_tree_unless_a_search_is_asked_for():
+    problem = small(1, depth=2)
+    cart = octmip.solve(problem, "cart").objective
+    for method in ("oct", "flow", "benders"):
+        kind = octmip.MipOptions if method != "benders" else octmip.BendersOptions
+        first = octmip.solve(problem, method, octmip.Limits(seconds=0.0))
+        assert (first.objective, first.details["tree_by"]) == (cart, "cart")
+        searched = octmip.solve(problem, method, options=kind(start="search"))
+        assert searched.objective <= cart
+        assert searched.details["tree_by"] == "search"
+
+
+def test_highs_takes_its_own_options_and_writes_its_own_log(tmp_path):
+    log = tmp_path / "highs.log"
+    options = octmip.MipOptions(log=log, highs={"presolve": "off"})
+    assert octmip.solve(small(), "oct", options=options).is_optimal
+    assert "MIP start" in log.read_text()
+    assert "Presolve is switched off" in log.read_text()
+
+
+@pytest.mark.parametrize(("highs", "error"), [({"threads": 3}, ProblemError), ({"nonsense": 1}, SolverError)])
+def test_options_that_highs_does_not_have_or_octmip_sets_are_refused(highs, error):
+    with pytest.raises(error, match=next(iter(highs))):
+        octmip.solve(small(), "oct", options=octmip.MipOptions(highs=highs))

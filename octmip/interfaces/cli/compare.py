@@ -21,7 +21,6 @@ from octmip.trees.registry import read_options, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import score
-from octmip.trees.tree import Node
 
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 DEFAULTS = {
@@ -29,7 +28,6 @@ DEFAULTS = {
     "hyperplane": ("cart", "search", "flow", "oct_h"),
     "two features": ("cart", "search", "exact", "flow", "oct_h"),
 }
-BY_HIGHS = ("benders", "flow", "oct", "oct_h")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -59,6 +57,7 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
         "gap %",
         "gap to best bound %",
         "splits",
+        "tree by",
         "seconds",
         *(f"to {gap}" for gap in TIMES),
         "stop",
@@ -79,10 +78,9 @@ def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> 
     rows: list[dict[str, Any]] = []
     methods = _methods(arguments, question.problem)
     _refuse_options_of_none(arguments, question.problem, methods)
-    start = solve(question.problem, "cart", seed=arguments.seed).tree if set(methods) & set(BY_HIGHS) else None
     for method in methods:
         try:
-            row = _row(arguments, question, method, limits, start if method in BY_HIGHS else None)
+            row = _row(arguments, question, method, limits)
         except BaseException:  # between two solves a signal makes any error, of an import for instance
             if rows and interruption.is_heard():
                 break
@@ -117,9 +115,7 @@ def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, met
             )
 
 
-def _row(
-    arguments: argparse.Namespace, question: Question, method: Any, limits: Limits, start: Node | None
-) -> dict[str, Any]:
+def _row(arguments: argparse.Namespace, question: Question, method: Any, limits: Limits) -> dict[str, Any]:
     problem = question.problem
     try:
         with ProgressLine(f"{method}: ") as progress:
@@ -127,13 +123,14 @@ def _row(
             words = {name: word for name, word in words_of(arguments).items() if name in taken(problem, method)}
             options = read_options(problem, method, words)
             run = {"seed": arguments.seed, "n_jobs": arguments.threads, "progress": times}
-            solution = solve(problem, method, limits, start, options=options, **run)
+            solution = solve(problem, method, limits, options=options, **run)
         if solution.tree is None:
             return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
         row = describe(problem, solution, certify(problem, solution))
         held = question.held_out and score_json(score(problem, solution.tree, question.held_out))
+        by = solution.details.get("tree_by", method)
         reached = {"seconds_to_gap": times.at_end(solution)}
-        return row | reached | {"method": method, "scope": narrow_scope(solution), "held_out": held}
+        return row | reached | {"method": method, "scope": narrow_scope(solution), "held_out": held, "tree_by": by}
     except (ProblemError, SolverError) as error:
         return {"method": method, "error": " ".join(str(error).split())}
 
@@ -156,6 +153,7 @@ def _shown(row: dict[str, Any]) -> dict[str, Any]:
         **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
         "splits": row.get("n_splits"),
+        "tree by": row.get("tree_by"),
         "errors held out": (row.get("held_out") or {}).get("errors"),
         "seconds": None if "seconds" not in row else round(row["seconds"], 3),
         "stop": row.get("stop", "failed"),

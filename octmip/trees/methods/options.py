@@ -5,6 +5,7 @@ Python checks by it, and the command reads its words and prints its help from it
 solvers changes are no options: they are further arguments of the solver's own function.
 """
 
+import ast
 import math
 import numbers
 import os
@@ -17,6 +18,12 @@ from octmip.errors import ProblemError
 
 ASSISTANTS = ("exact", "search")
 """Who may assist HiGHS."""
+SET_HERE = frozenset(
+    {"time_limit", "mip_abs_gap", "mip_rel_gap", "mip_max_nodes", "mip_feasibility_tolerance", "random_seed", "threads"}
+    | {"primal_feasibility_tolerance", "dual_feasibility_tolerance", "parallel", "output_flag", "log_file"}
+    | {"log_to_console", "objective_bound", "objective_target"}
+)
+"""Options of HiGHS that limits, seed, threads and log say, or that its bound is believed by."""
 MODEL_FILES = (".mps", ".lp")
 """Endings of the files in which a mixed-integer model can be written."""
 T = TypeVar("T", bound="Options")
@@ -73,6 +80,34 @@ POSITIVE = Values(
 ANYONE = Values("'local', the address of a Dask scheduler, a Dask client or an open Cluster", lambda value: True)
 SOME_ASSISTANTS = Values(
     f"a tuple of some of {', '.join(ASSISTANTS)}", _some_assistants, lambda word: tuple(word.split(","))
+)
+
+
+def _of_highs(word: str) -> dict[str, bool | int | float | str]:
+    """Return the options of HiGHS in a word, each value as Python would read it."""
+    found: dict[str, bool | int | float | str] = {}
+    for part in word.split(","):
+        name, has_value, value = part.partition("=")
+        if not has_value:
+            raise ValueError
+        try:
+            read = ast.literal_eval({"true": "True", "false": "False"}.get(value.lower(), value))
+        except (ValueError, SyntaxError):
+            read = value
+        found[name.strip()] = read if isinstance(read, bool | int | float) else value
+    return found
+
+
+def _are_of_highs(value: object) -> bool:
+    return isinstance(value, Mapping) and all(
+        isinstance(name, str) and name not in SET_HERE and isinstance(one, bool | int | float | str)
+        for name, one in value.items()
+    )
+
+
+STARTS_OF_HIGHS = Values("cart or search", lambda value: value in ("cart", "search"))
+OF_HIGHS = Values(
+    f"HiGHS's options by name, none of {', '.join(sorted(SET_HERE))}, which octmip sets", _are_of_highs, _of_highs
 )
 
 
@@ -238,9 +273,24 @@ class ExactOptions(Options):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MipOptions(Options):
+class BendersOptions(Options):
+    """Options of the methods that HiGHS proves for."""
+
+    start: str = field(
+        default="cart", metadata=_means(STARTS_OF_HIGHS, "tree to start from: cart, or search for one of local search")
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MipOptions(BendersOptions):
     """Options of the mixed-integer models."""
 
+    highs: Mapping[str, bool | int | float | str] | None = field(
+        default=None, metadata=_means(OF_HIGHS, "options of HiGHS itself, KEY=VALUE,KEY=VALUE")
+    )
+    log: str | Path | None = field(
+        default=None, metadata=_means(FILE, "file for HiGHS's own log, to be written over; /dev/stderr shows it")
+    )
     assist: tuple[str, ...] = field(
         default=(),
         metadata=_means(
@@ -269,7 +319,7 @@ OPTIONS: Mapping[str, type[Options]] = {
     "oct": MipOptions,
     "oct_h": MipOptions,
     "flow": MipOptions,
-    "benders": Options,
+    "benders": BendersOptions,
 }
 """The class of each method's options."""
 METHODS = ("auto", *OPTIONS)

@@ -172,7 +172,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     clock = Clock(request.limits, time.perf_counter())
     process.warm()
     known = _known(problem, request, clock)
-    result = RunResult(known, known.tree, Stop.TIME, {})
+    result = RunResult(known, known.tree, Stop.TIME, {"start": {"objective": known.objective, "accepted": False}})
     try:
         # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
         known.rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
@@ -259,6 +259,8 @@ def _run_once(
         dual_tolerance=exact.dual_tolerance,
         absolute_gap=exact.absolute_gap,
         lp_solver="ipm" if rows.n_columns > MOST_SIMPLEX_COLUMNS else "choose",
+        further=request.options.highs or {},
+        log=request.options.log,
     )
     inject = None if request.inject is None else _injector(problem, formulation, request, result)
     progress = None if request.progress is None else _in_true_units(prices, request.progress, clock)

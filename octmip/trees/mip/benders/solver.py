@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from octmip.trees.methods.options import NO_OPTIONS, Options
+from octmip.trees.methods.options import BendersOptions
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import NodeSearch, Tasks
 from octmip.trees.mip.benders.question import Question
@@ -39,7 +39,7 @@ def solve_benders(
     seed: int = 0,
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
-    options: Options = NO_OPTIONS,
+    options: BendersOptions = BendersOptions(),  # noqa: B008 (frozen)
 ) -> Solution:
     """Solve OCT by logic-based Benders decomposition on HiGHS and return the tree and the bound.
 
@@ -50,7 +50,7 @@ def solve_benders(
     n_jobs
         subproblems that run side by side, four at most; the tree is the same for any number.
     options
-        none are its own.
+        read by `octmip.trees.solver`: which tree to start from.
 
     Raises
     ------
@@ -65,7 +65,8 @@ def solve_benders(
         process.warm()
     tree = starting_tree(problem, incumbent, seed)
     prices = whole_prices(problem, problem.objective(tree))
-    result = RunResult(Known(tree, problem.objective(tree), prices, Rows()), tree, Stop.TIME, {})
+    known = Known(tree, problem.objective(tree), prices, Rows())
+    result = RunResult(known, tree, Stop.TIME, {"start": {"objective": known.objective, "accepted": True}})
     runner = Runner(clock, seed, lambda: None)
     try:
         clock.check()

@@ -7,9 +7,10 @@ it reported stand.
 """
 
 import math
+import os
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import highspy
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import SolverError
+from octmip.formats.files import PathLike
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.process import START, Worker, lent_worker, resident_bytes
 from octmip.trees.mip.rows import Rows
@@ -60,6 +62,10 @@ class Options:
         the proof may stop when incumbent and bound are this close.
     lp_solver
         of the relaxations that have nothing to start from: "simplex", "ipm", "choose".
+    further
+        options of HiGHS by its own names.
+    log
+        file for its log; None: it says nothing.
     """
 
     limits: Limits = Limits()  # noqa: RUF009  (frozen)
@@ -69,6 +75,8 @@ class Options:
     dual_tolerance: float = 1e-7
     absolute_gap: float = 1e-6
     lp_solver: str = "choose"
+    further: Mapping[str, bool | int | float | str] = field(default_factory=dict)
+    log: PathLike | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,7 +190,11 @@ def _settings(options: Options) -> dict[str, Any]:
         "random_seed": options.seed % 2**31,
         **_threads(options.threads),
     }
-    return settings | ({"mip_max_nodes": int(limits.nodes)} if math.isfinite(limits.nodes) else {})
+    if math.isfinite(limits.nodes):
+        settings["mip_max_nodes"] = int(limits.nodes)
+    if options.log is not None:
+        settings |= {"log_file": os.fspath(options.log), "log_to_console": False}
+    return settings | dict(options.further)
 
 
 def _threads(n_threads: int) -> dict[str, Any]:

@@ -128,6 +128,7 @@ class Run:
                 self.tell("failed", f"refused option {name} = {value!r}")
                 return
         self._subscribe(highs)
+        highs.setOptionValue("output_flag", "log_file" in self.job["options"])  # callbacks turned it off
         if self.job["start"] is not None:
             solution = highspy.HighsSolution()
             solution.col_value = self.job["start"].tolist()
