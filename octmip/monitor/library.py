@@ -274,7 +274,7 @@ def _refuse_bent(twin: Twin, states: Floats, load: Load) -> None:
         raise TwinError(
             f"the twin says that it is linear in its loads, but reading {twin.gauges[k]} is {whole[k]:g} at "
             f"{load_words(loads_of(twin), load)} and {halved[k]:g} at half of it; expected {0.5 * whole[k]:g}; leave "
-            "out is_linear_in_load"
+            "out linear"
         )
 
 

@@ -15,8 +15,7 @@ import pytest
 from femlib.wing import Wing, WingTwin
 from femlib.wing.effects import wing_effects
 from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, gathered
-from octmip.gap.doors import script_twin, table_twin
-from octmip.gap.doors.card import card_of
+from octmip.gap.doors import Card, script_twin, table_twin
 from octmip.gap.sizes import Parameter
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 
@@ -55,7 +54,7 @@ def twin(native: WingTwin) -> FunctionTwin:
         return native.predict(state, load) + np.sum(added, axis=0)
 
     readings, sign = dict.fromkeys(native.gauges, "microstrain"), "compressive strain positive"
-    return FunctionTwin(wing, card_of(readings, states=("mu1",), parameters=RANGES, sign=sign))
+    return FunctionTwin(wing, Card(readings, states=("mu1",), parameters=RANGES, sign=sign))
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +71,7 @@ def campaign(twin: FunctionTwin) -> Campaign:
 @pytest.fixture(scope="module")
 def card(twin: FunctionTwin, tmp_path_factory) -> Path:
     own = twin.card
-    parameters = {name: [r.nominal, r.low, r.high, r.unit] for name, r in own.parameters.items()}
+    parameters = {name: [r.nominal, r.low, r.high, r.unit] for name, r in own.ranges.items()}
     content = {"readings": own.readings, "states": own.states, "parameters": parameters, "sign": own.sign}
     path = tmp_path_factory.mktemp("doors") / "card.json"
     path.write_text(json.dumps(content))

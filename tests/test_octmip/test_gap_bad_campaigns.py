@@ -8,7 +8,7 @@ import pytest
 from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.clipping import unclipped
-from octmip.interfaces.cli.diagnose import load_twin
+from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
@@ -267,12 +267,12 @@ def test_a_known_noise_stands_in_for_repeats(tmp_path):
 
 def test_a_twin_that_cannot_be_made_is_refused_by_name():
     with pytest.raises(DataError, match=r"'json:dumps' cannot be called without arguments.*function"):
-        load_twin("json:dumps")
+        open_twin("json:dumps")
 
 
 def test_a_model_without_its_card_is_told_to_give_one():
     with pytest.raises(DataError, match=r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"):
-        load_twin("python:json:dumps")
+        open_twin("python:json:dumps")
 
 
 def test_a_twin_that_answers_nothing_but_zeros_is_one_sentence():

@@ -42,7 +42,7 @@ def twin_of(page: Path) -> FunctionTwin:
 def read(twin: FunctionTwin, loads: list[dict], moved: str = "", seed: int = 0) -> Campaign:
     """Return a campaign of a twin, one parameter half-way to its greatest value, with a noise of a thousandth."""
     rng, blocks = np.random.default_rng(seed), []
-    own = twin.card.parameters.get(moved)
+    own = twin.card.ranges.get(moved)
     for load in loads:
         at = load_of(twin.loads, tuple(load.values()))
         clean = twin.ask({}, at, {} if own is None else {moved: (own.nominal + own.high) / 2})
@@ -66,7 +66,7 @@ def test_each_page_that_makes_a_twin_is_diagnosed_here():
 def test_the_twin_of_every_page_is_diagnosed_with_and_without_a_run(page, with_run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     twin, loads = twin_of(page), LOADS[page.stem]
-    name = next(iter(twin.card.parameters))
+    name = next(iter(twin.card.ranges))
     run = read(twin, loads, seed=1) if with_run else None
     diagnosis = diagnose(read(twin, loads, name), twin, commissioning=run)
     assert name in diagnosis.which[0].effects
@@ -82,7 +82,7 @@ def test_the_command_takes_every_card_with_and_without_a_run(page, card, with_ru
     source = next(code for kind, code in BLOCK.findall(page.read_text()) if kind == "python")
     Path("printed_model.py").write_text(source)
     twin = FunctionTwin(twin_of(page).function, read_card("card.json"))
-    name = next(iter(twin.card.parameters))
+    name = next(iter(twin.card.ranges))
     write("now.csv", read(twin, LOADS[page.stem], name))
     write("run.csv", read(twin, LOADS[page.stem], seed=1))
     words = ["diagnose", "now.csv", "--twin", f"python:printed_model:{twin.function.__name__}", "--card", "card.json"]

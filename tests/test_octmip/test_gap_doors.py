@@ -17,9 +17,7 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
-from octmip.gap.doors import script_twin, table_twin
-from octmip.gap.doors.card import card_of
-from octmip.interfaces.cli.diagnose import load_twin
+from octmip.gap.doors import Card, open_twin, script_twin, table_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
 
@@ -125,7 +123,7 @@ def test_more_effects_keep_those_that_were_added_before_and_the_answers():
 )
 def test_a_card_that_makes_no_sense_is_refused(given, told):
     with pytest.raises(DataError, match=told):
-        card_of(**given)
+        Card(**given)
 
 
 def beside(path, card=CARD):
@@ -321,7 +319,7 @@ def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
         ("python:towers:beam", card),
         ("towers:beam", card),
     ):
-        assert load_twin(name, given).predict({}, 100.0) == pytest.approx(TWIN.predict({}, 100.0), rel=1e-12), name
+        assert open_twin(name, given).predict({}, 100.0) == pytest.approx(TWIN.predict({}, 100.0), rel=1e-12), name
     (tmp_path / "beam.csv.json").unlink()
     with pytest.raises(DataError, match=r"beam.csv.json"):
-        load_twin(f"table:{tmp_path / 'beam.csv'}")
+        open_twin(f"table:{tmp_path / 'beam.csv'}")

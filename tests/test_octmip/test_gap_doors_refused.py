@@ -4,7 +4,6 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap.doors import open_twin, read_card, table_twin
-from octmip.interfaces.cli.diagnose import load_twin
 from tests.test_octmip.test_gap_doors import beside
 
 
@@ -29,7 +28,7 @@ def test_a_wrong_door_or_program_is_one_sentence_with_its_cure(tmp_path, monkeyp
     with pytest.raises(
         DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
     ):
-        load_twin("nodoor:beam")
+        open_twin("nodoor:beam")
     beside(tmp_path / "beam.inp")
     (tmp_path / "beam.inp").write_text("*STEP")
     with pytest.raises(TwinError, match=r"Permission denied\); expected a program that may be run; .*chmod"):

@@ -34,7 +34,7 @@ def twin_of(function=bent, loads=("force", "moment"), **options):
     return function_twin(function, GAUGES, {"k": (1.0, 0.8, 1.2)}, loads, states=("crack",), **options)
 
 
-LINEAR = twin_of(is_linear_in_load=True)
+LINEAR = twin_of(linear=True)
 
 
 def library(twin=LINEAR, at=AT):
@@ -97,7 +97,7 @@ def test_a_library_needs_all_loads_of_the_twin(at, told):
 
 
 def test_a_twin_that_claims_to_be_linear_and_is_not_is_refused():
-    curved = twin_of(lambda p, loads: bent(p, loads) + loads["force"] ** 2, is_linear_in_load=True)
+    curved = twin_of(lambda p, loads: bent(p, loads) + loads["force"] ** 2, linear=True)
     with pytest.raises(TwinError, match=r"says that it is linear in its loads, but reading g0 is 24 .* and 11 at half"):
         library(curved)
 
@@ -117,6 +117,6 @@ def test_a_selector_of_several_loads_comes_back_from_its_file(tmp_path):
 
 
 def test_a_card_says_that_a_model_is_linear_in_its_loads():
-    assert card_from("card.json", {"readings": {"u": "mm"}, "is_linear_in_load": True}).is_linear_in_load
-    with pytest.raises(DataError, match="is_linear_in_load is 1; expected true or false"):
-        card_from("card.json", {"readings": {"u": "mm"}, "is_linear_in_load": 1})
+    assert card_from("card.json", {"readings": {"u": "mm"}, "linear": True}).linear
+    with pytest.raises(DataError, match="linear is 1; expected true or false"):
+        card_from("card.json", {"readings": {"u": "mm"}, "linear": 1})

@@ -10,12 +10,12 @@ A parameter's range is its nominal value, the least and the greatest value that 
 campaign leaves out is 0. "state_limits" says up to which value each state is looked for where it is unknown or doubted:
 {"crack": 0.6}. The search asks the model some hundred times, so a state without a limit is taken as stated. Functions
 and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
-"is_linear_in_load": true says that readings are proportional to the loads: one question then answers all of them.
+"linear": true says that readings are proportional to the loads: one question then answers all their multiples.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ ENTRIES: dict[str, Kind] = {
     "sign": Text(),
     "channels": MapOf(Text()),
     "state_limits": MapOf(Number(low=0.0)),
-    "is_linear_in_load": Truth(),
+    "linear": Truth(),
 }
 """Entries of a card's file."""
 
@@ -85,27 +85,39 @@ class Card:
     states
         names of the parameters that a campaign gives test by test.
     parameters
-        range of every other parameter, by name.
+        range of every other parameter, by name, as `Range` or as (nominal, low, high) or (nominal, low, high, unit).
     sign
         what a positive reading is, in words.
     channels
         instrument of a reading by name, where it is not one of its own.
     state_limits
         up to which value a state is looked for, by name.
-    is_linear_in_load
+    linear
         whether readings are proportional to the load, of several loads to all of them together.
+    Derived:
+        ranges: the parameters' ranges.
     """
 
     readings: Mapping[str, str]
-    loads: tuple[str, ...] = ONE_LOAD
-    states: tuple[str, ...] = ()
-    parameters: Mapping[str, Range] = field(default_factory=dict)
+    loads: Sequence[str] = ONE_LOAD
+    states: Sequence[str] = ()
+    parameters: Mapping[str, RangeLike] = field(default_factory=dict)
     sign: str = ""
     channels: Mapping[str, str] = field(default_factory=dict)
     state_limits: Mapping[str, float] = field(default_factory=dict)
-    is_linear_in_load: bool = False
+    linear: bool = False
+    ranges: Mapping[str, Range] = field(init=False)
 
     def __post_init__(self) -> None:
+        for name, value in {
+            "readings": dict(self.readings),
+            "loads": tuple(self.loads),
+            "states": tuple(self.states),
+            "ranges": {name: _range(name, given) for name, given in self.parameters.items()},
+            "channels": dict(self.channels),
+            "state_limits": {name: float(value) for name, value in self.state_limits.items()},
+        }.items():
+            object.__setattr__(self, name, value)
         if not self.readings:
             raise DataError("a card names no reading; expected the unit of every reading by name; add them")
         names = [*self.readings, *self.loads, *self.states, *self.parameters]
@@ -115,30 +127,6 @@ class Card:
         unknown = [name for name in self.channels if name not in self.readings]
         if unknown:
             raise DataError(f"a card gives a channel to {unknown[0]!r}, which is no reading; expected a reading's name")
-
-
-def card_of(
-    readings: Mapping[str, str],
-    loads: Sequence[str] = ONE_LOAD,
-    states: Sequence[str] = (),
-    parameters: Mapping[str, RangeLike] | None = None,
-    sign: str = "",
-    channels: Mapping[str, str] | None = None,
-    state_limits: Mapping[str, float] | None = None,
-    is_linear_in_load: bool = False,
-) -> Card:
-    """Return a card from plain values, its ranges as `Range` or as (nominal, low, high, unit)."""
-    ranges = {name: _range(name, given) for name, given in (parameters or {}).items()}
-    return Card(
-        readings=dict(readings),
-        loads=tuple(loads),
-        states=tuple(states),
-        parameters=ranges,
-        sign=sign,
-        channels=dict(channels or {}),
-        state_limits={name: float(value) for name, value in (state_limits or {}).items()},
-        is_linear_in_load=is_linear_in_load,
-    )
 
 
 def _range(name: str, given: RangeLike) -> Range:
@@ -180,28 +168,27 @@ def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:
         )
     try:
         taken = Record({name: ENTRIES[name] for name in content}).take(content)
-        return card_of(**taken)
+        return Card(**taken)
     except DataError as error:
         raise DataError(f"card {path}: {error}") from error
 
 
-def card_beside(path: str | Path, card: str | Path | None) -> Card:
-    """Return the card that was given, else the one beside a file: its name with .json added."""
-    return read_card(place_of_card(path, card))
-
-
-def place_of_card(path: str | Path, card: str | Path | None) -> Path:
-    """Return where the card of a file is.
+def card_beside(path: str | Path, card: str | Path | Card | None, linear: bool = False) -> Card:
+    """Return the card that was given, itself or its file, else the one beside a file: its name with .json added.
 
     Raises
     ------
     DataError
         nothing is there.
     """
-    place = Path(card) if card is not None else Path(f"{path}.json")
-    if not place.exists():
-        raise DataError(
-            f"card {place} is not there: what the model {path} is asked for and answers; expected a JSON file; write "
-            "it, or say where it is (--card FILE)"
-        )
-    return place
+    if isinstance(card, Card):
+        found = card
+    else:
+        place = Path(card) if card is not None else Path(f"{path}.json")
+        if not place.exists():
+            raise DataError(
+                f"card {place} is not there: what the model {path} is asked for and answers; expected a JSON file; "
+                "write it, or say where it is (--card FILE)"
+            )
+        found = read_card(place)
+    return replace(found, linear=linear or found.linear)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
-from octmip.gap.doors.card import Card, RangeLike, card_of
+from octmip.gap.doors.card import Card, RangeLike
 from octmip.gap.doors.parameter import ParameterEffect
 from octmip.twin import ONE_LOAD, Effect, Load, Loads, State
 
@@ -46,7 +46,7 @@ class FunctionTwin:
     def __init__(self, function: Function, card: Card, effects: Sequence[Effect] = ()) -> None:
         self.function = function
         self.card = card
-        own: list[Effect] = [ParameterEffect(name, values, self.ask) for name, values in card.parameters.items()]
+        own: list[Effect] = [ParameterEffect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
         self._answers: dict[tuple[float, ...], Floats] = {}
 
@@ -77,12 +77,12 @@ class FunctionTwin:
     @property
     def loads(self) -> tuple[str, ...]:
         """Names of what is applied or set."""
-        return self.card.loads
+        return tuple(self.card.loads)
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters that a campaign gives test by test."""
-        return self.card.states
+        return tuple(self.card.states)
 
     @property
     def state_limits(self) -> Mapping[str, float]:
@@ -92,7 +92,7 @@ class FunctionTwin:
     @property
     def is_linear_in_load(self) -> bool:
         """Whether readings are proportional to the load, of several loads to all of them together."""
-        return self.card.is_linear_in_load
+        return self.card.linear
 
     @property
     def sign(self) -> str:
@@ -105,7 +105,7 @@ class FunctionTwin:
 
     def ask(self, state: State, load: Load, values: Mapping[str, float]) -> Floats:
         """Return the readings (n_readings,) with some parameters at other values; each is asked for once."""
-        parameters = {name: own.nominal for name, own in self.card.parameters.items()} | dict(values)
+        parameters = {name: own.nominal for name, own in self.card.ranges.items()} | dict(values)
         parameters |= {name: float(state.get(name, 0.0)) for name in self.card.states}
         loads = dict(load) if isinstance(load, Loads) else {self.card.loads[0]: float(load)}
         key = (*parameters.values(), *loads.values())
@@ -136,7 +136,7 @@ def function_twin(
     states: Sequence[str] = (),
     sign: str = "",
     channels: Mapping[str, str] | None = None,
-    is_linear_in_load: bool = False,
+    linear: bool = False,
 ) -> FunctionTwin:
     """Return the twin of a function ``f(parameters, loads) -> readings``.
 
@@ -156,7 +156,7 @@ def function_twin(
         what a positive reading is, in words.
     channels
         instrument of a reading by name, where one gives several.
-    is_linear_in_load
+    linear
         whether readings are proportional to the load, of several loads to all of them together.
 
     Raises
@@ -165,5 +165,4 @@ def function_twin(
         a name that comes twice, a range that is none.
     """
     limits = dict.fromkeys(states, 1.0)
-    card = card_of(readings, loads, states, parameters, sign, channels, limits, is_linear_in_load)
-    return FunctionTwin(function, card)
+    return FunctionTwin(function, Card(readings, loads, states, parameters or {}, sign, channels or {}, limits, linear))

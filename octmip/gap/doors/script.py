@@ -29,6 +29,7 @@ def script_twin(
     card: str | Path | Card | None = None,
     command: Sequence[str] = (),
     seconds: float = LONGEST,
+    linear: bool = False,
 ) -> FunctionTwin:
     """Return the twin of a program.
 
@@ -42,6 +43,8 @@ def script_twin(
         what runs it, the path as one of its words; by default this interpreter for .py, the file itself for others.
     seconds
         after which a run is ended.
+    linear
+        whether readings are proportional to the loads, where the card does not say so.
 
     Raises
     ------
@@ -51,7 +54,7 @@ def script_twin(
     program = Path(path)
     if not program.is_file():
         raise DataError(f"script {program} is not there; expected a program; check the path")
-    known = card if isinstance(card, Card) else card_beside(path, card)
+    known = card_beside(path, card, linear)
     own = [sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())]
     words = list(command) or own
 

@@ -26,7 +26,7 @@ from octmip.gap.doors.function import Function, FunctionTwin
 Floats = NDArray[np.float64]
 
 
-def table_twin(path: str | Path, card: str | Path | Card | None = None) -> FunctionTwin:
+def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: bool = False) -> FunctionTwin:
     """Return the twin of a table, CSV or Parquet.
 
     Parameters
@@ -35,6 +35,8 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None) -> Funct
         the table: a header, numbers below it.
     card
         its card or the file of it; by default the file beside the table, its name with .json added.
+    linear
+        whether readings are proportional to the loads, where the card does not say so.
 
     Raises
     ------
@@ -43,8 +45,8 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None) -> Funct
     """
     if not Path(path).is_file():
         raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
-    known = card if isinstance(card, Card) else card_beside(path, card)
-    inputs = [*known.parameters, *known.states, *known.loads]
+    known = card_beside(path, card, linear)
+    inputs = [*known.ranges, *known.states, *known.loads]
     numbers = _numbers(Path(path), [*inputs, *known.readings])
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
