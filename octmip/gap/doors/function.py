@@ -23,9 +23,11 @@ from numpy.typing import NDArray
 from octmip.errors import TwinError
 from octmip.gap.doors.card import Card, RangeLike
 from octmip.gap.doors.parameter import ParameterEffect
-from octmip.twin import ONE_LOAD, Effect, Load, Loads, State
+from octmip.twin import ONE_LOAD, Effect, State
 
 Floats = NDArray[np.float64]
+Applied = float | Mapping[str, float]
+"""What is applied: a number where the model has one load, else all loads by name."""
 Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
 """Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
 
@@ -99,19 +101,35 @@ class FunctionTwin:
         """What a positive reading is, in words."""
         return self.card.sign
 
-    def predict(self, state: State, load_factor: Load) -> Floats:
+    def predict(self, state: State, load_factor: Applied) -> Floats:
         """Return the readings (n_readings,) at the parameters' nominal values."""
         return self.ask(state, load_factor, {})
 
-    def ask(self, state: State, load: Load, values: Mapping[str, float]) -> Floats:
+    def ask(self, state: State, load: Applied, values: Mapping[str, float]) -> Floats:
         """Return the readings (n_readings,) with some parameters at other values; each is asked for once."""
         parameters = {name: own.nominal for name, own in self.card.ranges.items()} | dict(values)
         parameters |= {name: float(state.get(name, 0.0)) for name in self.card.states}
-        loads = dict(load) if isinstance(load, Loads) else {self.card.loads[0]: float(load)}
+        loads = self._by_name(load)
         key = (*parameters.values(), *loads.values())
         if key not in self._answers:
             self._answers[key] = self._readings(self.function(parameters, loads))
         return self._answers[key]
+
+    def _by_name(self, load: Applied) -> dict[str, float]:
+        """Return the loads in the order of the card.
+
+        Raises
+        ------
+        TwinError
+            they are not those of the card.
+        """
+        given = dict(load) if isinstance(load, Mapping) else dict.fromkeys(self.loads[:1], load)
+        if set(given) != set(self.loads):
+            raise TwinError(
+                f"the model was asked for the loads {load if isinstance(load, Mapping) else f'{load:g}'}; expected "
+                f"{list(self.loads)} by name; give them all"
+            )
+        return {name: float(given[name]) for name in self.loads}
 
     def _readings(self, answer: Any) -> Floats:
         """Return an answer as numbers in the order of the card."""
