@@ -15,8 +15,10 @@ from octmip.trees.solver import Method, solve
 LABELS = ("mu1", "mu2")
 DEPTHS = (1, 2, 3)
 MIO_METHODS: tuple[Method, ...] = ("oct", "oct_h", "flow")
-ALL_METHODS: tuple[Method, ...] = ("cart", "search", "exact", "oct", "flow", "oct_h")
+ALL_METHODS: tuple[Method, ...] = ("cart", "search", "exact", "oct", "flow", "benders", "oct_h")
 METHODS: tuple[Method, ...] = ("cart", "search", "exact", "oct", "flow")
+BENDERS_SHARE = 4.0
+"""Benders proves both labels at depth 2 in this many times the limit of another solve, on strains measured and modelled."""
 # The paper's two-gauge trees of depth 3: train and test MAE in percent (its section on sparse sensing, OCT and OCT-H).
 PAPER_MAE = {
     ("axis", "mu1", 3, "two"): (0.65, 0.88),
@@ -36,6 +38,8 @@ class StudyLimits:
 
     def of(self, method: Method) -> float:
         """Return the limit of a method [s]."""
+        if method == "benders":
+            return BENDERS_SHARE * self.seconds
         return self.mio_seconds if method in MIO_METHODS else self.seconds
 
 
@@ -90,9 +94,7 @@ def run_cell(data: Dataset, cell: Cell) -> Outcome:
     """Solve and certify one cell; its row says everything a table needs."""
     problem = problem_of(data, cell)
     start = time.perf_counter()
-    # The MIO rows start from CART, as Bertsimas & Dunn's do: from our search they would hide what HiGHS finds itself.
-    incumbent = solve(problem, "cart").tree if cell.method in MIO_METHODS else None
-    solution = solve(problem, cell.method, limits=Limits(seconds=cell.seconds), incumbent=incumbent, seed=cell.seed)
+    solution = solve(problem, cell.method, limits=Limits(seconds=cell.seconds), seed=cell.seed)
     seconds = time.perf_counter() - start
     certificate = certify(problem, solution)
     columns = [data.gauges.index(gauge) for gauge in cell.gauges]
@@ -156,6 +158,7 @@ class Task:
 
 TASKS = (
     Task("axis", ("all", "two"), DEPTHS, METHODS),
+    Task("axis", ("all", "two"), (1, 2), ("benders",)),
     Task("two features", ("two",), (2, 3), ("search",)),
     Task("two features", ("all", "two"), (2,), ("exact", "oct_h")),
     Task("budget 2", ("all",), (2, 3), ("cart", "search", "exact")),
