@@ -18,7 +18,7 @@ MIO_METHODS: tuple[Method, ...] = ("oct", "oct_h", "flow")
 ALL_METHODS: tuple[Method, ...] = ("cart", "search", "exact", "oct", "flow", "benders", "oct_h")
 METHODS: tuple[Method, ...] = ("cart", "search", "exact", "oct", "flow")
 BENDERS_SHARE = 4.0
-"""Benders proves both labels at depth 2 in this many times the limit of another solve, on strains measured and modelled."""
+"""Limit of Benders, in that of another solve: enough for both labels at depth 2 on the published strains."""
 # The paper's two-gauge trees of depth 3: train and test MAE in percent (its section on sparse sensing, OCT and OCT-H).
 PAPER_MAE = {
     ("axis", "mu1", 3, "two"): (0.65, 0.88),
