@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from octmip.errors import OctmipError
     from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
     from octmip.trees.certificate import Certificate, certify
-    from octmip.trees.losses import AbsoluteError, ClassCosts, SquaredError
+    from octmip.trees.losses import AbsoluteError, ClassCosts, QuantileError, SquaredError
     from octmip.trees.methods.options import BendersOptions, ExactOptions, MipOptions, Options, SearchOptions
     from octmip.trees.mip.pyomo_model import model, solution_of
     from octmip.trees.near_sets import near_optimal, sensor_roles
@@ -21,7 +21,7 @@ else:  # a checker of types sees no name that is not there
         "trees.certificate": ("Certificate", "certify"),
         "errors": ("OctmipError",),
         "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
-        "trees.losses": ("AbsoluteError", "ClassCosts", "SquaredError"),
+        "trees.losses": ("AbsoluteError", "ClassCosts", "QuantileError", "SquaredError"),
         "trees.methods.options": ("BendersOptions", "ExactOptions", "MipOptions", "Options", "SearchOptions"),
         "trees.mip.pyomo_model": ("model", "solution_of"),
         "trees.near_sets": ("near_optimal", "sensor_roles"),
@@ -61,6 +61,7 @@ __all__ = [
     "Options",
     "Problem",
     "Progress",
+    "QuantileError",
     "SearchOptions",
     "Solution",
     "Split",

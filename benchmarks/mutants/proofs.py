@@ -62,7 +62,7 @@ PROOFS = (
     Mutant(
         "octmip/trees/regression/grid.py",
         "        if self.is_whole:\n",
-        '        if self.loss == "absolute":\n',
+        "        if self.loss.slopes is not None:\n",
         NUMBERS,
     ),
     Mutant("octmip/trees/regression/grid.py", "+ self.rounding) * (1 + 1e-12)", ") * (1 - 1e-3)", NUMBERS),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.problem import Problem
 
 Generator = np.random.Generator
@@ -99,7 +99,7 @@ def wide_numbers(rng: Generator) -> Problem:
 
     At times one column of up to 300 samples, beyond 16 bins, 48 and 64 buckets and 256 parts of a feature.
     """
-    loss = str(rng.choice(sorted(NUMBER_LOSSES)))
+    loss = str(rng.choice(SPELLINGS))
     n, p, depth = (
         (int(rng.integers(2, 11)), int(rng.integers(1, 4)), int(rng.integers(1, 4)))
         if rng.random() < 0.6
@@ -116,7 +116,7 @@ def wide_numbers(rng: Generator) -> Problem:
     ][rng.integers(6)]
     if rng.random() < 0.2:
         targets = np.where(np.arange(n) == rng.integers(n), 10.0 ** rng.uniform(3, 12), targets)
-    options: dict[str, Any] = {"depth": depth, "loss": NUMBER_LOSSES[loss]}
+    options: dict[str, Any] = {"depth": depth, "loss": number_loss(loss)}
     if rng.random() < 0.3:
         options["weights"] = 1e-3 + np.round(rng.random(n), 1) if rng.random() < 0.5 else 10.0 ** rng.uniform(-6, 6, n)
     if rng.random() < 0.3:

@@ -1,7 +1,7 @@
 """The best regression tree by exhaustive enumeration, and random problems for it.
 
 Every affordable set of sensors, every cut, every depth; errors are rational numbers, so nothing is rounded. Imports
-nothing of octmip but the problem.
+nothing of octmip but the problem and the name of its loss.
 """
 
 import math
@@ -12,7 +12,7 @@ from itertools import combinations
 
 import numpy as np
 
-from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.losses import number_loss
 from octmip.trees.problem import Problem
 
 Cut = int  # mask of the samples that go left
@@ -26,6 +26,15 @@ def least_objective(problem: Problem) -> Fraction:
             if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
                 found.append(_least(problem, list(_cuts(problem, chosen))))
     return min(found)
+
+
+def slopes_of(problem: Problem) -> tuple[Fraction, Fraction]:
+    """Return what a target costs above its prediction and below it, for each unit of distance."""
+    level = getattr(problem.loss, "level", None)
+    if level is None:
+        return Fraction(1), Fraction(1)
+    above = Fraction(level).limit_denominator(1000)
+    return above, 1 - above
 
 
 def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
@@ -48,8 +57,9 @@ def _least(problem: Problem, cuts: list[Cut]) -> Fraction:
             first = sum((weights[i] * targets[i] for i in rows), Fraction(0))
             square = sum((weights[i] * targets[i] ** 2 for i in rows), Fraction(0))
             return square - first * first / total if total else square
-        errors = (sum((weights[i] * abs(targets[i] - targets[j]) for i in rows), Fraction(0)) for j in rows)
-        return min(errors, default=Fraction(0))
+        up, down = slopes_of(problem)
+        misses = [[(targets[i] - targets[j]) * weights[i] for i in rows] for j in rows]
+        return min((sum((max(up * m, -down * m) for m in of), Fraction(0)) for of in misses), default=Fraction(0))
 
     @cache
     def best(samples: int, depth: int) -> Fraction:
@@ -82,7 +92,7 @@ def random_problem(
         1e6 + rng.normal(size=n),
         np.full(n, 0.1),
     ][rng.choice(6, p=[0.3, 0.25, 0.2, 0.15, 0.08, 0.02])]
-    options: dict[str, object] = {"depth": int(rng.integers(1, max_depth + 1)), "loss": NUMBER_LOSSES[loss]}
+    options: dict[str, object] = {"depth": int(rng.integers(1, max_depth + 1)), "loss": number_loss(loss)}
     if rng.random() < 0.4:
         weights = [rng.random(n), rng.integers(0, 4, n).astype(float), rng.integers(1, 3, n) / 4][rng.integers(3)]
         weights[0] = max(weights[0], 0.25)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.regression.enumeration import slopes_of
 from octmip.trees.problem import Problem
 
 Rows = NDArray[np.int64]
@@ -36,15 +37,21 @@ class Runs:
         self.problem = problem
         self.weights, weight_unit = _whole(problem.weights)
         self.targets, target_unit = _whole(problem.targets)
-        self.unit = weight_unit * target_unit ** (2 if problem.loss.name == "squared" else 1)
+        self.slopes, slope_unit = (1, 1), Fraction(1)
+        if problem.loss.name != "squared":
+            up, down = slopes_of(problem)
+            slope_unit = Fraction(1, math.lcm(up.denominator, down.denominator))
+            self.slopes = int(up / slope_unit), int(down / slope_unit)
+        self.unit = weight_unit * target_unit ** (2 if problem.loss.name == "squared" else 1) * slope_unit
         self.penalty = Fraction(problem.leaf_penalty) / self.unit
         self.found: dict[tuple[bytes, int], Fraction] = {}
 
     @cached_property
     def misses(self) -> NDArray[Any]:
-        """(n_samples, n_targets) absolute error of each sample under each target: small whole numbers if they are."""
-        values = np.unique(self.targets)
-        misses: NDArray[Any] = self.weights[:, None] * np.abs(self.targets[:, None] - values[None, :])
+        """(n_samples, n_targets) sloped error of each sample under each target: small whole numbers if they are."""
+        values, (up, down) = np.unique(self.targets), self.slopes
+        above = self.targets[:, None] - values[None, :]
+        misses: NDArray[Any] = self.weights[:, None] * np.maximum(up * above, -down * above)
         return misses.astype(np.int64) if int(misses.sum()) < 2**62 else misses
 
     def least(self) -> Fraction:
@@ -57,7 +64,7 @@ class Runs:
 
     def prefixes(self, order: Rows) -> tuple[Numbers, Numbers]:
         """Return numerators and denominators of the errors of one constant for the first 1, 2, ... samples."""
-        if self.problem.loss.name == "absolute":
+        if self.problem.loss.name != "squared":
             least = np.cumsum(self.misses[order], axis=0).min(axis=1)
             return least.astype(object), np.full(len(order), 1, dtype=object)
         weights, targets = self.weights[order], self.targets[order]

@@ -15,7 +15,7 @@ from benchmarks.uav.bayes import class_posterior
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
 from octmip import Limits, Problem, Solution, predict, predict_values, solve
-from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.losses import number_loss
 from octmip.trees.tree import Node
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ def _rules(
     targets = levels.astype(float)
     for depth in depths:
         for loss in ("squared", "absolute"):
-            asked = Problem(features, targets, depth=depth, loss=NUMBER_LOSSES[loss])
+            asked = Problem(features, targets, depth=depth, loss=number_loss(loss))
             solution = solve(asked, limits=Limits(seconds=seconds))
             tree = solution.tree
             assert tree is not None

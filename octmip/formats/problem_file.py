@@ -88,7 +88,7 @@ def _of_numbers(problem: Problem) -> dict[str, Any]:
         "version": VERSION_OF_NUMBERS,
         "target_name": problem.target_name,
         "targets": problem.targets.tolist(),
-        "loss": problem.loss.name,
+        "loss": problem.loss.spelling,
     }
 
 

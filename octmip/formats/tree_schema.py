@@ -88,11 +88,11 @@ class LossKind:
         return {"anyOf": [kind.schema() for kind in _LOSSES.values()]}
 
 
-_OF_LOSS: dict[str, dict[str, Kind]] = {ClassCosts.name: {"costs": ListOf(ListOf(COST))}}
-_LOSSES = {
-    name: Record({"name": Choice((name,)), **_OF_LOSS.get(name, {})}, closed=True)
-    for name in (ClassCosts.name, *NUMBER_LOSSES)
+_PARAMETERS: dict[str, dict[str, Kind]] = {
+    ClassCosts.name: {"costs": ListOf(ListOf(COST))},
+    **{name: {key: Number(*ends) for key, ends in loss.parameters.items()} for name, loss in NUMBER_LOSSES.items()},
 }
+_LOSSES = {name: Record({"name": Choice((name,)), **kinds}, closed=True) for name, kinds in _PARAMETERS.items()}
 SETTINGS: dict[str, Kind] = {
     "depth": Whole(1, MAX_DEPTH),
     "loss": LossKind(),

@@ -68,8 +68,8 @@ class Question:
         `sensors`: sensor of each feature, cost of each sensor, budget.
         """
 
-    def digests(self) -> tuple[str, str]:
-        """Return the sha256 of samples, labels and weights, and that of all the rest."""
+    def identity(self) -> tuple[str, str, str]:
+        """Return the error by its name, the sha256 of samples, labels and weights, and that of all the rest."""
 
     def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
@@ -82,17 +82,17 @@ class RegressionQuestion:
         features: NDArray[np.float64],
         targets: NDArray[np.float64],
         weights: NDArray[np.float64],
-        asked: tuple[bool, int, int, float],
+        asked: tuple[tuple[int, int, int] | None, int, int, float],
         sensors: tuple[list[int], list[float], float],
     ) -> RegressionQuestion:
         """Take the problem.
 
-        `asked`: whether the error is absolute, depth, samples of a leaf, price of a split. `sensors`: sensor of each
-        feature, cost of each sensor, budget.
+        `asked`: slopes and what they are divided by (None: squared), depth, samples of a leaf, price of a split.
+        `sensors`: sensor of each feature, cost of each sensor, budget.
         """
 
-    def digests(self) -> tuple[str, str]:
-        """Return the sha256 of samples, targets and weights, and that of all the rest."""
+    def identity(self) -> tuple[str, str, str]:
+        """Return the error by its name, the sha256 of samples, targets and weights, and that of all the rest."""
 
     def check(self, log: str) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
         """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
@@ -289,7 +289,7 @@ def regression(
     ranks: NDArray[np.uint32],
     n_ranks: list[int],
     targets: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float],
-    shape: tuple[bool, float, int, int, list[bool]],
+    shape: tuple[tuple[int, int] | None, float, int, int, list[bool]],
     room: float | None,
     n_threads: int,
     limit_values: LimitValues,
@@ -297,7 +297,7 @@ def regression(
 ) -> tuple[list[NodeRow] | None, float, str, int]:
     """Return the node table of the best regression tree below the room (None: there is none), bound, stop and cuts.
 
-    `targets`: targets, weights, rounded squares, the grid of the squares. `shape`: whether the error is absolute, price
+    `targets`: targets, weights, rounded squares, the grid of the squares. `shape`: slopes (None: squared), price
     of a split, depth, leaf size, which features may be used.
     """
 

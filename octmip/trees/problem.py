@@ -62,7 +62,8 @@ class Problem(Shape):
         (n_samples,) what is to be predicted, an array or a series: the class of each sample, as values of
         `class_names`, or a finite number of each (then float64), as the loss has it.
     loss
-        what a wrong prediction costs: `ClassCosts` (0/1 unless given a matrix), `SquaredError`, `AbsoluteError`.
+        what a wrong prediction costs: `ClassCosts` (0/1 unless given a matrix), `SquaredError`,
+        `AbsoluteError`, `QuantileError`.
     weights
         (n_samples,) risk weights, 0 or more; None: all 1.
     gaps
@@ -362,7 +363,7 @@ class Problem(Shape):
             for block in in_blocks(array):  # float32 readings as the float64 that they stand for
                 sha.update(block.astype(np.float64 if block.dtype.kind == "f" else block.dtype).tobytes())
         is_class = self.loss.predicts == "class"
-        sha.update((repr([str(name) for name in self.class_names]) if is_class else self.loss.name).encode())
+        sha.update((repr([str(name) for name in self.class_names]) if is_class else self.loss.spelling).encode())
         return sha.hexdigest()
 
 

@@ -1,4 +1,4 @@
-"""The map: which solver answers which pair of loss and split, by method. A new loss or method is a line here."""
+"""The map: which solver answers which pair of loss and split, by method. A new method is a line here."""
 
 import importlib
 from collections.abc import Mapping
@@ -118,7 +118,13 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
     **{(loss, "axis"): {"search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
     **{(loss, "hyperplane"): {"search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},
 }
-"""Which solver answers which pair of loss and split, by method: the one table that a new loss or method enters."""
+"""Which solver answers which pair of loss and split, by method. Losses of numbers share their solvers: a new one
+enters this table by its line in `octmip.trees.losses.NUMBER_LOSSES`."""
+OF_CLASSES_ALONE: Mapping[str, str] = {
+    "costs": "prices of taking one class for another",
+    "numbers_are_classes": "a label of classes",
+}
+"""What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
 
 
 def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:

@@ -53,7 +53,7 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     assert max(problem.n_samples for problem in lines if problem.depth == 2) > 16  # intervals bounded together
     assert max(math.comb(problem.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
     numbers = drawn(wide_numbers, 200)
-    for loss in ("squared", "absolute"):  # bins, buckets, parts of a feature
+    for loss in ("squared", "absolute", "quantile"):  # bins, buckets, parts of a feature
         assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > 64
         assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 128
     worst = drawn(KINDS["worst_case"].draw, 100)

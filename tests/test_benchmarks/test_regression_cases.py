@@ -11,13 +11,14 @@ from benchmarks.cases.regression.wide import STREAMS, judged, wide_problem
 from benchmarks.uav.numbers import markdown, rows_of
 from femlib.dataset import Recipe, build_dataset, simulated_strains
 from femlib.wing import uav_wing
+from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError
 
 
 def test_random_problems_agree_with_enumeration():
-    assert [reason for seed in range(20) for loss in ("squared", "absolute") if (reason := complaint(seed, loss))] == []
+    assert [reason for seed in range(20) for loss in SPELLINGS if (reason := complaint(seed, loss))] == []
 
 
-@pytest.mark.parametrize(("kind", "n"), [("wide", 60), ("far", 150)])
+@pytest.mark.parametrize(("kind", "n"), [("wide", 60), ("far", 150), ("wide quantiles", 40), ("far quantiles", 60)])
 def test_many_samples_and_far_targets_are_proven_right_and_their_corrupted_logs_are_refused(kind, n):
     outcomes = [judged(kind, seed) for seed in range(n)]
     assert [reason for reason, _ in outcomes if reason] == []
@@ -28,7 +29,7 @@ def test_many_samples_and_far_targets_are_proven_right_and_their_corrupted_logs_
 
 def test_a_problem_that_the_bound_of_clusters_got_wrong_is_among_them():
     rng = np.random.default_rng([STREAMS["wide"], 60])
-    problem = wide_problem(rng)
+    problem = wide_problem(rng, (SquaredError(), AbsoluteError()))
     assert len(np.unique(problem.targets)) > 16
     assert judged("wide", 60)[0] is None
 

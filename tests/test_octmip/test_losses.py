@@ -7,12 +7,12 @@ import pytest
 
 from octmip import Problem, certify, solve
 from octmip.errors import ProblemError
-from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
 
 LOSSES = {
     "classes": ClassCosts(),
     "costs": ClassCosts([[0.25, 1, 4], [3, 0, 1], [0.5, 2, 0]]),
-    **NUMBER_LOSSES,
+    **{spelling: number_loss(spelling) for spelling in SPELLINGS},
 }
 RNG = np.random.default_rng(5)
 FEATURES = RNG.integers(0, 6, (30, 2)).astype(float)
@@ -29,13 +29,20 @@ def problem(request):
     return Problem(FEATURES, targets, depth=2, weights=WEIGHTS, loss=loss)
 
 
+def error_of(loss, miss):
+    """Return the error of a target that lies so far above its prediction."""
+    if loss.name == "squared":
+        return miss**2
+    level = Fraction(str(loss.level)) if loss.name == "quantile" else None
+    return abs(miss) if level is None else level * miss if miss > 0 else (level - 1) * miss
+
+
 def costs_of(problem, value):
     """Return the cost of one leaf by the definition of the loss."""
     if problem.loss.predicts == "class":
         paid = [problem.costs[code, int(value)] for code in problem.codes]
     else:
-        power = 2 if problem.loss.name == "squared" else 1
-        paid = [abs(code - value) ** power for code in problem.codes.tolist()]
+        paid = [error_of(problem.loss, Fraction(code) - Fraction(value)) for code in problem.codes.tolist()]
     return sum(Fraction(w) * Fraction(c) for w, c in zip(problem.weights.tolist(), paid, strict=True))
 
 
@@ -60,7 +67,7 @@ def test_a_weight_of_two_is_a_sample_twice(problem):
         FEATURES[rows],
         problem.targets[rows],
         depth=2,
-        loss=LOSSES[problem.loss.name] if (problem.loss.predicts == "number") else problem.loss,
+        loss=problem.loss,
         class_names=problem.class_names or None,
     )
     assert solve(problem).objective * 8 == pytest.approx(solve(often).objective, rel=1e-12)
@@ -92,10 +99,10 @@ def test_a_loss_asks_for_targets_of_its_kind():
     with pytest.raises(ProblemError, match="loss is 'squared'"):
         Problem(FEATURES, TARGETS, depth=1, loss="squared")
     with pytest.raises(ProblemError, match="targets cannot be read as numbers"):
-        Problem(FEATURES, np.array(["a", "b"] * 15), depth=1, loss=NUMBER_LOSSES["squared"])
+        Problem(FEATURES, np.array(["a", "b"] * 15), depth=1, loss=number_loss("squared"))
     with pytest.raises(ProblemError, match="class_names is"):
-        Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["squared"], class_names=(0, 1, 2))
-    numbers = Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["squared"])
+        Problem(FEATURES, TARGETS, depth=1, loss=number_loss("squared"), class_names=(0, 1, 2))
+    numbers = Problem(FEATURES, TARGETS, depth=1, loss=number_loss("squared"))
     with pytest.raises(ProblemError, match="needs classes"):
         _ = numbers.costs
     with pytest.raises(ProblemError, match="leaf_model is 'linear'"):
@@ -109,8 +116,8 @@ def test_what_no_solver_of_numbers_knows_is_refused_by_name(method):
     with pytest.raises(
         ProblemError, match=f"method '{method}' with the loss 'absolute' does not know the problem's gaps"
     ):
-        solve(Problem(gaps, TARGETS, depth=1, loss=NUMBER_LOSSES["absolute"]), method)
-    planes = Problem(FEATURES, TARGETS, depth=1, loss=NUMBER_LOSSES["absolute"], split="hyperplane", integer_normals=3)
+        solve(Problem(gaps, TARGETS, depth=1, loss=number_loss("absolute")), method)
+    planes = Problem(FEATURES, TARGETS, depth=1, loss=number_loss("absolute"), split="hyperplane", integer_normals=3)
     with pytest.raises(ProblemError, match=r"integer_normals|finds no hyperplane trees"):
         solve(planes, method)
 
@@ -118,7 +125,7 @@ def test_what_no_solver_of_numbers_knows_is_refused_by_name(method):
 @pytest.mark.parametrize("method", ["exact", "search"])
 def test_numbers_keep_to_the_features_that_splits_may_read(method):
     targets = FEATURES[:, 0] + 0.1 * FEATURES[:, 1]
-    problem = Problem(FEATURES, targets, depth=2, loss=NUMBER_LOSSES["squared"], allowed_splits=[[1]])
-    alone = Problem(FEATURES[:, [1]], targets, depth=2, loss=NUMBER_LOSSES["squared"])
+    problem = Problem(FEATURES, targets, depth=2, loss=number_loss("squared"), allowed_splits=[[1]])
+    alone = Problem(FEATURES[:, [1]], targets, depth=2, loss=number_loss("squared"))
     assert certify(problem, solve(problem, method)).sensors == ("x1",)
     assert solve(problem).objective == solve(alone).objective

@@ -13,7 +13,7 @@ from benchmarks.regression.runs import Runs
 from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
 from octmip.trees import _native
-from octmip.trees.losses import NUMBER_LOSSES, AbsoluteError, SquaredError
+from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
@@ -77,7 +77,7 @@ def test_a_price_that_float64_adds_to_a_whole_cost_proves_no_more_than_the_truth
     assert least * (1 - Fraction(1, 10**9)) < Fraction(grid.lower(counted)) <= least
 
 
-@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+@pytest.mark.parametrize("loss", SPELLINGS)
 def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch):
     core = _native.regression
     n_early = 0
@@ -85,7 +85,7 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
         drawn = random_problem(np.random.default_rng([77, seed]), loss, max_samples=9)
         costs = np.arange(1.0, drawn.n_features + 1)
         columns = drawn.features + 0.01 * np.arange(len(drawn.features))[:, None]
-        problem = Problem(columns, drawn.targets, depth=3, loss=NUMBER_LOSSES[loss], sensor_cost=costs, sensor_budget=3)
+        problem = Problem(columns, drawn.targets, depth=3, loss=number_loss(loss), sensor_cost=costs, sensor_budget=3)
         least = least_objective(problem)
         for last in range(1, 6):
             calls = count(1)
@@ -101,23 +101,23 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
     assert n_early > 30
 
 
-@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+@pytest.mark.parametrize("loss", SPELLINGS)
 def test_a_far_target_does_not_hide_what_the_others_save(loss):
     # The far one fills the objective without a split: 1e-8 of it is more than all the others err.
     targets, weights = [1000000000.3, 0.1, 0.2, 5.0], [0.1, 0.3, 0.7, 0.9]
-    problem = Problem(np.arange(4.0)[:, None], targets, weights=weights, depth=2, loss=NUMBER_LOSSES[loss])
+    problem = Problem(np.arange(4.0)[:, None], targets, weights=weights, depth=2, loss=number_loss(loss))
     solution = solve(problem)
     assert (solution.objective, solution.bound, solution.stop) == (0.0, 0.0, Stop.OPTIMAL)
 
 
-@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+@pytest.mark.parametrize("loss", SPELLINGS)
 @pytest.mark.parametrize("far", [1e7, 1e12])
 def test_tenths_with_a_far_target_are_proven_with_a_log(loss, far, tmp_path):
     rng = np.random.default_rng(3)
     for _ in range(10):
         targets = np.round(3 * rng.normal(size=40), 1)
         targets[int(rng.integers(40))] = far
-        problem = Problem(rng.normal(size=(40, 2)), targets, depth=2, loss=NUMBER_LOSSES[loss])
+        problem = Problem(rng.normal(size=(40, 2)), targets, depth=2, loss=number_loss(loss))
         solution, least = (
             exact_regression(problem, options=ExactOptions(proof=tmp_path / "proof.log")),
             Runs(problem).least(),
@@ -142,14 +142,14 @@ def test_targets_closed_up_are_no_farther_apart_than_they_were():
     assert closed_up(targets, FARTHEST) is targets
 
 
-@pytest.mark.parametrize("loss", tuple(NUMBER_LOSSES))
+@pytest.mark.parametrize("loss", SPELLINGS)
 def test_a_leaf_with_targets_that_far_apart_costs_more_than_the_known_tree(loss):
     rng = np.random.default_rng(6)
     for _ in range(100):
         weights, objective = 10.0 ** rng.uniform(-9, 9, 2), float(10.0 ** rng.uniform(-9, 9))
-        problem = Problem([[0.0], [0.0]], [0.0, 1.0], weights=weights, depth=1, loss=NUMBER_LOSSES[loss])
+        problem = Problem([[0.0], [0.0]], [0.0, 1.0], weights=weights, depth=1, loss=number_loss(loss))
         apart = 2.0 ** reach(problem, objective)
-        far = Problem([[0.0], [0.0]], [0.0, apart], weights=weights, depth=1, loss=NUMBER_LOSSES[loss])
+        far = Problem([[0.0], [0.0]], [0.0, apart], weights=weights, depth=1, loss=number_loss(loss))
         assert far.baseline > 2 * objective
     assert reach(problem, 0.0) == FARTHEST
 

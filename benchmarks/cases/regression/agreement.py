@@ -17,7 +17,7 @@ from benchmarks.regression.enumeration import least_objective, random_problem
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
-from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.losses import SPELLINGS
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
@@ -42,8 +42,8 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
             firsts = range(first, first + CHUNK * max(threads), CHUNK)
             yield from pool.map(
                 _chunk,
-                [f for f in firsts for _ in tuple(NUMBER_LOSSES)],
-                [loss for _ in firsts for loss in tuple(NUMBER_LOSSES)],
+                [f for f in firsts for _ in SPELLINGS],
+                [loss for _ in firsts for loss in SPELLINGS],
             )
             first = firsts.stop
 

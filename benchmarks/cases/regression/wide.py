@@ -3,7 +3,7 @@
 `python -m benchmarks.run fuzz_regression_wide`: 2,000 problems of 8 to 400 samples and 1 to 4 columns, past the core's
 16 bins, 48 and 64 buckets and 256 parts of a feature, targets lognormal, Cauchy, tied, whole or in clusters; each with
 a log that is checked and then corrupted. 3,000 small ones with targets up to 1e12 and weights of any size, against
-enumeration in fractions.
+enumeration in fractions. Then 2,000 and 1,000 of the same with quantile losses of many levels.
 """
 
 import tempfile
@@ -22,15 +22,17 @@ from benchmarks.regression.runs import Runs
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
-from octmip.trees.losses import NUMBER_LOSSES
+from octmip.trees.losses import AbsoluteError, NumberLoss, QuantileError, SquaredError
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
 from octmip.trees.solution import Solution
 
-N_WIDE, N_FAR, CHUNK, N_FORGED = 2000, 3000, 50, 6
-STREAMS = {"wide": 127, "far": 128}
+CHUNK, N_FORGED = 50, 6
+SIZES = {"wide": 2000, "far": 3000, "wide quantiles": 2000, "far quantiles": 1000}
+STREAMS = {"wide": 127, "far": 128, "wide quantiles": 129, "far quantiles": 130}
+LEVELS = (0.1, 0.9, 0.5, 0.25, 0.95, 0.025, 1 / 3, 0.999)
 OFF = 1e-13
 """Errors are rounded once each where runs are compared."""
 Outcome = tuple[str | None, Counter[str]]
@@ -38,7 +40,7 @@ Outcome = tuple[str | None, Counter[str]]
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each chunk: what disagreed, and what was counted."""
-    chunks = [(kind, first) for kind, n in (("wide", N_WIDE), ("far", N_FAR)) for first in range(0, n, CHUNK)]
+    chunks = [(kind, first) for kind, n in SIZES.items() for first in range(0, n, CHUNK)]
     with ProcessPoolExecutor(max(threads)) as pool:
         yield from pool.map(_chunk, *zip(*chunks, strict=True))
 
@@ -66,8 +68,10 @@ def summary(lines: Sequence[Line]) -> str:
 def judged(kind: str, seed: int) -> Outcome:
     """Return what is wrong with the answers to a problem (None: nothing), and what there was."""
     rng = np.random.default_rng([STREAMS[kind], seed])
-    problem = wide_problem(rng) if kind == "wide" else far_problem(rng)
-    least = Runs(problem).least() if kind == "wide" else least_objective(problem)
+    losses = quantiles(rng) if kind.endswith("quantiles") else (SquaredError(), AbsoluteError())
+    is_wide = kind.startswith("wide")
+    problem = wide_problem(rng, losses) if is_wide else far_problem(rng, losses)
+    least = Runs(problem).least() if is_wide else least_objective(problem)
     counts = Counter({f"{kind}: problems": 1})
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "proof.log"
@@ -131,14 +135,19 @@ def raise_bound(rng: np.random.Generator, lines: list[str]) -> None:
     lines[row] = " ".join([*words[:3], raised])
 
 
-def wide_problem(rng: np.random.Generator) -> Problem:
+def quantiles(rng: np.random.Generator) -> tuple[NumberLoss, ...]:
+    """Return a quantile loss of a common level, and one of any level in thousandths."""
+    return QuantileError(LEVELS[int(rng.integers(len(LEVELS)))]), QuantileError(int(rng.integers(1, 1000)) / 1000)
+
+
+def wide_problem(rng: np.random.Generator, losses: Sequence[NumberLoss]) -> Problem:
     """Return a problem of many samples: one column of any depth, or more columns as deep as they can be counted."""
     n_columns = int(rng.choice([1, 1, 2, 3, 4]))
     depth = int(rng.integers(1, 4))
     most = 400 if n_columns == 1 or depth == 1 else (60 if depth == 2 else 14)
     n = int(np.exp(rng.uniform(np.log(8), np.log(most))))
     features = [rng.normal(size=(n, n_columns)), rng.integers(0, max(2, n // 3), (n, n_columns)).astype(float)]
-    return Problem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n))  # type: ignore[arg-type]
+    return Problem(features[rng.integers(2)], wide_targets(rng, n), depth=depth, **_options(rng, n, losses))  # type: ignore[arg-type]
 
 
 def wide_targets(rng: np.random.Generator, n: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -154,9 +163,8 @@ def wide_targets(rng: np.random.Generator, n: int) -> np.ndarray[tuple[int], np.
     return targets if n < 60 and rng.random() < 0.5 else np.round(targets * 64) / 64
 
 
-def _options(rng: np.random.Generator, n: int) -> dict[str, object]:
-    loss = tuple(NUMBER_LOSSES.values())[int(rng.integers(2))]
-    options: dict[str, object] = {"loss": loss}
+def _options(rng: np.random.Generator, n: int, losses: Sequence[NumberLoss]) -> dict[str, object]:
+    options: dict[str, object] = {"loss": losses[int(rng.integers(2))]}
     if rng.random() < 0.3:
         options["weights"] = np.maximum(rng.integers(0, 5, n), np.arange(n) == 0).astype(float)
     if rng.random() < 0.2:
@@ -166,7 +174,7 @@ def _options(rng: np.random.Generator, n: int) -> dict[str, object]:
     return options
 
 
-def far_problem(rng: np.random.Generator) -> Problem:
+def far_problem(rng: np.random.Generator, losses: Sequence[NumberLoss]) -> Problem:
     """Return a small problem with some targets far off, or weights of any size, or both."""
     n, n_columns = int(rng.integers(3, 10)), int(rng.integers(1, 3))
     features = rng.integers(0, n, (n, n_columns)).astype(float)
@@ -175,6 +183,6 @@ def far_problem(rng: np.random.Generator) -> Problem:
     ]
     for row in rng.integers(0, n, int(rng.integers(0, 4))).tolist():
         targets[row] += rng.choice([-1.0, 1.0]) * np.round(10.0 ** rng.uniform(3, 12), int(rng.integers(0, 3)))
-    loss = tuple(NUMBER_LOSSES.values())[int(rng.integers(2))]
+    loss = losses[int(rng.integers(2))]
     weights = [np.ones(n), np.round(rng.uniform(0.1, 1, n), 1), 10.0 ** rng.uniform(-9, 9, n)][rng.integers(3)]
     return Problem(features, targets, weights=weights, depth=int(rng.integers(1, 4)), loss=loss)

@@ -81,7 +81,7 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
     assert solution.tree is not None
     return {
         "objective": solution.objective,
-        "loss": problem.loss.name,
+        "loss": problem.loss.spelling,
         **certificate.measures,
         "n_samples": problem.n_samples,
         "n_missing": problem.n_missing,

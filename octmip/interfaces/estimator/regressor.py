@@ -15,7 +15,7 @@ from octmip.interfaces.estimator.proof import warn_unproven
 from octmip.interfaces.estimator.samples import learn_samples, read_samples
 from octmip.interfaces.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
 from octmip.trees.certificate import certify
-from octmip.trees.losses import NUMBER_LOSSES, NumberLossName
+from octmip.trees.losses import NumberLoss, number_loss
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict_values
 from octmip.trees.problem import Problem
@@ -34,7 +34,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
     max_depth
         at most so many splits on a path from the root to a leaf, 1 to 30.
     loss
-        "squared" or "absolute" error.
+        "squared" or "absolute" error, a quantile as in "quantile:0.9", or a loss such as ``QuantileError(0.9)``.
     split, split_size
         "axis" (one feature and a threshold), or "hyperplane" over at most so many features, by search.
     leaf_model, ridge
@@ -72,7 +72,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         self,
         max_depth: int = 3,
         *,
-        loss: NumberLossName = "squared",
+        loss: str | NumberLoss = "squared",
         split: Literal["axis", "hyperplane"] = "axis",
         split_size: int | None = None,
         leaf_model: Literal["constant", "linear"] = "constant",
@@ -155,7 +155,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
             features,
             targets,
             depth=whole_of(self.max_depth, "max_depth", 1, MAX_DEPTH),
-            loss=NUMBER_LOSSES[self.loss],
+            loss=number_loss(self.loss),
             split=self.split,
             split_size=self.split_size,
             leaf_model=self.leaf_model,

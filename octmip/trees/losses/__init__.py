@@ -1,29 +1,51 @@
 """Losses: what a wrong prediction costs; the one part of a Problem that says what its leaves predict."""
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
+from octmip.errors import ProblemError
 from octmip.trees.losses.class_costs import ClassCosts
 from octmip.trees.losses.errors_of_numbers import AbsoluteError, NumberLoss, SquaredError
 from octmip.trees.losses.loss import Loss
+from octmip.trees.losses.quantile_error import QuantileError
 
-NumberLossName = Literal["squared", "absolute"]
-NUMBER_LOSSES: dict[str, NumberLoss] = {loss.name: loss for loss in (SquaredError(), AbsoluteError())}
-"""The losses of numbers by their names: as the command, the estimators and files name them."""
+NUMBER_LOSSES: dict[str, type[NumberLoss]] = {loss.name: loss for loss in (SquaredError, AbsoluteError, QuantileError)}
+"""The losses of numbers by their names. A new one is an entry here."""
+SPELLINGS = tuple(spelling for loss in NUMBER_LOSSES.values() for spelling in loss.spellings)
+"""Losses of numbers as the command and the estimators name them, with a number for each parameter."""
+
+
+def number_loss(given: str | NumberLoss) -> NumberLoss:
+    """Return the loss that a user names: "squared", "absolute", or "quantile:0.9", its parameter behind the colon.
+
+    Raises
+    ------
+    ProblemError
+        there is no such loss, or none with that parameter.
+    """
+    if isinstance(given, NumberLoss):
+        return given
+    name, _, values = given.partition(":")
+    if name not in NUMBER_LOSSES:
+        raise ProblemError(f"loss is {given!r}; expected a loss of numbers, such as {', '.join(SPELLINGS)}")
+    return NUMBER_LOSSES[name].of_spelling(values)
 
 
 def loss_of(content: Mapping[str, Any]) -> Loss:
     """Return the loss that `Loss.to_json` has described."""
-    return ClassCosts(content["costs"]) if content["name"] == ClassCosts.name else NUMBER_LOSSES[content["name"]]
+    name, parameters = content["name"], {key: value for key, value in content.items() if key != "name"}
+    return ClassCosts(**parameters) if name == ClassCosts.name else NUMBER_LOSSES[name](**parameters)
 
 
 __all__ = [
     "NUMBER_LOSSES",
+    "SPELLINGS",
     "AbsoluteError",
     "ClassCosts",
     "Loss",
     "NumberLoss",
-    "NumberLossName",
+    "QuantileError",
     "SquaredError",
     "loss_of",
+    "number_loss",
 ]

@@ -1,6 +1,7 @@
 """Squared and absolute error of a predicted number.
 
-``cost(y, f) = |y - f|^q``, q = 2 or 1; the best leaf predicts the weighted mean, or the lowest weighted median
+``cost(y, f) = |y - f|^q``, q = 2 or 1; the best leaf predicts the weighted mean, or the lowest weighted median. Any
+error that grows with the distance, by one slope above the prediction and one below it, is a `SlopedError`.
 """
 
 import math
@@ -8,13 +9,19 @@ from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.losses.exact_sums import best_constant, sum_of_errors
+from octmip.trees.losses.exact_sums import (
+    Slopes,
+    sloped_errors,
+    squared_errors,
+    weighted_mean,
+    weighted_quantile,
+)
 from octmip.trees.losses.loss import Floats, Loss
 
 LEAST_SIZE, MOST_SIZE = 1e-120, 1e120
@@ -25,7 +32,23 @@ class NumberLoss(Loss):
     """An error of predicted numbers: what all such losses share."""
 
     predicts = "number"
-    measured = ("mae", "rmse")
+    measured: ClassVar[tuple[str, ...]] = ("mae", "rmse")
+    spellings: ClassVar[tuple[str, ...]]
+    """How users name it, with a number for each parameter: for sentences, and for checks that go over every loss."""
+    parameters: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    """Its fields in the order of a spelling, and the least and the most of each."""
+
+    @classmethod
+    def of_spelling(cls, values: str) -> Self:
+        """Return the loss with what stands behind the colon of its spelling."""
+        if values:
+            raise ProblemError(f"loss {cls.name!r} takes nothing behind its name, but {values!r} stands there")
+        return cls()
+
+    @property
+    def slopes(self) -> Slopes | None:
+        """What a unit of distance costs; None where the error does not grow in proportion to it."""
+        return None
 
     @abstractmethod
     def of_misses(self, misses: Floats) -> Floats:
@@ -41,14 +64,6 @@ class NumberLoss(Loss):
                 f"targets from {codes.min()} to {codes.max()}, weights of {total} in all, splits of {most_prices} at "
                 f"most: expected sizes from {LEAST_SIZE:g} to {MOST_SIZE:g}; scale them"
             )
-
-    def best_value(self, weights: Floats, codes: NDArray[Any]) -> float:
-        """Return the constant of least error, rounded once."""
-        return best_constant(weights, codes, self.name)
-
-    def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
-        """Return the weighted error as a rational number."""
-        return sum_of_errors(weights, codes, predicted, self.name)
 
     def has_whole_costs(self, weights: Floats) -> bool:
         """Return False: what a leaf predicts need not be a whole number."""
@@ -76,6 +91,7 @@ class SquaredError(NumberLoss):
     """The squared difference of target and prediction; a leaf predicts the weighted mean."""
 
     name = "squared"
+    spellings = ("squared",)
 
     @property
     def words(self) -> str:
@@ -86,18 +102,51 @@ class SquaredError(NumberLoss):
         """Return the squares."""
         return misses**2
 
+    def best_value(self, weights: Floats, codes: NDArray[Any]) -> float:
+        """Return the weighted mean, rounded once."""
+        return weighted_mean(weights, codes)
+
+    def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
+        """Return the weighted error as a rational number."""
+        return squared_errors(weights, codes, predicted)
+
+
+class SlopedError(NumberLoss):
+    """An error in proportion to the distance, by one slope above the prediction and one below it."""
+
+    @property
+    @abstractmethod
+    def slopes(self) -> Slopes:
+        """What a unit of distance costs."""
+
+    def of_misses(self, misses: Floats) -> Floats:
+        """Return the distances, each times its slope."""
+        up, down, over = self.slopes
+        errors: Floats = np.maximum(up * misses, -down * misses) / over
+        return errors
+
+    def best_value(self, weights: Floats, codes: NDArray[Any]) -> float:
+        """Return the lowest weighted quantile: no number is rounded."""
+        return weighted_quantile(weights, codes, self.slopes)
+
+    def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
+        """Return the weighted error as a rational number."""
+        return sloped_errors(weights, codes, predicted, self.slopes)
+
 
 @dataclass(frozen=True, slots=True)
-class AbsoluteError(NumberLoss):
+class AbsoluteError(SlopedError):
     """The absolute difference of target and prediction; a leaf predicts the lowest weighted median."""
 
     name = "absolute"
+    spellings = ("absolute",)
 
     @property
     def words(self) -> str:
         """What is summed up."""
         return "absolute error"
 
-    def of_misses(self, misses: Floats) -> Floats:
-        """Return the absolute values."""
-        return np.abs(misses)
+    @property
+    def slopes(self) -> Slopes:
+        """The same above and below."""
+        return Slopes(1, 1, 1)

@@ -1,10 +1,11 @@
-"""Sums of float64 in exact rational arithmetic: the error of a regression tree, means and medians of its leaves.
+"""Sums of float64 in exact rational arithmetic: the error of a regression tree, means and quantiles of its leaves.
 
 Every float64 is a whole number times a power of two, so a list of them is a list of whole numbers over one common
 denominator, and sums of products are sums of whole numbers of any length.
 """
 
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,33 +26,72 @@ def whole_numbers(values: Floats) -> tuple[list[int], int]:
     return [digit << shift for digit, shift in zip(digits.tolist(), shifts.tolist(), strict=True)], 53 - lowest
 
 
-def sum_of_errors(weights: Floats, targets: Floats, predicted: Floats, loss: str) -> Fraction:
-    """Return ``sum_i weights_i |targets_i - predicted_i|``, squared where `loss` is "squared", exactly."""
+class Slopes(NamedTuple):
+    """What a unit of distance costs: ``up / over`` for a target above its prediction, ``down / over`` below it.
+
+    The best constant is the quantile of level ``up / (up + down)``: the median of absolute errors, whose slopes are 1.
+    """
+
+    up: int
+    down: int
+    over: int
+
+    @property
+    def steepest(self) -> int:
+        """The larger of the two, not divided."""
+        return max(self.up, self.down)
+
+    @property
+    def per_move(self) -> Fraction:
+        """By how much a best constant's cost changes at most, not divided, where targets move by 1 or less each.
+
+        Twice ``up * down / (up + down)``: the constant moves to where a move up costs no more than one down.
+        """
+        return Fraction(2 * self.up * self.down, self.up + self.down)
+
+
+def squared_errors(weights: Floats, targets: Floats, predicted: Floats) -> Fraction:
+    """Return ``sum_i weights_i (targets_i - predicted_i)^2``, exactly."""
+    whole, misses, exponents = _misses(weights, targets, predicted)
+    total = sum(w * miss * miss for w, miss in zip(whole, misses, strict=True))
+    return total * Fraction(2) ** -(exponents[0] + 2 * exponents[1])
+
+
+def sloped_errors(weights: Floats, targets: Floats, predicted: Floats, slopes: Slopes) -> Fraction:
+    """Return the weighted distances of targets and predictions, each times its slope, exactly."""
+    whole, misses, exponents = _misses(weights, targets, predicted)
+    total = sum(w * max(slopes.up * miss, -slopes.down * miss) for w, miss in zip(whole, misses, strict=True))
+    return Fraction(total, slopes.over) * Fraction(2) ** -sum(exponents)
+
+
+def _misses(weights: Floats, targets: Floats, predicted: Floats) -> tuple[list[int], list[int], tuple[int, int]]:
+    """Return weights and differences as whole numbers, and the exponents of both."""
     whole, unit = whole_numbers(weights)
     both, exponent = whole_numbers(np.concatenate([targets, predicted]))
-    misses = [y - f for y, f in zip(both[: len(targets)], both[len(targets) :], strict=True)]
-    if loss == "squared":
-        total = sum(w * miss * miss for w, miss in zip(whole, misses, strict=True))
-        return total * Fraction(2) ** -(unit + 2 * exponent)
-    total = sum(w * abs(miss) for w, miss in zip(whole, misses, strict=True))
-    return total * Fraction(2) ** -(unit + exponent)
+    return whole, [y - f for y, f in zip(both[: len(targets)], both[len(targets) :], strict=True)], (unit, exponent)
 
 
-def best_constant(weights: Floats, targets: Floats, loss: str) -> float:
-    """Return the constant of least error, rounded once: the weighted mean, or the lowest weighted median.
+def weighted_mean(weights: Floats, targets: Floats) -> float:
+    """Return the mean, rounded once; where all weights are 0 that of equal weights."""
+    whole, _ = whole_numbers(_positive(weights))
+    numbers, exponent = whole_numbers(targets)
+    total = sum(w * y for w, y in zip(whole, numbers, strict=True))
+    return float(Fraction(total, sum(whole)) * Fraction(2) ** -exponent)
+
+
+def weighted_quantile(weights: Floats, targets: Floats, slopes: Slopes) -> float:
+    """Return the lowest target of weight above 0 with ``up / (up + down)`` of the weight at or below it.
 
     Where all weights are 0 it is that of equal weights.
     """
-    if not weights.any():
-        weights = np.ones(len(targets))
-    whole, _ = whole_numbers(weights)
-    if loss == "squared":
-        numbers, exponent = whole_numbers(targets)
-        total = sum(w * y for w, y in zip(whole, numbers, strict=True))
-        return float(Fraction(total, sum(whole)) * Fraction(2) ** -exponent)
-    half, below = sum(whole), 0
+    whole, _ = whole_numbers(_positive(weights))
+    wanted, below = slopes.up * sum(whole), 0
     for i in np.argsort(targets, kind="stable").tolist():
-        below += 2 * whole[i]
-        if below >= half and whole[i] > 0:
+        below += (slopes.up + slopes.down) * whole[i]
+        if below >= wanted and whole[i] > 0:
             return float(targets[i])
     raise AssertionError("the weights of a leaf add up to their sum")
+
+
+def _positive(weights: Floats) -> Floats:
+    return weights if weights.any() else np.ones(len(weights))

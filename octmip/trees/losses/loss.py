@@ -28,6 +28,11 @@ class Loss(ABC):
     """Names of `measures`."""
 
     @property
+    def spelling(self) -> str:
+        """The name, with what else tells the loss from others: as logs and files of problems have it."""
+        return self.name
+
+    @property
     @abstractmethod
     def words(self) -> str:
         """What is summed up, for a sentence."""

@@ -185,11 +185,12 @@ class _Search:
         spent = time.perf_counter() - self.started
         left = self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_cuts, self.limits.memory
         grid, problem = self.grid, self.problem
+        slopes = problem.number_loss.slopes
         rows, bound, stop, n_cuts = _native.regression(
             self.ranks.ranks,
             list(self.ranks.n_values),
             (grid.targets, grid.weights, grid.squares, grid.grain),
-            (problem.loss.name == "absolute", grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
+            (slopes and slopes[:2], grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
             None if math.isinf(self.room) else self.room,
             self.n_jobs,
             left,

@@ -1,10 +1,11 @@
 """How far apart the targets of one leaf may lie, and targets moved so near that a grid of them is fine.
 
 Samples i and j of weight above 0 in one leaf err together by at least ``min(w_i, w_j) / 2 * (y_i - y_j)**2`` (squared
-error) or ``min(w_i, w_j) * |y_i - y_j|`` (absolute), whatever it predicts. So where a tree of some objective is known,
-no better one has two targets in a leaf that lie farther apart than a *reach*. Gaps between neighbouring targets that
-are longer are made as long as the reach: the targets then span no more than the errors that decide, and one far target
-no longer coarsens the grid of all. Proof that bounds and better trees stay the same: docs/theory/regression.md.
+error) or ``min(w_i, w_j) * min(up, down) / over * |y_i - y_j|`` (sloped), whatever it predicts. So where a tree of
+some objective is known, no better one has two targets in a leaf that lie farther apart than a *reach*. Gaps between
+neighbouring targets that are longer are made as long as the reach: the targets then span no more than the errors that
+decide, and one far target no longer coarsens the grid of all. Proof that bounds and better trees stay the same:
+docs/theory/regression.md.
 """
 
 import math
@@ -27,8 +28,9 @@ def reach(problem: Problem, objective: float) -> int:
     if objective <= 0:
         return FARTHEST
     lightest = float(problem.weights[problem.weights > 0].min())
-    power = 2 if problem.loss.name == "squared" else 1
-    return min(FARTHEST, math.ceil((math.log2(objective) - math.log2(lightest)) / power) + 2)
+    slopes = problem.number_loss.slopes
+    power, flattest = (2, 1.0) if slopes is None else (1, min(slopes.up, slopes.down) / slopes.over)
+    return min(FARTHEST, math.ceil((math.log2(objective) - math.log2(lightest) - math.log2(flattest)) / power) + 2)
 
 
 def closed_up(targets: Floats, exponent: int) -> Floats:

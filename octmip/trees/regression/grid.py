@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding.numbers import power_of_two, rounded_down, whole_exponent
-from octmip.trees.losses.exact_sums import best_constant
+from octmip.trees.losses import NumberLoss
 from octmip.trees.problem import Problem
 from octmip.trees.regression.far_targets import closed_up, reach
 
@@ -42,13 +42,13 @@ class Grid:
     targets, weights
         (n_samples,) scaled by powers of two, targets moved to the middle of their range.
     squares
-        (n_samples,) weight times squared target, rounded up to multiples of `grain`; 0 for absolute errors.
+        (n_samples,) weight times squared target, rounded up to multiples of `grain`; 0 for sloped errors.
     grain
         a power of two, or 0.
     penalty
         of a split.
     unit
-        what one unit of the core's costs is worth.
+        what one unit of the core's costs is worth; sloped errors are counted in whole slopes.
     base
         what the squares were rounded up by together.
     distance
@@ -73,7 +73,7 @@ class Grid:
     distance: float
     rounding: float
     is_whole: bool
-    loss: str
+    loss: NumberLoss
     total: float
     span: float
 
@@ -82,22 +82,24 @@ class Grid:
         """Return the grid of a problem on which trees of less than this objective cost what they do."""
         weight_exponent, weights = _scaled_weights(problem.weights)
         near = closed_up(problem.targets, reach(problem, objective))
-        exponent, targets, distance = _scaled_targets(near, weights)
+        slopes = problem.number_loss.slopes
+        steepest, over = (1, 1) if slopes is None else (slopes.steepest, slopes.over)
+        exponent, targets, distance = _scaled_targets(near, weights, steepest)
         total, most = math.fsum(weights), float(np.abs(targets).max())
-        is_exact = bool((weights == np.floor(weights)).all()) and total * max(most, 1.0) <= CAPACITY
-        power = 2 if problem.loss.name == "squared" else 1
-        size = total * most**power
+        is_exact = bool((weights == np.floor(weights)).all()) and total * steepest * max(most, 1.0) <= CAPACITY
+        power = 2 if slopes is None else 1
+        size = total * steepest * most**power
         squares, grain, base = np.zeros(len(targets)), 0.0, Fraction(0)
-        if problem.loss.name == "squared":
+        if slopes is None:
             squares, grain, base = _rounded_squares(weights, targets)
             size = math.fsum(squares) if is_exact else size
         rounding = 2.0**-44 * size
         if not is_exact:
             n, lightest = len(targets) + 64, float(weights[weights > 0].min())
             rounding += 16 * n * UNIT_ROUNDOFF * size * (1 + n * UNIT_ROUNDOFF * total / lightest)
-        unit = power_of_two(-weight_exponent - power * exponent)
+        unit = power_of_two(-weight_exponent - power * exponent) / over
         penalty = Fraction(problem.leaf_penalty) / unit
-        is_whole = is_exact and problem.loss.name == "absolute" and distance == 0 and penalty.denominator == 1
+        is_whole = is_exact and slopes is not None and distance == 0 and penalty.denominator == 1
         # A split that costs more than the best leaf saves nothing: any such price is as good as another.
         price = float(min(penalty, Fraction(4 * size + 4)))
         return cls(
@@ -111,7 +113,7 @@ class Grid:
             distance=distance,
             rounding=rounding,
             is_whole=is_whole,
-            loss=problem.loss.name,
+            loss=problem.number_loss,
             total=total,
             span=float(near.max() - near.min()),
         )
@@ -119,8 +121,9 @@ class Grid:
     @property
     def leaf(self) -> float:
         """Objective of the best leaf for the targets that were closed up, but for rounding."""
-        misses = np.abs(self.targets - best_constant(self.weights, self.targets, self.loss))
-        return float(self.weights @ (misses if self.loss == "absolute" else misses**2)) * float(self.unit)
+        misses = self.targets - self.loss.best_value(self.weights, self.targets)
+        over = 1 if self.loss.slopes is None else self.loss.slopes.over
+        return float(self.weights @ self.loss.of_misses(misses)) * float(self.unit * over)
 
     def lower(self, bound: float) -> float:
         """Return the largest float64 that a bound of the core proves to be one of the problem."""
@@ -128,8 +131,8 @@ class Grid:
         if self.is_whole:
             exact = Fraction(math.ceil(exact))
         exact -= self.base
-        if self.loss == "absolute":
-            exact -= Fraction(self.distance) * Fraction(self.total)
+        if self.loss.slopes is not None:
+            exact -= Fraction(self.distance) * Fraction(self.total) * self.loss.slopes.per_move
         elif self.distance:
             # Moving the targets by so much moves the root of the error by at most distance * sqrt(total).
             least = Fraction(self.distance) ** 2 * Fraction(self.total)
@@ -140,9 +143,11 @@ class Grid:
     def room(self, objective: Fraction) -> float:
         """Return what a tree of this objective costs on the grid, or a little more."""
         cost = float(objective / self.unit + self.base)
-        if self.loss == "squared":
+        if self.loss.slopes is None:
             cost += 2 * self.distance * math.sqrt(self.total * cost) + self.distance**2 * self.total
-        return (cost + self.distance * self.total * (self.loss == "absolute") + self.rounding) * (1 + 1e-12)
+        else:
+            cost += self.distance * self.total * float(self.loss.slopes.per_move)
+        return (cost + self.rounding) * (1 + 1e-12)
 
 
 def _scaled_weights(weights: Floats) -> tuple[int, Floats]:
@@ -154,11 +159,11 @@ def _scaled_weights(weights: Floats) -> tuple[int, Floats]:
     return exponent, np.ldexp(weights, exponent)
 
 
-def _scaled_targets(targets: Floats, weights: Floats) -> tuple[int, Floats, float]:
+def _scaled_targets(targets: Floats, weights: Floats, steepest: int) -> tuple[int, Floats, float]:
     """Return a power of two, the targets scaled by it about the middle, and how far they are from the true ones."""
     middle = float(targets.min() / 2 + targets.max() / 2)
     whole = whole_exponent(np.abs(targets[targets != 0])) if targets.any() else 0
-    total = math.fsum(weights)
+    total = math.fsum(weights) * steepest
     if math.ldexp(float(np.abs(targets).max()), min(whole, 2000)) < CAPACITY if whole < 900 else False:
         scaled = np.ldexp(targets, whole)
         moved = scaled - np.floor(math.ldexp(middle, whole))

@@ -32,20 +32,19 @@ def fitted_leaf(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf:
 
 
 def constant_of(problem: Problem, rows: Rows) -> float:
-    """Return the weighted mean or median of the targets of some samples, in float64."""
+    """Return the constant of least error for the targets of some samples, in float64."""
     weights, targets = problem.weights[rows], problem.targets[rows]
-    if not weights.any():
-        weights = np.ones(len(rows))
-    if problem.loss.name == "squared":
-        return float(np.average(targets, weights=weights))
-    return weighted_median(targets, weights)
+    return _constant(problem, targets, weights if weights.any() else np.ones(len(rows)))
 
 
-def weighted_median(values: Floats, weights: Floats) -> float:
-    """Return the lowest weighted median."""
+def _constant(problem: Problem, values: Floats, weights: Floats) -> float:
+    """Return the weighted mean, or the lowest weighted quantile of a sloped error."""
+    slopes = problem.number_loss.slopes
+    if slopes is None:
+        return float(np.average(values, weights=weights))
     order = np.argsort(values, kind="stable")
     below = np.cumsum(weights[order])
-    return float(values[order[int(np.searchsorted(below, below[-1] / 2))]])
+    return float(values[order[int(np.searchsorted(below, below[-1] * slopes.up / (slopes.up + slopes.down)))]])
 
 
 def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
@@ -53,7 +52,7 @@ def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
 
     Minimises ``sum_i w_i (y_i - a - sum_j b_j x_ij)^2 + ridge * W * sum_j var_j b_j^2``, W the sum of the weights and
     var_j the variance of feature j in the leaf; the number `a` is not shrunk. Source: Hoerl & Kennard (1970), eq. 2.1.
-    For absolute errors `a` becomes the median of what is left.
+    For sloped errors `a` becomes the quantile of what is left.
     """
     weights = problem.weights[rows]
     if not weights.any():
@@ -74,5 +73,4 @@ def _ridge(problem: Problem, rows: Rows, usable: Rows) -> ValueLeaf | None:
     if not len(features) or not np.isfinite(slopes).all():
         return None
     left = problem.targets[rows] - problem.features[np.ix_(rows, features)] @ slopes
-    value = float(weights @ left) if problem.loss.name == "squared" else weighted_median(left, weights)
-    return ValueLeaf(value, tuple(features.tolist()), tuple(slopes.tolist()))
+    return ValueLeaf(_constant(problem, left, weights), tuple(features.tolist()), tuple(slopes.tolist()))

@@ -18,7 +18,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.regression.far_targets import FARTHEST, reach
 
 FORMAT = "octmip-proof 3 regression"
-"""First words of a log; the loss stands behind them."""
+"""First words of a log; the spelling of the loss stands behind them."""
 SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
 """Sums of weighted targets, costs and sums of weights that are not whole stay below 2 to the power of so many."""
 
@@ -29,7 +29,7 @@ def checker_question(problem: Problem) -> _native.RegressionQuestion:
         np.ascontiguousarray(problem.features),
         np.ascontiguousarray(problem.targets),
         np.ascontiguousarray(problem.weights),
-        (problem.loss.name == "absolute", problem.depth, problem.leaf_size, problem.leaf_penalty),
+        (problem.number_loss.slopes, problem.depth, problem.leaf_size, problem.leaf_penalty),
         (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
     )
 
@@ -45,15 +45,16 @@ def write_proof(path: str | Path, problem: Problem, wanted: Fraction) -> float:
         the file cannot be written.
     """
     question, scale = checker_question(problem), log_scale(problem, float(wanted))
-    power = 1 if problem.loss.name == "absolute" else 2
-    unit = power_of_two(scale[0] + power * scale[1] - scale[2])
+    slopes = problem.number_loss.slopes
+    power, over = (2, 1) if slopes is None else (1, slopes.over)
+    unit = power_of_two(scale[0] + power * scale[1] - scale[2]) * over
     found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
     if found is None:
         raise SolverError(f"the proof of {float(wanted)} was interrupted; {path} is not written")
     claim, body, bound = found
-    data, asked = question.digests()
+    loss, data, asked = question.identity()
     grid = " ".join(map(str, scale))
-    header = f"{FORMAT} {problem.loss.name}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
+    header = f"{FORMAT} {loss}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
     write_bytes(path, (header + body + "end\n").encode("ascii"))
     return bound
 
@@ -71,8 +72,8 @@ def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
         return exponent, 0, 0, FARTHEST
     # Gaps and their sum are rounded.
     finest = SUM_BITS - total - math.frexp(math.fsum(gaps) * (1 + 1e-12))[1]
-    if problem.loss.name == "absolute":
-        return exponent, finest, 0, farthest
+    if (slopes := problem.number_loss.slopes) is not None:
+        return exponent, finest - (slopes.steepest - 1).bit_length(), 0, farthest
     return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest
 
 

@@ -18,7 +18,9 @@ def add_target_arguments(data: argparse._ArgumentGroup, loss: argparse._Argument
     """Add the column of numbers to predict, and how trees for it are judged."""
     data.add_argument("--target", metavar="COL", help="instead of --label: column with the number of each row")
     loss.add_argument(
-        "--loss", choices=("squared", "absolute"), help="with --target: error of a prediction (default squared)"
+        "--loss",
+        metavar="LOSS",
+        help="with --target: squared or absolute error, or that of a quantile as in quantile:0.9 (default squared)",
     )
 
 

@@ -21,15 +21,11 @@ from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.targets import refuse_quantity
 from octmip.interfaces.cli.samples.training import samples_of, strata_of
-from octmip.trees.losses import NUMBER_LOSSES, ClassCosts, Loss
+from octmip.trees.losses import ClassCosts, Loss, number_loss
 from octmip.trees.problem import Problem
+from octmip.trees.registry import OF_CLASSES_ALONE
 from octmip.trees.tradeoff import Samples, Score, held_out_rows
 
-OF_CLASSES = {
-    "costs": "prices of taking one class for another",
-    "numbers_are_classes": "a label of classes",
-}
-"""Options that have no meaning for numbers, and what they are about."""
 FEWEST_COUNTED = 20
 """Rows of a table from which on a column that goes up by one is taken for their number."""
 
@@ -96,7 +92,7 @@ def ask(arguments: argparse.Namespace) -> Question:
         no tree can answer.
     """
     target = getattr(arguments, "target", None)
-    loss = None if target is None else NUMBER_LOSSES[arguments.loss or "squared"]
+    loss = None if target is None else number_loss(arguments.loss or "squared")
     if loss is not None:
         _refuse_options_of_classes(arguments)
     whole = read_table(arguments.data, arguments.format)
@@ -136,7 +132,7 @@ def ask(arguments: argparse.Namespace) -> Question:
 
 
 def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
-    for name, about in OF_CLASSES.items():
+    for name, about in OF_CLASSES_ALONE.items():
         if getattr(arguments, name) not in (None, False):
             option = f"--{name.replace('_', '-')}"
             raise DataError(

@@ -1,9 +1,9 @@
-//! Branch and bound over thresholds for regression: trees of least squared or absolute error.
+//! Branch and bound over thresholds for regression: trees of least squared error, or of least sloped error (absolute, quantile).
 //!
 //! ```text
 //! samples, view      the problem as it is counted, and the samples of one node
 //! clusters           the least error of few constants for many targets: what no tree of so many leaves avoids
-//! medians            absolute error of a set of targets from which one after the other is taken
+//! slopes, quantiles  sloped errors, and that of a set of targets from which one after the other is taken
 //! scan               the best cut of one feature left and right of a cut of another, by samples
 //! buckets            the same of all features at once by buckets: vector passes in `sweep`, walks in `inside`
 //! sides, depth_two   the two sides of a moving cut, and the best tree of at most two levels
@@ -21,17 +21,19 @@ pub(crate) mod buckets;
 pub(crate) mod clusters;
 pub(crate) mod depth_two;
 pub(crate) mod inside;
-pub(crate) mod medians;
 pub(crate) mod node;
 pub(crate) mod proof;
+pub(crate) mod quantiles;
 pub(crate) mod result;
 pub(crate) mod root;
 pub(crate) mod samples;
 pub(crate) mod scan;
 pub(crate) mod sides;
+pub(crate) mod slopes;
 pub(crate) mod sweep;
 pub(crate) mod view;
 
 pub use proof::prove;
 pub use root::{Found, solve};
 pub use samples::Question;
+pub use slopes::Slopes;

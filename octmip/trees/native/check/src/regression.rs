@@ -1,4 +1,4 @@
-//! The checker of logs of regression trees: axis-aligned, one number in each leaf, squared or absolute error.
+//! The checker of logs of regression trees: axis-aligned, one number in each leaf, squared or sloped error.
 //!
 //! Format and proofs: docs/theory/regression.md. Writers of logs use its bounds, so that they write what it needs.
 
@@ -7,10 +7,11 @@ mod clusters;
 pub mod cuts;
 pub mod grid;
 mod header;
-mod medians;
 mod nodes;
 mod problem_file;
+mod quantiles;
 pub mod question;
+pub mod slopes;
 pub mod stumps;
 
 use crate::Report;

@@ -75,6 +75,8 @@ fn a_proof_of_a_regression_problem_is_verified_or_refused() {
     assert!(code == Some(1) && out.ends_with("line 6: a tree costs 9, not 10; the proof is refused\n"), "{out}");
     let changes = [
         ("absolute", "huber", "loss is \"huber\""),
+        ("absolute", "quantile:9/9", "loss is \"quantile:9/9\""),
+        ("absolute", "quantile:0.9", "or a quantile such as \"quantile:9/10\""),
         ("version\": 1", "version\": 2", "version is not 1 to 1"),
         ("[0, 9, 0, 9]", "[0, 9, 0]", "targets has 3 entries, expected 4"),
         ("\"weights\": [1", "\"weights\": [-1", "weights holds -1"),

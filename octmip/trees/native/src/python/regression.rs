@@ -1,4 +1,4 @@
-//! `octmip.trees._native.regression`: trees of least squared or absolute error.
+//! `octmip.trees._native.regression`: trees of least squared or sloped error.
 
 use std::sync::atomic::Ordering;
 
@@ -6,6 +6,7 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use octmip_check::regression::check;
 use octmip_check::regression::grid::{Samples, Scale};
 use octmip_check::regression::question::RegressionQuestion;
+use octmip_check::regression::slopes::Slopes;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -15,8 +16,8 @@ use crate::regression::{Question, prove, solve};
 
 /// Targets, weights, rounded squares of each sample, the grid of the squares.
 type Targets<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
-/// Whether the error is absolute, price of a split, depth, leaf size, which features may be used.
-type Shape = (bool, f64, usize, usize, Vec<bool>);
+/// Slopes above and below a prediction (None: squared), price of a split, depth, leaf size, features that may be used.
+type Shape = (Option<(f64, f64)>, f64, usize, usize, Vec<bool>);
 /// Node rows (None without a tree below the room), bound, stop, evaluated cuts.
 type Found = (Option<Vec<NodeRow>>, f64, &'static str, u64);
 
@@ -35,7 +36,7 @@ pub(crate) fn regression(
     limit_values: LimitValues,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Found> {
-    let (is_absolute, penalty, depth, leaf_size, allowed) = shape;
+    let (slopes, penalty, depth, leaf_size, allowed) = shape;
     let question = Question {
         n: ranks.shape()[1],
         p: ranks.shape()[0],
@@ -45,7 +46,7 @@ pub(crate) fn regression(
         weights: targets.1.as_slice()?.to_vec(),
         squares: targets.2.as_slice()?.to_vec(),
         grain: targets.3,
-        is_absolute,
+        slopes: slopes.map(|(up, down)| crate::regression::Slopes { up, down }),
         penalty,
         depth,
         leaf_size,
@@ -60,8 +61,8 @@ pub(crate) fn regression(
     Ok((found.tree.as_ref().map(rows_from_tree), found.bound, stop_name(found.stop), found.n_cuts))
 }
 
-/// Whether the error is absolute, depth, least samples of a leaf, price of a split.
-type Asked = (bool, usize, usize, f64);
+/// Slopes and what they are divided by (None: squared), depth, least samples of a leaf, price of a split.
+type Asked = (Option<(i64, i64, i64)>, usize, usize, f64);
 /// Sensor of each feature, cost of each sensor, budget.
 type Sensors = (Vec<u32>, Vec<f64>, f64);
 /// The bound, the lines of the log and the line of its claim; or the line that is refused, and the reason.
@@ -83,7 +84,7 @@ impl PyRegressionQuestion {
         asked: Asked,
         sensors: Sensors,
     ) -> PyResult<Self> {
-        let (is_absolute, depth, leaf_size, leaf_penalty) = asked;
+        let (slopes, depth, leaf_size, leaf_penalty) = asked;
         let (sensor_of_feature, sensor_cost, sensor_limit) = sensors;
         let question = RegressionQuestion {
             n: features.shape()[0],
@@ -91,7 +92,7 @@ impl PyRegressionQuestion {
             features: features.as_slice()?.to_vec(),
             targets: targets.as_slice()?.to_vec(),
             weights: weights.as_slice()?.to_vec(),
-            is_absolute,
+            slopes: slopes.map(|(up, down, over)| Slopes { up, down, over }),
             depth,
             leaf_size,
             leaf_penalty,
@@ -102,9 +103,9 @@ impl PyRegressionQuestion {
         Ok(Self { inner: question.validated().map_err(PyValueError::new_err)? })
     }
 
-    /// The SHA-256 of samples, targets and weights, and that of all the rest.
-    fn digests(&self) -> (String, String) {
-        (self.inner.data_digest(), self.inner.question_digest())
+    /// The error by its name, the SHA-256 of samples, targets and weights, and that of all the rest.
+    fn identity(&self) -> (String, String, String) {
+        (Slopes::named(self.inner.slopes), self.inner.data_digest(), self.inner.question_digest())
     }
 
     /// Check a log.

@@ -10,10 +10,10 @@
 //!   the other samples it predicts at most so many constants.
 //! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
 //!   best tree of the smaller set is feasible on the larger. Its constants lie between the least and the greatest
-//!   target, so a new sample costs at most its range, its error under the farther of the two.
+//!   target, so a new sample costs at most its range, its error under the worse of the two.
 
 use crate::regression::clusters::{Histogram, N_BINS, Sums};
-use crate::regression::medians::Medians;
+use crate::regression::quantiles::Quantiles;
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
 use crate::regression::view::View;
@@ -130,8 +130,7 @@ impl Axis {
                 self.parts.push(histogram);
             }
             before = Some(ranks[i]);
-            let target = samples.targets[i];
-            range += samples.error_range(i, (target - low).max(high - target));
+            range += samples.error_range(i, low, high);
             histogram[samples.bins.of_sample[i] as usize] += samples.sums[i];
         }
         self.positions.push(view.len as u32);
@@ -148,11 +147,11 @@ impl Axis {
         view: &View,
         f: usize,
         sides: &Sides,
-        medians: &mut Medians,
+        quantiles: &mut Quantiles,
     ) {
         let list = view.list(f);
         self.leaves.resize(self.positions.len(), Pair::default());
-        if !samples.is_absolute {
+        let Some(slopes) = samples.slopes else {
             let total = view.sums(samples);
             let (mut left, mut k) = (Sums::default(), 0);
             for (cut, leaf) in self.leaves.iter_mut().enumerate() {
@@ -163,25 +162,25 @@ impl Axis {
                 *leaf = Pair { left: left.squared_error(), right: (total - left).squared_error() };
             }
             return;
-        }
+        };
         let weight = |k: usize| samples.sums[list[k] as usize].weight;
         let target = |k: usize| sides.target_of[list[k] as usize];
-        medians.load(&sides.targets[1], &sides.values);
+        quantiles.load(slopes, &sides.targets[1], &sides.values);
         let mut k = 0;
         for (cut, leaf) in self.leaves.iter_mut().enumerate() {
             while k < self.positions[cut] as usize {
-                medians.remove(target(k), weight(k), &sides.values);
+                quantiles.remove(target(k), weight(k), &sides.values);
                 k += 1;
             }
-            leaf.right = medians.cost(&sides.values);
+            leaf.right = quantiles.cost(&sides.values);
         }
-        medians.load(&sides.targets[1], &sides.values);
+        quantiles.load(slopes, &sides.targets[1], &sides.values);
         for (cut, leaf) in self.leaves.iter_mut().enumerate().rev() {
             while k > self.positions[cut] as usize {
                 k -= 1;
-                medians.remove(target(k), weight(k), &sides.values);
+                quantiles.remove(target(k), weight(k), &sides.values);
             }
-            leaf.left = medians.cost(&sides.values);
+            leaf.left = quantiles.cost(&sides.values);
         }
     }
 
@@ -205,7 +204,7 @@ impl Axis {
         }
         let (low, high) = (&self.parts[first], &self.parts[last]);
         let between: Histogram = std::array::from_fn(|bin| high[bin] - low[bin]);
-        samples.bins.bound(&between, times * self.n_leaves, samples.is_absolute)
+        samples.bins.bound(&between, times * self.n_leaves, samples.slopes)
     }
 
     /// Lower bound of the children of every cut between two solved ones.

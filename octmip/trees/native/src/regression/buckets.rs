@@ -1,18 +1,18 @@
-//! Best cuts by buckets: leaves of any size, weights above 0; squared errors, or absolute ones of few distinct targets.
+//! Best cuts by buckets: leaves of any size, weights above 0; squared errors, or sloped ones of few distinct targets.
 //!
 //! The samples of a node are parted into buckets along each feature, samples of one rank never into two. A cut of
 //! another feature that moves by one sample changes one bucket of each feature, and a pass reads buckets, not samples
 //! (`sweep`). Where a bound says that a bucket may hold a better cut than all edges, it is looked into (`inside`).
 
-use crate::regression::inside::{Inside, Piles, absolute_error};
+use crate::regression::inside::{Inside, Piles, sloped_error};
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
-use crate::regression::sweep::{Absolute, CAPS, LANES, Line, MOST_VALUES, Reached, SQUARED_ROWS, Squared};
+use crate::regression::sweep::{CAPS, LANES, Line, MOST_VALUES, Reached, SQUARED_ROWS, Sloped, Squared};
 use crate::regression::view::View;
 
 /// Most buckets of a feature.
 const MOST_SQUARED: usize = 64;
-const MOST_ABSOLUTE: usize = 48;
+const MOST_SLOPED: usize = 48;
 
 /// Buckets of all features of a node.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub(crate) struct Buckets {
     has_inside: bool,
     /// Samples left of the cut that each group stands at.
     at: Vec<usize>,
-    /// Weight of each target on both sides; of absolute errors.
+    /// Weight of each target on both sides; of sloped errors.
     by_target: [[f64; MOST_VALUES]; 2],
     inside: Inside,
 }
@@ -45,14 +45,14 @@ impl Buckets {
     /// Buckets of these samples, None where they do not serve.
     pub(crate) fn new(samples: &Samples) -> Option<Self> {
         let has_weights = samples.sums.iter().all(|own| own.weight > 0.0);
-        let is_few = !samples.is_absolute || samples.values.len() <= MOST_VALUES;
+        let is_few = samples.slopes.is_none() || samples.values.len() <= MOST_VALUES;
         (samples.leaf_size == 1 && has_weights && is_few).then(|| Self {
             arch: pulp::Arch::new(),
             features: (0..samples.p).collect(),
             slots: (0..samples.p).collect(),
             n_buckets: 0,
             starts: Vec::new(),
-            rows: if samples.is_absolute { 2 * samples.values.len().max(2) + 1 } else { SQUARED_ROWS },
+            rows: if samples.slopes.is_some() { 2 * samples.values.len().max(2) + 1 } else { SQUARED_ROWS },
             lines: Vec::new(),
             of_sample: Vec::new(),
             caps: Vec::new(),
@@ -113,7 +113,7 @@ impl Buckets {
     }
 
     fn lay_starts(&mut self, samples: &Samples, view: &View) {
-        let most = if samples.is_absolute { MOST_ABSOLUTE } else { MOST_SQUARED };
+        let most = if samples.slopes.is_some() { MOST_SLOPED } else { MOST_SQUARED };
         // Passes cost as much as there are buckets, walks as much as samples are in one.
         let size = view.len.div_ceil(most.max(view.len.isqrt()));
         let mut all: Vec<Vec<u32>> = Vec::with_capacity(samples.p);
@@ -146,14 +146,14 @@ impl Buckets {
 
     /// All samples on the right again.
     pub(crate) fn rewind(&mut self, samples: &Samples, view: &View) {
-        let (first, n) = if samples.is_absolute { (self.rows / 2, self.rows / 2) } else { (2, 2) };
+        let (first, n) = if samples.slopes.is_some() { (self.rows / 2, self.rows / 2) } else { (2, 2) };
         self.at.clear();
         self.at.resize(self.n_groups(), 0);
         for cell in self.lines.chunks_exact_mut(self.rows) {
             cell[first..first + n].fill(Line::ZERO);
         }
         self.by_target = [[0.0; MOST_VALUES]; 2];
-        if samples.is_absolute {
+        if samples.slopes.is_some() {
             for &i in view.list(samples.p) {
                 let target = samples.ranks_of(samples.p)[i as usize] as usize;
                 self.by_target[1][target] += samples.sums[i as usize].weight;
@@ -164,7 +164,7 @@ impl Buckets {
     /// A sample changes sides, 0 is to the left.
     #[inline]
     pub(crate) fn pass(&mut self, samples: &Samples, i: u32, to: usize) {
-        if samples.is_absolute {
+        if samples.slopes.is_some() {
             let target = samples.ranks_of(samples.p)[i as usize] as usize;
             self.by_target[to][target] += samples.sums[i as usize].weight;
             self.by_target[1 - to][target] -= samples.sums[i as usize].weight;
@@ -181,7 +181,7 @@ impl Buckets {
             let own = &samples.sums[i as usize];
             let cells = &self.of_sample[i as usize * p + first..][..used];
             let (weight, target) = (sign * own.weight, sign * own.target);
-            if samples.is_absolute {
+            if samples.slopes.is_some() {
                 let row = self.rows / 2 + samples.ranks_of(samples.p)[i as usize] as usize;
                 for (lane, &cell) in cells.iter().enumerate() {
                     self.lines[cell as usize + row].0[lane % LANES] += weight;
@@ -199,10 +199,9 @@ impl Buckets {
 
     /// Least error of one constant on either side.
     pub(crate) fn leaves(&self, samples: &Samples, sides: &Sides) -> [f64; 2] {
-        if samples.is_absolute {
-            self.by_target.map(|weights| absolute_error(&weights, &samples.gaps))
-        } else {
-            sides.sums.map(|sums| sums.squared_error())
+        match samples.slopes {
+            Some(slopes) => self.by_target.map(|weights| sloped_error(slopes, &weights, &samples.gaps)),
+            None => sides.sums.map(|sums| sums.squared_error()),
         }
     }
 
@@ -219,9 +218,9 @@ impl Buckets {
         let size = self.n_buckets * self.rows;
         let (lines, has_inside) = (&self.lines[group * size..][..size], self.has_inside);
         let caps = &mut self.caps[group * self.n_buckets * CAPS..][..self.n_buckets * CAPS];
-        let reached = if samples.is_absolute {
+        let reached = if let Some(slopes) = samples.slopes {
             let (totals, gaps, n_values) = (self.by_target, samples.gaps, self.rows / 2);
-            self.arch.dispatch(Absolute { lines, caps, totals, gaps, n_values, has_inside, needs })
+            self.arch.dispatch(Sloped { slopes, lines, caps, totals, gaps, n_values, has_inside, needs })
         } else {
             let totals = sides.sums.map(|sums| (sums.weight, sums.target, sums.square));
             self.arch.dispatch(Squared { lines, caps, totals, has_inside, needs })
@@ -252,10 +251,9 @@ impl Buckets {
             side,
             rows: self.rows,
         };
-        let (found, lower) = if samples.is_absolute {
-            self.inside.absolute(samples, sides, &piles, &self.by_target[side], beat)
-        } else {
-            self.inside.squared(samples, sides, &piles, beat)
+        let (found, lower) = match samples.slopes {
+            Some(slopes) => self.inside.sloped(slopes, (samples, sides), &piles, &self.by_target[side], beat),
+            None => self.inside.squared(samples, sides, &piles, beat),
         };
         (found, lower.min(self.reached[group].edge[side][slot % LANES]))
     }
@@ -264,7 +262,7 @@ impl Buckets {
 /// Enter a bucket's samples in the rows of its cell.
 fn fill(cell: &mut [Line], lane: usize, samples: &Samples, own: &[u32], is_open: bool) {
     let last = cell.len() - 1;
-    if samples.is_absolute {
+    if samples.slopes.is_some() {
         for &i in own {
             let target = samples.ranks_of(samples.p)[i as usize] as usize;
             cell[target].0[lane] += samples.sums[i as usize].weight;

@@ -8,6 +8,8 @@
 
 use std::ops::{AddAssign, Sub};
 
+use crate::regression::slopes::Slopes;
+
 /// Most bins.
 pub(crate) const N_BINS: usize = 16;
 
@@ -101,24 +103,24 @@ impl Bins {
     /// several targets. So the whole bins of that cluster are those from `p(j)`, or from `p(j) + 1`, to before
     /// `p(j + 1)`: a run that `best` allows, empty where the cluster has no whole bin: inside one bin, from one into
     /// the next, **or as the end of the last bin**. It costs no more than the cluster, as fewer samples never do. QED
-    pub(crate) fn bound(&self, histogram: &Histogram, c: usize, is_absolute: bool) -> f64 {
+    pub(crate) fn bound(&self, histogram: &Histogram, c: usize, slopes: Option<Slopes>) -> f64 {
         let n_bins = self.ends.len();
         if c >= n_bins {
             return 0.0;
         }
-        if is_absolute && self.is_single {
-            return self.few_targets(histogram, c);
+        if let Some(slopes) = slopes.filter(|_| self.is_single) {
+            return self.few_targets(slopes, histogram, c);
         }
         // Of one cluster: nothing is left out.
         let mut best = [f64::INFINITY; N_BINS + 1];
         best[0] = 0.0;
-        self.extend(&mut best, histogram, 0.0, 0, is_absolute);
+        self.extend(&mut best, histogram, 0.0, 0, slopes);
         for _ in 2..c {
             let mut next = best;
             for from in 1..=n_bins {
                 let start = self.start(&best, from);
                 next[from] = next[from].min(start);
-                self.extend(&mut next, histogram, start, from, is_absolute);
+                self.extend(&mut next, histogram, start, from, slopes);
             }
             best = next;
         }
@@ -130,7 +132,7 @@ impl Bins {
         let mut sums = Sums::default();
         for from in (1..n_bins).rev() {
             sums += histogram[from];
-            let cost = if is_absolute { self.absolute(histogram, from, n_bins - 1) } else { sums.squared_error() };
+            let cost = self.run(slopes, &sums, histogram, from, n_bins - 1);
             least = least.min(self.start(&best, from) + cost);
         }
         least
@@ -138,19 +140,35 @@ impl Bins {
 
     /// Lower `next` by the runs from a bin on that begin at a cost of `start`.
     #[inline(always)]
-    fn extend(&self, next: &mut [f64; N_BINS + 1], histogram: &Histogram, start: f64, from: usize, is_absolute: bool) {
+    fn extend(
+        &self,
+        next: &mut [f64; N_BINS + 1],
+        histogram: &Histogram,
+        start: f64,
+        from: usize,
+        slopes: Option<Slopes>,
+    ) {
         let mut sums = Sums::default();
         for to in from..self.ends.len() {
             sums += histogram[to];
-            let cost = if is_absolute { self.absolute(histogram, from, to) } else { sums.squared_error() };
+            let cost = self.run(slopes, &sums, histogram, from, to);
             next[to + 1] = next[to + 1].min(start + cost);
         }
     }
 
-    /// The same where each bin is one target: the least absolute error of `c` constants.
+    /// Lower bound of the error of one constant for the bins `from..=to`, which sum to `sums`.
+    #[inline(always)]
+    fn run(&self, slopes: Option<Slopes>, sums: &Sums, histogram: &Histogram, from: usize, to: usize) -> f64 {
+        match slopes {
+            Some(slopes) => self.sloped(slopes, histogram, from, to),
+            None => sums.squared_error(),
+        }
+    }
+
+    /// The same where each bin is one target: the least sloped error of `c` constants.
     ///
-    /// A run of targets errs by its gaps, each times the lesser of the run's weights on both sides of it.
-    fn few_targets(&self, histogram: &Histogram, c: usize) -> f64 {
+    /// A run of targets errs by its gaps, each times the lesser of what the run's weights on both sides of it cost.
+    fn few_targets(&self, slopes: Slopes, histogram: &Histogram, c: usize) -> f64 {
         let n = self.ends.len();
         let mut below = [0.0; N_BINS + 1];
         for (bin, own) in histogram[..n].iter().enumerate() {
@@ -158,7 +176,7 @@ impl Bins {
         }
         let gap = |j: usize| self.ends[j].0 - self.ends[j - 1].0;
         let run = |from: usize, to: usize| -> f64 {
-            let side = |j: usize| f64::min(below[j] - below[from], below[to] - below[j]);
+            let side = |j: usize| f64::min(slopes.down * (below[j] - below[from]), slopes.up * (below[to] - below[j]));
             (from + 1..to).map(|j| gap(j) * side(j)).sum()
         };
         if c + 1 == n {
@@ -180,19 +198,19 @@ impl Bins {
         if is_parted { best[from].min(best[from - 1]) } else { best[from] }
     }
 
-    /// Lower bound of the absolute error of one constant for the bins `from..=to`.
+    /// Lower bound of the sloped error of one constant for the bins `from..=to`.
     ///
-    /// The weighted median lies in the bin where half of the weight is reached. Bins below and above cost what their
-    /// sums say, and its own at least the absolute value of its sum; all this is convex in the constant, with its one
-    /// bend at the mean of that bin.
-    fn absolute(&self, histogram: &Histogram, from: usize, to: usize) -> f64 {
+    /// The weighted quantile lies in the bin where its share of the weight is reached. Bins below and above cost what
+    /// their sums say, and its own at least the error of its sum; all this is convex in the constant, with its one bend
+    /// at the mean of that bin.
+    fn sloped(&self, slopes: Slopes, histogram: &Histogram, from: usize, to: usize) -> f64 {
         let total = histogram[from..=to].iter().fold(Sums::default(), |mut sum, bin| {
             sum += *bin;
             sum
         });
         let mut below = Sums::default();
         let mut middle = from;
-        while middle < to && 2.0 * (below.weight + histogram[middle].weight) < total.weight {
+        while middle < to && !slopes.is_reached(below.weight + histogram[middle].weight, total.weight) {
             below += histogram[middle];
             middle += 1;
         }
@@ -200,7 +218,8 @@ impl Bins {
         let above_weight = total.weight - below.weight - own.weight;
         let above_target = total.target - below.target - own.target;
         let cost = |m: f64| {
-            (m * below.weight - below.target) + (above_target - m * above_weight) + (own.target - m * own.weight).abs()
+            let miss = own.target - m * own.weight;
+            slopes.cost(m * below.weight - below.target, above_target - m * above_weight) + slopes.most(-miss, miss)
         };
         let (low, high) = self.ends[middle];
         let mean = if own.weight > 0.0 { (own.target / own.weight).clamp(low, high) } else { low };
@@ -212,8 +231,9 @@ impl Bins {
 mod tests {
     use octmip_check::regression::grid::{Samples, Scale};
     use octmip_check::regression::question::RegressionQuestion;
+    use octmip_check::regression::slopes::Slopes as CheckedSlopes;
 
-    use super::{Bins, Histogram, N_BINS, Sums};
+    use super::{Bins, Histogram, N_BINS, Slopes, Sums};
 
     /// Whole targets with a spread top, with ties, or in clusters.
     fn targets(rng: &mut fastrand::Rng, n: usize) -> Vec<f64> {
@@ -231,11 +251,14 @@ mod tests {
     }
 
     /// The least error of one constant for targets with weights.
-    fn run(own: &[(f64, f64)], is_absolute: bool) -> f64 {
-        let error = |m: f64| -> f64 {
-            own.iter().map(|(y, w)| if is_absolute { w * (y - m).abs() } else { w * (y - m).powi(2) }).sum()
+    fn run(own: &[(f64, f64)], slopes: Option<(i64, i64)>) -> f64 {
+        let miss = |y: f64| match slopes {
+            Some((up, _)) if y > 0.0 => up as f64 * y,
+            Some((_, down)) => down as f64 * -y,
+            None => y * y,
         };
-        if is_absolute {
+        let error = |m: f64| -> f64 { own.iter().map(|(y, w)| w * miss(y - m)).sum() };
+        if slopes.is_some() {
             return own.iter().map(|(m, _)| error(*m)).fold(f64::INFINITY, f64::min);
         }
         let weight: f64 = own.iter().map(|(_, w)| w).sum();
@@ -243,10 +266,10 @@ mod tests {
     }
 
     /// The least error of 1, 2, ... runs of sorted targets, by every run that there is.
-    fn optima(sorted: &[(f64, f64)], most: usize, is_absolute: bool) -> Vec<f64> {
+    fn optima(sorted: &[(f64, f64)], most: usize, slopes: Option<(i64, i64)>) -> Vec<f64> {
         let n = sorted.len();
         let costs: Vec<Vec<f64>> =
-            (0..n).map(|from| (from + 1..=n).map(|to| run(&sorted[from..to], is_absolute)).collect()).collect();
+            (0..n).map(|from| (from + 1..=n).map(|to| run(&sorted[from..to], slopes)).collect()).collect();
         let mut best: Vec<f64> = (0..=n).map(|to| if to == 0 { 0.0 } else { costs[0][to - 1] }).collect();
         let mut found = vec![best[n]];
         for _ in 1..most {
@@ -281,14 +304,16 @@ mod tests {
                 histogram[bins.of_sample[i] as usize] += Sums { weight, target, square: target * all[i] };
             }
             let sorted: Vec<(f64, f64)> = kept.iter().map(|&i| (all[i], weights[i])).collect();
-            for is_absolute in [false, true] {
-                let question = question(&all, &weights, is_absolute);
+            for slopes in [None, Some((1, 1)), Some((9, 1))] {
+                let question = question(&all, &weights, slopes);
                 let checked =
                     Samples::on_grid(&question, Scale { weight: 0, target: 0, cost: 0, reach: 1100 }).expect("small");
                 let set: Vec<u32> = kept.iter().map(|&i| i as u32).collect();
-                let size: f64 = sorted.iter().map(|(y, w)| w * if is_absolute { y.abs() } else { y * y }).sum();
-                for (c, least) in (1..).zip(optima(&sorted, 8, is_absolute)) {
-                    let bounds = [bins.bound(&histogram, c, is_absolute), checked.clusters(&set, c) as f64];
+                let size: f64 =
+                    sorted.iter().map(|(y, w)| w * if slopes.is_some() { 9.0 * y.abs() } else { y * y }).sum();
+                for (c, least) in (1..).zip(optima(&sorted, 8, slopes)) {
+                    let own = slopes.map(|(up, down)| Slopes { up: up as f64, down: down as f64 });
+                    let bounds = [bins.bound(&histogram, c, own), checked.clusters(&set, c) as f64];
                     for bound in bounds {
                         assert!(bound <= least + 1e-12 * size, "seed {seed}, {c} clusters: {bound} above {least}");
                     }
@@ -307,14 +332,14 @@ mod tests {
         assert!(n_met > 20_000 && n_many > 20_000, "{n_met} and {n_many} bounds");
     }
 
-    fn question(targets: &[f64], weights: &[f64], is_absolute: bool) -> RegressionQuestion {
+    fn question(targets: &[f64], weights: &[f64], slopes: Option<(i64, i64)>) -> RegressionQuestion {
         RegressionQuestion {
             n: targets.len(),
             p: 1,
             features: (0..targets.len()).map(|i| i as f64).collect(),
             targets: targets.to_vec(),
             weights: weights.to_vec(),
-            is_absolute,
+            slopes: slopes.map(|(up, down)| CheckedSlopes { up, down, over: if up == 1 { 1 } else { up + down } }),
             depth: 1,
             leaf_size: 1,
             leaf_penalty: 0.0,

@@ -6,7 +6,7 @@
 
 use crate::regression::axis::{Axis, Interval, Pair};
 use crate::regression::buckets::Buckets;
-use crate::regression::medians::Medians;
+use crate::regression::quantiles::Quantiles;
 use crate::regression::result::{Effort, NodeResult};
 use crate::regression::samples::Samples;
 use crate::regression::scan::Scanner;
@@ -25,7 +25,7 @@ pub(crate) struct TwoLevels<'a> {
     scanner: Scanner,
     /// Where they serve; else every scan is one of samples.
     buckets: Option<Buckets>,
-    medians: Medians,
+    quantiles: Quantiles,
     axis: Axis,
     /// Lower bounds of each feature's least relaxed error on both sides, evaluation after evaluation.
     kept: Vec<Pair>,
@@ -43,7 +43,7 @@ impl<'a> TwoLevels<'a> {
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
             buckets: Buckets::new(samples),
-            medians: Medians::default(),
+            quantiles: Quantiles::default(),
             axis: Axis::default(),
             kept: Vec::new(),
             now: Vec::new(),
@@ -207,11 +207,11 @@ impl TwoLevels<'_> {
     }
 
     fn begin_feature(&mut self, view: &View, f: usize, axis: &mut Axis, whole: &[f64]) {
-        let Self { sides, medians, kept, buckets, .. } = self;
+        let Self { sides, quantiles, kept, buckets, .. } = self;
         sides.rewind(self.samples, view);
         match buckets {
             Some(buckets) => buckets.rewind(self.samples, view),
-            None => axis.lay_leaves(self.samples, view, f, sides, medians),
+            None => axis.lay_leaves(self.samples, view, f, sides, quantiles),
         }
         kept.clear();
         kept.extend(whole.iter().map(|&right| Pair { left: 0.0, right }));

@@ -6,11 +6,12 @@
 //! as can be of the greatest target only, and as much as can be of the least only. So it explains at most what the best
 //! corner does.
 //!
-//! Absolute errors: for each gap between targets the error is concave in what more is passed below than above it, so
+//! Sloped errors: for each gap between targets the error is concave in what more is passed below than above it, so
 //! least with all that is below passed, or all that is above (`sweep`).
 
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
+use crate::regression::slopes::Slopes;
 use crate::regression::sweep::{CAPS, LANES, Line, MOST_VALUES, SQUARED_ROWS};
 
 /// Weight and weighted target.
@@ -42,7 +43,7 @@ pub(crate) struct Piles<'a> {
 }
 
 impl Piles<'_> {
-    /// Weight of each target in the buckets before one; of absolute errors.
+    /// Weight of each target in the buckets before one; of sloped errors.
     fn before(&self, bucket: usize) -> Weights {
         let n_values = self.rows / 2;
         let mut found = [0.0; MOST_VALUES];
@@ -84,7 +85,7 @@ impl Piles<'_> {
 #[derive(Debug, Default)]
 pub(crate) struct Inside {
     squared: Vec<(usize, f64, Pile)>,
-    absolute: Vec<(usize, f64)>,
+    sloped: Vec<(usize, f64)>,
 }
 
 /// What a cut explains; of nothing where a side is empty.
@@ -136,28 +137,28 @@ impl Inside {
         (error(best), error(most.max(best)))
     }
 
-    /// The same of absolute errors.
-    pub(crate) fn absolute(
+    /// The same of sloped errors.
+    pub(crate) fn sloped(
         &mut self,
-        samples: &Samples,
-        sides: &Sides,
+        slopes: Slopes,
+        (samples, sides): (&Samples, &Sides),
         piles: &Piles<'_>,
         total: &Weights,
         beat: f64,
     ) -> (f64, f64) {
         let (lane, mut lower) = (piles.lane % LANES, f64::INFINITY);
-        self.absolute.clear();
+        self.sloped.clear();
         for (bucket, caps) in piles.caps.as_chunks::<CAPS>().0.iter().enumerate() {
             let cap = caps[piles.side].0[lane];
             if cap < beat {
-                self.absolute.push((bucket, cap));
+                self.sloped.push((bucket, cap));
             } else {
                 lower = lower.min(cap);
             }
         }
-        self.absolute.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        self.sloped.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
         let (all, mut best) = (below(total), f64::INFINITY);
-        for (bucket, cap) in &self.absolute {
+        for (bucket, cap) in &self.sloped {
             if *cap >= best.min(beat) {
                 lower = lower.min(*cap);
                 break;
@@ -169,7 +170,7 @@ impl Inside {
             };
             let start = below(&piles.before(*bucket)); // of most buckets nobody asks
             piles.walk(*bucket, sides, start, add, |left| {
-                let error = split_error(left, &all, &samples.gaps);
+                let error = split_error(slopes, left, &all, &samples.gaps);
                 best = if error < best { error } else { best };
             });
         }
@@ -200,28 +201,29 @@ fn below(weights: &Weights) -> Below {
     })
 }
 
-/// Least absolute error of one constant for weights of the targets.
+/// Least sloped error of one constant for weights of the targets.
 #[inline(always)]
-pub(crate) fn absolute_error(weights: &Weights, gaps: &Weights) -> f64 {
+pub(crate) fn sloped_error(slopes: Slopes, weights: &Weights, gaps: &Weights) -> f64 {
     let below = below(weights);
-    let terms: Weights = std::array::from_fn(|v| gaps[v] * less(below[v], below[MOST_VALUES - 1] - below[v]));
+    let terms: Weights = std::array::from_fn(|v| gaps[v] * less(slopes, below[v], below[MOST_VALUES - 1] - below[v]));
     sum(&terms)
 }
 
-/// Least absolute error of two constants, one left of a cut and one right of it.
+/// Least sloped error of two constants, one left of a cut and one right of it.
 #[inline(always)]
-fn split_error(left: &Below, all: &Below, gaps: &Weights) -> f64 {
+fn split_error(slopes: Slopes, left: &Below, all: &Below, gaps: &Weights) -> f64 {
     let (total, rest) = (left[MOST_VALUES - 1], all[MOST_VALUES - 1] - left[MOST_VALUES - 1]);
     let terms: Weights = std::array::from_fn(|v| {
         let right = all[v] - left[v];
-        gaps[v] * (less(left[v], total - left[v]) + less(right, rest - right))
+        gaps[v] * (less(slopes, left[v], total - left[v]) + less(slopes, right, rest - right))
     });
     sum(&terms)
 }
 
-/// The lesser of two numbers that are not NaN: one instruction, where `f64::min` is several.
+/// The lesser of what weights below and above a gap cost; not NaN: one instruction, where `f64::min` is several.
 #[inline(always)]
-fn less(a: f64, b: f64) -> f64 {
+fn less(slopes: Slopes, below: f64, above: f64) -> f64 {
+    let (a, b) = (slopes.down * below, slopes.up * above);
     if a < b { a } else { b }
 }
 

@@ -1,6 +1,7 @@
 //! The problem as the regression core counts it.
 
 use crate::regression::clusters::{Bins, Sums};
+use crate::regression::slopes::Slopes;
 use crate::regression::sweep::MOST_VALUES;
 
 /// What is asked: ranks, targets, weights and the tree that is wanted.
@@ -22,8 +23,8 @@ pub struct Question {
     pub squares: Vec<f64>,
     /// The grid of `squares`.
     pub grain: f64,
-    /// Whether the error is absolute, not squared.
-    pub is_absolute: bool,
+    /// Those of the error; None where it is squared.
+    pub slopes: Option<Slopes>,
     /// Price of a split.
     pub penalty: f64,
     /// Levels of splits.
@@ -88,8 +89,8 @@ pub(crate) struct Samples {
     range_grid: f64,
     /// Bins of targets, for bounds.
     pub(crate) bins: Bins,
-    /// Whether the error is absolute.
-    pub(crate) is_absolute: bool,
+    /// Those of the error; None where it is squared.
+    pub(crate) slopes: Option<Slopes>,
     /// Price of a split.
     pub(crate) penalty: f64,
     /// Fewest samples in a leaf.
@@ -133,16 +134,20 @@ impl Samples {
             grain: question.grain,
             range_grid,
             bins,
-            is_absolute: question.is_absolute,
+            slopes: question.slopes,
             penalty: question.penalty,
             leaf_size: question.leaf_size,
         }
     }
 
-    /// The error of a sample that is predicted so far off, rounded up.
+    /// The largest error of a sample under a prediction between two numbers on either side of it, rounded up.
     #[inline]
-    pub(crate) fn error_range(&self, i: usize, distance: f64) -> f64 {
-        let power = if self.is_absolute { distance } else { distance * distance };
+    pub(crate) fn error_range(&self, i: usize, low: f64, high: f64) -> f64 {
+        let (above, below) = (self.targets[i] - low, high - self.targets[i]);
+        let power = match self.slopes {
+            Some(slopes) => slopes.most(below, above),
+            None => above.max(below).powi(2),
+        };
         ((self.sums[i].weight * power + self.grain) / self.range_grid).ceil() * self.range_grid + self.range_grid
     }
 
@@ -156,7 +161,10 @@ impl Samples {
 fn range_grid(question: &Question) -> f64 {
     let (low, high) =
         question.targets.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &y| (low.min(y), high.max(y)));
-    let span = if question.is_absolute { high - low } else { (high - low) * (high - low) };
+    let span = match question.slopes {
+        Some(slopes) => slopes.most(high - low, high - low),
+        None => (high - low) * (high - low),
+    };
     let total = question.weights.iter().sum::<f64>() * span + question.grain * question.n as f64;
     2.0f64.powi((total.max(f64::MIN_POSITIVE).log2().ceil() as i32 - 50).max(-1000))
 }

@@ -1,8 +1,9 @@
 //! The best cut of one feature on either side of a cut of another.
 
-use crate::regression::medians::Medians;
+use crate::regression::quantiles::Quantiles;
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
+use crate::regression::slopes::Slopes;
 use crate::regression::view::View;
 
 /// The best cut of a feature for one set of samples, prices of splits left out.
@@ -20,7 +21,7 @@ pub(crate) struct BestCut {
 #[derive(Debug, Default)]
 pub(crate) struct Scanner {
     lists: [Vec<Item>; 2],
-    medians: Medians,
+    quantiles: Quantiles,
     left: Vec<f64>,
 }
 
@@ -42,14 +43,20 @@ impl Scanner {
         sides: &Sides,
         needs: [bool; 2],
     ) -> [BestCut; 2] {
-        if samples.is_absolute {
-            self.absolute(samples, view, g, sides, needs)
-        } else {
-            squared(samples, view, g, sides)
+        match samples.slopes {
+            Some(slopes) => self.sloped(slopes, (samples, view), g, sides, needs),
+            None => squared(samples, view, g, sides),
         }
     }
 
-    fn absolute(&mut self, samples: &Samples, view: &View, g: usize, sides: &Sides, needs: [bool; 2]) -> [BestCut; 2] {
+    fn sloped(
+        &mut self,
+        slopes: Slopes,
+        (samples, view): (&Samples, &View),
+        g: usize,
+        sides: &Sides,
+        needs: [bool; 2],
+    ) -> [BestCut; 2] {
         let ranks = samples.ranks_of(g);
         self.lists.iter_mut().for_each(Vec::clear);
         for &i in view.list(g) {
@@ -58,28 +65,28 @@ impl Scanner {
             self.lists[sides.of_sample[i] as usize].push(item);
         }
         let nothing = BestCut { relaxed: 0.0, error: f64::INFINITY, rank: 0 };
-        std::array::from_fn(|m| if needs[m] { self.absolute_side(m, sides, samples.leaf_size) } else { nothing })
+        std::array::from_fn(|m| if needs[m] { self.sloped_side(slopes, m, sides, samples.leaf_size) } else { nothing })
     }
 
-    fn absolute_side(&mut self, side: usize, sides: &Sides, leaf_size: usize) -> BestCut {
-        let Self { lists, medians, left } = self;
+    fn sloped_side(&mut self, slopes: Slopes, side: usize, sides: &Sides, leaf_size: usize) -> BestCut {
+        let Self { lists, quantiles, left } = self;
         let (list, values) = (&lists[side], &sides.values);
-        medians.load(&sides.targets[side], values);
-        let mut best = BestCut { relaxed: medians.cost(values), error: f64::INFINITY, rank: 0 };
+        quantiles.load(slopes, &sides.targets[side], values);
+        let mut best = BestCut { relaxed: quantiles.cost(values), error: f64::INFINITY, rank: 0 };
         left.clear();
         left.resize(list.len() + 1, 0.0);
         for (k, item) in list.iter().enumerate().rev() {
-            medians.remove(item.target, item.weight, values);
-            left[k] = medians.cost(values);
+            quantiles.remove(item.target, item.weight, values);
+            left[k] = quantiles.cost(values);
         }
-        medians.load(&sides.targets[side], values);
+        quantiles.load(slopes, &sides.targets[side], values);
         for (k, item) in list.iter().enumerate() {
             let k = k + 1;
-            medians.remove(item.target, item.weight, values);
+            quantiles.remove(item.target, item.weight, values);
             if k == list.len() || list[k].rank == item.rank {
                 continue;
             }
-            let error = left[k] + medians.cost(values);
+            let error = left[k] + quantiles.cost(values);
             best.relaxed = best.relaxed.min(error);
             if error < best.error && k >= leaf_size && list.len() - k >= leaf_size {
                 (best.error, best.rank) = (error, item.rank);

@@ -1,7 +1,7 @@
 //! The two sides of a moving cut, as the scans of other features read them.
 
 use crate::regression::clusters::Sums;
-use crate::regression::medians::Targets;
+use crate::regression::quantiles::Targets;
 use crate::regression::samples::Samples;
 use crate::regression::view::View;
 
@@ -14,7 +14,7 @@ pub(crate) struct Sides {
     pub(crate) sums: [Sums; 2],
     /// Samples of both sides.
     pub(crate) counts: [usize; 2],
-    /// Targets of both sides, as indices of `values`; of absolute error only.
+    /// Targets of both sides, as indices of `values`; of sloped errors only.
     pub(crate) targets: [Targets; 2],
     /// Index of each sample's target in `values`, by sample id.
     pub(crate) target_of: Vec<u32>,
@@ -30,7 +30,7 @@ impl Sides {
 
     /// Take up a node, all samples on the right.
     pub(crate) fn load(&mut self, samples: &Samples, view: &View) {
-        if samples.is_absolute {
+        if samples.slopes.is_some() {
             self.values.clear();
             for &i in view.list(samples.p) {
                 let target = samples.targets[i as usize];
@@ -50,7 +50,7 @@ impl Sides {
         for &i in view.list(samples.p) {
             self.of_sample[i as usize] = 1;
         }
-        if samples.is_absolute {
+        if samples.slopes.is_some() {
             for side in &mut self.targets {
                 side.clear(self.values.len());
             }
@@ -88,7 +88,7 @@ impl Sides {
         self.sums[1 - to] = self.sums[1 - to] - own;
         self.counts[to] += 1;
         self.counts[1 - to] -= 1;
-        if samples.is_absolute {
+        if samples.slopes.is_some() {
             let target = self.target_of[i as usize];
             self.targets[to].add(target, own.weight);
             self.targets[1 - to].remove(target, own.weight);

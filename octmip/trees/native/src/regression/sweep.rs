@@ -5,12 +5,14 @@
 
 use pulp::{Simd, WithSimd, bytemuck};
 
+use crate::regression::slopes::Slopes;
+
 /// Features of a group.
 pub(crate) const LANES: usize = 8;
 /// Rows of a cell of squared errors: weight and weighted target of all its samples and of those left of the cut; least
 /// and greatest target, and one over their difference, 0 where no cut lies inside.
 pub(crate) const SQUARED_ROWS: usize = 7;
-/// Most distinct targets of absolute errors.
+/// Most distinct targets of sloped errors.
 pub(crate) const MOST_VALUES: usize = 8;
 
 /// Lines of bounds of a bucket.
@@ -168,19 +170,22 @@ impl Squared<'_> {
     }
 }
 
-/// A pass of absolute errors of few distinct targets.
+/// A pass of sloped errors of few distinct targets.
 ///
-/// One constant errs by `sum over gaps between neighbouring targets of gap * min(weight below, weight above)`: the
-/// median makes each term least. With D what more lies below a gap than above it on the whole side and d the same left
-/// of a cut, `min(a, b) = (a + b - |a - b|) / 2` and `|d| + |D - d| = max(|D|, |2 d - D|)` make a cut's two constants
+/// One constant errs by `sum over gaps between neighbouring targets of gap * min(down * weight below, up * weight
+/// above)`: the quantile makes each term least. Let a side cost `T = down * below + up * above` at a gap, and
+/// `D = down * below - up * above`, and let d be the same as D left of a cut. `min(a, b) = (a + b - |a - b|) / 2` and
+/// `|d| + |D - d| = max(|D|, |2 d - D|)` make a cut's two constants
 ///
 /// ```text
-/// err by   sum over gaps of gap * (weight / 2 - max(|D| / 2, |d - D / 2|))
+/// err by   sum over gaps of gap * (T / 2 - max(|D| / 2, |d - D / 2|))
 /// ```
 ///
 /// so that one number a gap, d - D / 2, says all. Rows of a cell: weight of each target of all samples, of those left
 /// of the cut, and whether cuts lie inside.
-pub(crate) struct Absolute<'a> {
+pub(crate) struct Sloped<'a> {
+    /// What a unit of distance costs.
+    pub(crate) slopes: Slopes,
     /// Cells of the group.
     pub(crate) lines: &'a [Line],
     /// Least error of cuts inside each bucket, out: of each side, where cuts lie inside.
@@ -197,7 +202,7 @@ pub(crate) struct Absolute<'a> {
     pub(crate) needs: [bool; 2],
 }
 
-impl WithSimd for Absolute<'_> {
+impl WithSimd for Sloped<'_> {
     type Output = Reached;
 
     #[inline(always)]
@@ -215,7 +220,7 @@ impl WithSimd for Absolute<'_> {
     }
 }
 
-impl Absolute<'_> {
+impl Sloped<'_> {
     #[inline(always)]
     fn sweep<S: Simd, const V: usize, const ROWS: usize, const INSIDE: bool>(&mut self, simd: S) -> Reached {
         let (needs, mut reached) = (self.needs, Reached::NOTHING);
@@ -236,6 +241,7 @@ impl Absolute<'_> {
         reached: &mut Reached,
     ) {
         let (zero, infinite) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
+        let (above, below) = (simd.splat_f64s(self.slopes.up), simd.splat_f64s(self.slopes.down));
         let gaps: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(self.gaps[j]));
         let (base, halves) = self.start::<V>(m);
         let least: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(halves[j].abs()));
@@ -256,8 +262,8 @@ impl Absolute<'_> {
             let (mut low, mut saved, mut most) = (zero, zero, zero);
             for j in 0..V - 1 {
                 low = simd.add_f64s(low, own[j]);
-                let high = simd.sub_f64s(weight, low);
-                let up = simd.add_f64s(places[j], low);
+                let high = simd.mul_f64s(above, simd.sub_f64s(weight, low));
+                let up = simd.add_f64s(places[j], simd.mul_f64s(below, low));
                 if INSIDE {
                     // The place inside the bucket lies between the two ends, and what is saved is convex in it.
                     let ends = simd.max_f64s(simd.abs_f64s(up), simd.abs_f64s(simd.sub_f64s(places[j], high)));
@@ -279,14 +285,18 @@ impl Absolute<'_> {
         reached.store::<S>(part, m, edge, simd.min_f64s(edge, lower));
     }
 
-    /// Half the weight times the gaps, and of each gap half of what more lies below than above it.
+    /// Half of what both sides of each gap cost, times the gaps, and of each gap half of what more is below than above.
     #[inline(always)]
     fn start<const V: usize>(&self, m: usize) -> (f64, [f64; V]) {
+        let Slopes { up, down } = self.slopes;
         let (weight, mut below): (f64, _) = (self.totals[m].iter().sum(), 0.0);
+        let mut base = 0.5 * weight * up * self.gaps[..V - 1].iter().sum::<f64>();
         let halves = std::array::from_fn(|j| {
             below += self.totals[m][j];
-            below - 0.5 * weight
+            // Nothing is added where both slopes are 1.
+            base += if j + 1 < V { 0.5 * (down - up) * below * self.gaps[j] } else { 0.0 };
+            0.5 * ((up + down) * below - up * weight)
         });
-        (0.5 * weight * self.gaps[..V - 1].iter().sum::<f64>(), halves)
+        (base, halves)
     }
 }

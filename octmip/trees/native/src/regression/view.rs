@@ -66,21 +66,24 @@ impl View {
 
     /// Least error of one constant.
     pub(crate) fn leaf(&self, samples: &Samples) -> f64 {
-        if !samples.is_absolute {
+        let Some(slopes) = samples.slopes else {
             return self.sums(samples).squared_error();
-        }
+        };
         let list = self.list(samples.p);
         let total: f64 = list.iter().map(|&i| samples.sums[i as usize].weight).sum();
         let mut below = 0.0;
-        let mut median = 0.0;
+        let mut quantile = 0.0;
         for &i in list {
-            median = samples.targets[i as usize];
+            quantile = samples.targets[i as usize];
             below += samples.sums[i as usize].weight;
-            if 2.0 * below >= total {
+            if slopes.is_reached(below, total) {
                 break;
             }
         }
-        let error = |&i: &u32| samples.sums[i as usize].weight * (samples.targets[i as usize] - median).abs();
+        let error = |&i: &u32| {
+            let miss = samples.targets[i as usize] - quantile;
+            samples.sums[i as usize].weight * slopes.most(-miss, miss)
+        };
         list.iter().map(error).sum()
     }
 
@@ -90,7 +93,7 @@ impl View {
         for &i in self.list(samples.p) {
             histogram[samples.bins.of_sample[i as usize] as usize] += samples.sums[i as usize];
         }
-        samples.bins.bound(&histogram, n_leaves, samples.is_absolute)
+        samples.bins.bound(&histogram, n_leaves, samples.slopes)
     }
 
     /// Least and greatest target.

@@ -14,6 +14,7 @@
 
 use crate::regression::bins::N_BINS;
 use crate::regression::grid::Samples;
+use crate::regression::slopes::Slopes;
 
 /// Places: before a cell `2i`, inside it `2i + 1`, after the last.
 const N_PLACES: usize = 2 * N_BINS + 1;
@@ -35,10 +36,10 @@ impl Samples {
         }
         let sums = self.sums(set);
         // Of the cells from one to before another.
-        let cost = |from: usize, to: usize| match (from < to && to <= n, self.is_absolute) {
+        let cost = |from: usize, to: usize| match (from < to && to <= n, self.slopes) {
             (false, _) => 0.0,
-            (true, true) => absolute(ends, &sums, from, to),
-            (true, false) => squared(&sums, from, to),
+            (true, Some(slopes)) => sloped(slopes, ends, &sums, from, to),
+            (true, None) => squared(&sums, from, to),
         };
         let costs: [[f64; N_BINS + 1]; N_BINS + 1] =
             std::array::from_fn(|from| std::array::from_fn(|to| cost(from, to)));
@@ -53,8 +54,8 @@ impl Samples {
                 best[q] = places[..=k].iter().map(|&p| best[p] + between(p, q)).fold(best[q], f64::min);
             }
         }
-        // Absolute errors are whole. Sums of squared ones, 0 or more each, are rounded: the true one is not below this.
-        let certain = if self.is_absolute { 1.0 } else { 1.0 - 2f64.powi(-46) };
+        // Sloped errors are whole. Sums of squared ones, 0 or more each, are rounded: the true one is not below this.
+        let certain = if self.slopes.is_some() { 1.0 } else { 1.0 - 2f64.powi(-46) };
         self.floor((best[2 * n] * certain) as i128)
     }
 
@@ -83,12 +84,13 @@ fn squared(sums: &Sums, from: usize, to: usize) -> f64 {
     (square - target * target / weight.max(1) as f64 * (1.0 + 2f64.powi(-50))).max(0.0)
 }
 
-/// Lower bound of the absolute error of one constant for these bins: it lies in one of them, which is left out, or
-/// between two; the error of the others is linear between the ends of that bin.
-fn absolute(ends: &[(i64, i64)], sums: &Sums, from: usize, to: usize) -> f64 {
+/// Lower bound of the sloped error of one constant for these bins: a best one lies in one of them, which is left out;
+/// the error of the others is linear between the ends of that bin.
+fn sloped(slopes: Slopes, ends: &[(i64, i64)], sums: &Sums, from: usize, to: usize) -> f64 {
     let error = |m: i64, bin: usize| {
         let below = m * (sums.weight[bin] - sums.weight[from]) - (sums.target[bin] - sums.target[from]);
-        below + (sums.target[to] - sums.target[bin + 1]) - m * (sums.weight[to] - sums.weight[bin + 1])
+        let above = (sums.target[to] - sums.target[bin + 1]) - m * (sums.weight[to] - sums.weight[bin + 1]);
+        slopes.cost(below, above)
     };
     let least = |bin: usize| error(ends[bin].0, bin).min(error(ends[bin].1, bin));
     (from..to).map(least).min().unwrap_or(0).max(0) as f64

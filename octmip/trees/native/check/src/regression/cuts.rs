@@ -40,8 +40,7 @@ impl<'a> Cuts<'a> {
         let (low, high) = (target(set.first()), target(set.last()));
         let (mut ranges, mut sum) = (vec![0], 0);
         for &i in order {
-            let target = q.targets[i as usize];
-            sum += q.range(i as usize, (target - low).max(high - target));
+            sum += q.range(i as usize, low, high);
             ranges.push(sum);
         }
         Self { q, f, order, n_leaves: 1 << child_depth.min(20), ranges }

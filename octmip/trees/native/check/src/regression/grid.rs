@@ -5,16 +5,19 @@
 //! what m is moved to (inside a gap as far up as the moved gap is long), and no sample errs by more.
 //!
 //! Weights are `floor(w 2^A)` and targets `floor((y - least y) 2^B)`, costs are whole multiples of `2^C` of the unit
-//! `2^-(A + qB)`, q = 2 for squared errors, rounded down wherever they are not. Lower weights and penalties cost every
+//! `2^-(A + qB)`, q = 2 for squared errors (of `2^-(A + B) / over` for sloped ones), rounded down wherever they are not. Lower weights and penalties cost every
 //! tree less. Targets that are not whole move by less than 1, and that moves a bound G of trees
 //!
-//! * of absolute error by less than the total weight W;
+//! * of sloped error by `W up down / (up + down)` at most, W the total weight: where a leaf predicts m, let it predict
+//!   `m - s`, `s = down / (up + down)`. A target y that moved by d, `0 <= d < 1`, is then off by `(y - m) + (s - d)`,
+//!   which errs by no more than `y - m` and `s - d` do, and the last by `max(up s, down (1 - s))` at most;
 //! * of squared error by less than `2 sqrt(W G)`, where G is above W: errors are squared distances from a linear space,
 //!   so the root of each moves by at most `sqrt(W)`, and what penalties add is not moved.
 
 use crate::numbers::exact::Exact;
 use crate::regression::bins::Bins;
 use crate::regression::question::RegressionQuestion;
+use crate::regression::slopes::Slopes;
 
 /// Sums of weights and of weighted targets stay below it: they are numbers of float64.
 const MOST_SUM: i128 = 1 << 53;
@@ -47,8 +50,8 @@ pub struct Samples {
     pub weights: Vec<i64>,
     /// Targets, about the middle of their range.
     pub targets: Vec<i64>,
-    /// Whether the error is absolute, not squared.
-    pub is_absolute: bool,
+    /// Those of the error; None where it is squared.
+    pub slopes: Option<Slopes>,
     /// Price of a split.
     pub penalty: i64,
     /// Levels of splits.
@@ -72,22 +75,25 @@ impl Samples {
     /// A question on a grid; the error says which number is too large for it.
     pub fn on_grid(question: &RegressionQuestion, scale: Scale) -> Result<Self, String> {
         let RegressionQuestion { n, p, .. } = *question;
-        let unit = scale.weight + if question.is_absolute { 1 } else { 2 } * scale.target - i64::from(scale.cost);
+        let slopes = question.slopes;
+        let unit = scale.weight + if slopes.is_some() { 1 } else { 2 } * scale.target - i64::from(scale.cost);
+        let steepest = i128::from(slopes.map_or(1, Slopes::steepest));
         let exact = closed_up(&question.targets, scale);
         let weights = floors(question.weights.iter().map(|&w| Exact::of(w).scaled(scale.weight)), "weights")?;
         let places = floors(exact.iter().cloned(), "targets")?;
         let is_rounded = places.iter().zip(&exact).any(|(&place, exact)| Exact::whole(place as u64) < *exact);
         let span = places.iter().copied().max().unwrap_or(0);
         let total: i128 = weights.iter().map(|&w| i128::from(w)).sum();
-        if total * i128::from(span.max(1)) >= MOST_SUM {
-            return Err(format!("weights of {total} and targets of {span} in all, expected a product below 2^53"));
+        if total * i128::from(span.max(1)) * steepest >= MOST_SUM {
+            return Err(format!("weights of {total}, targets of {span} and slopes, expected a product below 2^53"));
         }
-        let power = if question.is_absolute { i128::from(span) } else { i128::from(span) * i128::from(span) };
-        if (total * power) >> scale.cost >= MOST_COST || (question.is_absolute && scale.cost != 0) {
-            return Err(format!("costs divided by 2^{}, expected them below 2^60, absolute ones whole", scale.cost));
+        let power = if slopes.is_some() { i128::from(span) } else { i128::from(span) * i128::from(span) };
+        if (total * power) >> scale.cost >= MOST_COST || (slopes.is_some() && scale.cost != 0) {
+            return Err(format!("costs divided by 2^{}, expected them below 2^60, sloped ones whole", scale.cost));
         }
         let targets: Vec<i64> = places.iter().map(|place| place - span / 2).collect();
-        let penalty = Exact::of(question.leaf_penalty).scaled(unit).floor().unwrap_or(u64::MAX);
+        let over = Exact::whole(slopes.map_or(1, |slopes| slopes.over) as u64);
+        let penalty = Exact::of(question.leaf_penalty).times(&over).scaled(unit).floor().unwrap_or(u64::MAX);
         let mut by_target: Vec<u32> = (0..n as u32).collect();
         by_target.sort_by_key(|&i| targets[i as usize]);
         let column = |f: usize| (0..n).map(|i| question.features[i * p + f]).collect::<Vec<f64>>();
@@ -95,7 +101,7 @@ impl Samples {
             n,
             p,
             ranks: (0..p).flat_map(|f| crate::ranked::ranks_of(&column(f)).0).collect(),
-            is_absolute: question.is_absolute,
+            slopes,
             penalty: penalty.min(MOST_COST as u64) as i64,
             depth: question.depth,
             leaf_size: question.leaf_size,
@@ -115,24 +121,31 @@ impl Samples {
     pub fn value(&self, bound: i64) -> f64 {
         let total: i128 = self.weights.iter().map(|&w| i128::from(w)).sum();
         let on_grid = i128::from(bound) << self.scale.cost;
-        let lost = match (self.is_rounded, self.is_absolute) {
+        let lost = match (self.is_rounded, self.slopes) {
             (false, _) => 0,
-            (true, true) => total,
-            (true, false) if on_grid <= total => on_grid,
+            (true, Some(slopes)) => slopes.lost(total),
+            (true, None) if on_grid <= total => on_grid,
             // Roots and products are rounded, by far less than the margin.
-            (true, false) => {
+            (true, None) => {
                 (2.0 * (total as f64).sqrt() * (on_grid as f64).sqrt() * (1.0 + 2f64.powi(-48))) as i128 + 1
             }
         };
         let rest = (on_grid - lost).max(0) as u128;
-        let power = if self.is_absolute { 1 } else { 2 };
+        let (power, over) = self.slopes.map_or((2, 1), |slopes| (1, slopes.over));
+        // Sloped costs are below 2^62, and in 2^-64 of their unit a float64 below a quotient is whole: none lies between.
+        let (rest, more) = if over == 1 { (rest, 0) } else { ((rest << 64) / over as u128, 64) };
         let exact = Exact::whole((rest >> 64) as u64).scaled(64).plus(&Exact::whole(rest as u64));
-        exact.scaled(-self.scale.weight - power * self.scale.target).rounded_down()
+        exact.scaled(-self.scale.weight - power * self.scale.target - more).rounded_down()
     }
 
-    /// What a weight times a power of a distance costs, rounded up: the most that a sample may add to a tree.
-    pub(crate) fn range(&self, i: usize, distance: i64) -> i64 {
-        let power = if self.is_absolute { i128::from(distance) } else { i128::from(distance) * i128::from(distance) };
+    /// What a sample costs under a prediction between two numbers on either side of it, rounded up: the most that it may
+    /// add to a tree.
+    pub(crate) fn range(&self, i: usize, low: i64, high: i64) -> i64 {
+        let (above, below) = (i128::from(self.targets[i] - low), i128::from(high - self.targets[i]));
+        let power = match self.slopes {
+            Some(slopes) => (i128::from(slopes.up) * above).max(i128::from(slopes.down) * below),
+            None => above.max(below).pow(2),
+        };
         let cost = i128::from(self.weights[i]) * power;
         -((-cost) >> self.scale.cost) as i64
     }

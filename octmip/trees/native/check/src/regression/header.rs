@@ -5,6 +5,7 @@ use crate::log::header::numbers;
 use crate::refusal::{Checked, Refusal, ensure, shown};
 use crate::regression::grid::{Samples, Scale};
 use crate::regression::question::RegressionQuestion;
+use crate::regression::slopes::Slopes;
 
 /// Least and largest exponent of weights, targets and costs.
 const EXPONENT: (i64, i64) = (-2200, 2200);
@@ -12,7 +13,7 @@ const MOST_CLAIM: i64 = (1 << 61) - 1;
 
 /// Read a header; refuse one of another problem. Returns the samples on the log's grid and the claim.
 pub(super) fn read(question: &RegressionQuestion, cursor: &mut Cursor<'_>) -> Checked<(Samples, i64)> {
-    let loss = if question.is_absolute { "absolute" } else { "squared" };
+    let loss = Slopes::named(question.slopes);
     let fields = [
         (format!("octmip-proof 3 regression {loss}"), "a log of these trees and this loss"),
         (format!("data {}", question.data_digest()), "samples, targets and weights of the problem"),

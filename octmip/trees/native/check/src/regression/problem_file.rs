@@ -3,6 +3,7 @@
 use crate::input::json::{Json, parse};
 use crate::input::problem_file::{Entries, number, numbers, shown, wholes};
 use crate::regression::question::RegressionQuestion;
+use crate::regression::slopes::Slopes;
 
 /// Format of the files.
 pub const FORMAT: &str = "octmip-regression-problem";
@@ -20,18 +21,17 @@ impl RegressionQuestion {
         let entries = Entries(&file);
         entries.check_format(FORMAT, 1)?;
         let (n, p, features) = entries.features()?;
-        let is_absolute = match entries.get("loss")? {
-            Json::Text(loss) if loss == "absolute" => true,
-            Json::Text(loss) if loss == "squared" => false,
-            other => return Err(format!("loss is {}, expected \"squared\" or \"absolute\"", shown(other))),
-        };
+        let loss = entries.get("loss")?;
+        let named = if let Json::Text(name) = loss { Slopes::of_name(name) } else { None };
+        let expected = "\"squared\", \"absolute\" or a quantile such as \"quantile:9/10\"";
+        let slopes = named.ok_or_else(|| format!("loss is {}, expected {expected}", shown(loss)))?;
         let question = Self {
             n,
             p,
             features,
             targets: numbers(entries.get("targets")?, "targets")?,
             weights: numbers(entries.get("weights")?, "weights")?,
-            is_absolute,
+            slopes,
             depth: entries.whole("depth")?,
             leaf_size: entries.whole("leaf_size")?,
             leaf_penalty: number(entries.get("leaf_penalty")?, "leaf_penalty")?,

@@ -2,6 +2,7 @@
 
 use crate::input::digests::{float_field, whole_field};
 use crate::input::sha256::Sha256;
+use crate::regression::slopes::Slopes;
 
 /// Deepest tree that is asked for.
 const MOST_DEPTH: usize = 30;
@@ -19,8 +20,8 @@ pub struct RegressionQuestion {
     pub targets: Vec<f64>,
     /// Weight of each sample's error, 0 or more.
     pub weights: Vec<f64>,
-    /// Whether the error is absolute, not squared.
-    pub is_absolute: bool,
+    /// Those of the error; None where it is squared.
+    pub slopes: Option<Slopes>,
     /// Levels of splits.
     pub depth: usize,
     /// Fewest samples in a leaf.
@@ -55,6 +56,9 @@ impl RegressionQuestion {
         ];
         if let Some((name, got, most)) = ranges.iter().find(|(_, got, most)| !(1..=*most).contains(got)) {
             return Err(format!("{name} is {got}, expected 1 to {most}"));
+        }
+        if let Some(slopes) = self.slopes.filter(|slopes| !slopes.is_known()) {
+            return Err(format!("the error is {slopes:?}, expected an absolute one or that of a quantile"));
         }
         self.check_numbers()?;
         match self.sensor_of_feature.iter().find(|&&sensor| sensor as usize >= self.sensor_cost.len()) {
@@ -94,7 +98,10 @@ impl RegressionQuestion {
     /// The SHA-256 of everything else: loss, depth, limits, sensors.
     pub fn question_digest(&self) -> String {
         let mut sha = Sha256::default();
-        whole_field(&mut sha, "sizes", [usize::from(self.is_absolute), self.depth, self.leaf_size]);
+        whole_field(&mut sha, "sizes", [usize::from(self.slopes.is_some()), self.depth, self.leaf_size]);
+        if let Some(Slopes { up, down, over }) = self.slopes.filter(|&slopes| slopes != Slopes::ABSOLUTE) {
+            whole_field(&mut sha, "slopes", [up, down, over].map(|slope| slope as usize));
+        }
         float_field(&mut sha, "limits", &[self.leaf_penalty, self.sensor_limit]);
         whole_field(&mut sha, "sensor_of_feature", self.sensor_of_feature.iter().map(|&sensor| sensor as usize));
         float_field(&mut sha, "sensor_cost", &self.sensor_cost);

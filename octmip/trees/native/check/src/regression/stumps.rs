@@ -1,11 +1,11 @@
 //! The cheapest trees of one split at most.
 //!
-//! Absolute errors are whole numbers. A squared error is `Q - S^2 / W` with whole sums Q, S and W, the last two below
+//! Sloped errors are whole numbers. A squared error is `Q - S^2 / W` with whole sums Q, S and W, the last two below
 //! 2^53. What a cut explains, `S_left^2 / W_left + S_right^2 / W_right`, is computed in float64 in five steps, each
 //! rounded by at most 2^-53 of itself, and so is at most the computed number times `1 + 2^-50`.
 
 use crate::regression::grid::Samples;
-use crate::regression::medians::Medians;
+use crate::regression::quantiles::Quantiles;
 
 /// The best stump of a set, and that with leaves of any size; the feature of the first, None for a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,13 +21,13 @@ pub struct Stump {
 /// Sums of weights and weighted targets: whole numbers of float64.
 type Pile = (f64, f64);
 
-/// What the splits of all features start from: of squared errors sums of the set, of absolute ones the set with its
-/// median and the place of each sample in it.
+/// What the splits of all features start from: of squared errors sums of the set, of sloped ones the set with its
+/// quantile and the place of each sample in it.
 #[derive(Default)]
 struct Whole {
     total: Pile,
     square: i128,
-    medians: Medians,
+    quantiles: Quantiles,
     place: Vec<u32>,
 }
 
@@ -51,16 +51,16 @@ impl Samples {
     }
 
     fn one_leaf(&self, whole: &Whole) -> i64 {
-        if self.is_absolute {
-            return self.floor(i128::from(whole.medians.cost()));
+        if self.slopes.is_some() {
+            return self.floor(i128::from(whole.quantiles.cost()));
         }
         self.rest(whole, explained(whole.total))
     }
 
     fn whole(&self, set: &[u32]) -> Whole {
         let mut whole = Whole::default();
-        if self.is_absolute {
-            whole.medians.load(self, set);
+        if let Some(slopes) = self.slopes {
+            whole.quantiles.load(slopes, self, set);
             whole.place = vec![0; self.n];
             set.iter().enumerate().for_each(|(k, &i)| whole.place[i as usize] = k as u32);
             return whole;
@@ -94,7 +94,7 @@ impl Samples {
     }
 
     fn split_of(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
-        let costs = if self.is_absolute { self.absolute(f, order, whole) } else { self.squared(f, order, whole) };
+        let costs = if self.slopes.is_some() { self.sloped(f, order, whole) } else { self.squared(f, order, whole) };
         costs.map(|cost| cost.saturating_add(self.penalty))
     }
 
@@ -113,18 +113,18 @@ impl Samples {
         most.map(|most| most.map_or(i64::MAX, |most| self.rest(whole, most)))
     }
 
-    fn absolute(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
-        let (n, mut medians, mut right) = (order.len(), whole.medians.clone(), Vec::with_capacity(order.len()));
+    fn sloped(&self, f: usize, order: &[u32], whole: &Whole) -> [i64; 2] {
+        let (n, mut quantiles, mut right) = (order.len(), whole.quantiles.clone(), Vec::with_capacity(order.len()));
         for &i in order {
-            right.push(medians.cost());
-            medians.remove(whole.place[i as usize]);
+            right.push(quantiles.cost());
+            quantiles.remove(whole.place[i as usize]);
         }
-        medians.clone_from(&whole.medians);
+        quantiles.clone_from(&whole.quantiles);
         let (ranks, mut least) = (self.ranks_of(f), [i64::MAX; 2]);
         for k in (1..n).rev() {
-            medians.remove(whole.place[order[k] as usize]);
+            quantiles.remove(whole.place[order[k] as usize]);
             if ranks[order[k] as usize] != ranks[order[k - 1] as usize] {
-                let cost = self.floor(i128::from(medians.cost() + right[k]));
+                let cost = self.floor(i128::from(quantiles.cost() + right[k]));
                 let is_wide = self.leaf_size <= k && k + self.leaf_size <= n;
                 least[usize::from(!is_wide)..].iter_mut().for_each(|least| *least = cost.min(*least));
             }

@@ -2,6 +2,7 @@
 
 use octmip_check::regression::check;
 use octmip_check::regression::question::RegressionQuestion;
+use octmip_check::regression::slopes::Slopes;
 use octmip_check::{Refusal, Report};
 
 /// Targets in the order of one feature.
@@ -12,7 +13,7 @@ fn row(targets: &[f64], is_absolute: bool, depth: usize) -> RegressionQuestion {
         features: (0..targets.len()).map(|i| i as f64).collect(),
         targets: targets.to_vec(),
         weights: vec![1.0; targets.len()],
-        is_absolute,
+        slopes: is_absolute.then_some(Slopes::ABSOLUTE),
         depth,
         leaf_size: 1,
         leaf_penalty: 0.0,
@@ -37,7 +38,7 @@ fn ten() -> RegressionQuestion {
 }
 
 fn log(question: &RegressionQuestion, grid: &str, claim: i64, body: &str) -> String {
-    let loss = if question.is_absolute { "absolute" } else { "squared" };
+    let loss = Slopes::named(question.slopes);
     let lines: String = body.split('|').map(|line| format!("{}\n", line.trim())).collect();
     format!("octmip-proof 3 regression {loss}\ndata DATA\nquestion QUESTION\ngrid {grid} 1100\nclaim {claim}\n{lines}")
 }
@@ -54,6 +55,9 @@ fn each_good_log_proves_its_bound() {
     let broad = RegressionQuestion { leaf_size: 2, ..four(true) };
     let light = RegressionQuestion { weights: vec![0.5, 0.5, 0.0, 0.5], ..four(true) };
     let poor = RegressionQuestion { sensor_limit: 0.5, ..four(true) };
+    let high = RegressionQuestion { slopes: Some(Slopes { up: 3, down: 1, over: 4 }), ..four(true) };
+    let high_priced = RegressionQuestion { leaf_penalty: 0.75, ..high.clone() };
+    let tenths = RegressionQuestion { slopes: Some(Slopes { up: 9, down: 1, over: 10 }), ..four(true) };
     let thirds = row(&[0.0, 1.0 / 3.0, 0.0, 1.0 / 3.0], true, 1);
     let logs = [
         ("absolute", four(true), "0 0 0", 9, "N 1 1 9 | E | end", 9.0),
@@ -70,6 +74,10 @@ fn each_good_log_proves_its_bound() {
         ("three levels", ten(), "0 0 0", 9, DEEP, 9.0),
         // No sensor can be paid: one leaf.
         ("a budget", poor, "0 0 0", 18, "N 1 1 18 | E | end", 18.0),
+        // 0 9 0 | 9 or 0 | 9 0 9: one of both is missed by 9, where it is low by 1/4 of that.
+        ("a quantile", high, "0 0 0", 9, "N 1 1 9 | E | end", 2.25),
+        ("a quantile with a penalty", high_priced, "0 0 0", 12, "N 1 1 12 | E | end", 3.0),
+        ("a quantile of tenths", tenths, "0 0 0", 9, "N 1 1 9 | E | end", 0.9f64.next_down()),
         // On the grid of 2^-2 the third is 1: the targets may have moved by 1 each, and nothing is left.
         ("rounded targets", thirds, "0 2 0", 1, "N 1 1 1 | E | end", 0.0),
     ];
@@ -86,9 +94,14 @@ pub fn bad_logs() -> Vec<BadLog> {
     let stump = |grid: &str, claim: i64| log(&four(true), grid, claim, &format!("N 1 1 {claim} | E | end"));
     let huge = RegressionQuestion { weights: vec![1e300; 4], ..four(true) };
     let deep = |old: &str, new: &str| log(&ten(), "0 0 0", 9, &DEEP.replacen(old, new, 1));
+    let quarters = RegressionQuestion { slopes: Some(Slopes { up: 3, down: 1, over: 4 }), ..four(true) };
+    let quantile = log(&quarters, "0 0 0", 9, "N 1 1 9 | E | end");
+    let tenths = || RegressionQuestion { slopes: Some(Slopes { up: 9, down: 1, over: 10 }), ..four(true) };
     let whole = log(&six(), "0 0 0", 9, "N 2 1 9 | F 0 3 | E | end");
     vec![
         ("another loss", four(false), stump("0 0 0", 9), 1, "got \"octmip-proof 3 regression absolute\", expected"),
+        ("another quantile", tenths(), quantile.clone(), 1, "got \"octmip-proof 3 regression quantile:3/4\", expected"),
+        ("a quantile's raised claim", quarters.clone(), quantile.replace("9", "10"), 6, "a tree costs 9, not 10"),
         ("other data", four(true), stump("0 0 0", 9).replace("DATA", "0"), 2, "got \"data 0\", expected"),
         ("another question", four(true), stump("0 0 0", 9).replace("QUESTION", "0"), 3, "got \"question 0\", expected"),
         ("two exponents", four(true), stump("0 0", 9), 4, "got \"grid 0 0 1100\", expected \"grid\" and four exp"),

@@ -1,12 +1,14 @@
-//! A set of samples with its weighted median, from which samples are taken one by one.
+//! A set of samples with its weighted quantile, from which samples are taken one by one.
 
 use crate::regression::grid::Samples;
+use crate::regression::slopes::Slopes;
 
 const NONE: u32 = u32::MAX;
 
-/// Samples in the order of their targets, by their place in it: a linked list with a pointer at the median.
+/// Samples in the order of their targets, by their place in it: a linked list with a pointer at the quantile.
 #[derive(Debug, Default, Clone)]
-pub(crate) struct Medians {
+pub(crate) struct Quantiles {
+    slopes: Slopes,
     next: Vec<u32>,
     previous: Vec<u32>,
     weights: Vec<i64>,
@@ -18,12 +20,13 @@ pub(crate) struct Medians {
     total_target: i64,
 }
 
-impl Medians {
+impl Quantiles {
     /// Take up samples in the order of their targets.
-    pub(crate) fn load(&mut self, q: &Samples, set: &[u32]) {
+    pub(crate) fn load(&mut self, slopes: Slopes, q: &Samples, set: &[u32]) {
         let n = set.len() as u32;
         let last = |k: u32| if k + 1 < n { k + 1 } else { NONE };
         *self = Self {
+            slopes,
             next: (0..n).map(last).collect(),
             previous: (0..n).map(|k| k.checked_sub(1).unwrap_or(NONE)).collect(),
             weights: set.iter().map(|&i| q.weights[i as usize]).collect(),
@@ -36,14 +39,14 @@ impl Medians {
         self.balance();
     }
 
-    /// Least absolute error of one constant for what is left.
+    /// Least error of one constant for what is left.
     pub(crate) fn cost(&self) -> i64 {
         if self.at == NONE {
             return 0;
         }
-        let median = self.targets[self.at as usize];
-        (median * self.below - self.below_target)
-            + (self.total_target - self.below_target - median * (self.total - self.below))
+        let quantile = self.targets[self.at as usize];
+        let above = self.total_target - self.below_target - quantile * (self.total - self.below);
+        self.slopes.cost(quantile * self.below - self.below_target, above)
     }
 
     /// Take the sample at a place away.
@@ -78,17 +81,19 @@ impl Medians {
         self.below_target -= self.weights[to as usize] * self.targets[to as usize];
     }
 
-    /// Move the pointer to where no more than half of the weight is below it and above it.
+    /// Move the pointer to where the error rises on both sides: lower, `up` of all above it gains no more than `down` of
+    /// all below it loses; higher, the same the other way round.
     fn balance(&mut self) {
         if self.at == NONE {
             return;
         }
-        while 2 * self.below > self.total && self.previous[self.at as usize] != NONE {
+        let Slopes { up, down, .. } = self.slopes;
+        while down * self.below > up * (self.total - self.below) && self.previous[self.at as usize] != NONE {
             self.step_down(self.previous[self.at as usize]);
         }
         loop {
             let (own, next) = (self.weights[self.at as usize], self.next[self.at as usize]);
-            if 2 * (self.below + own) >= self.total || next == NONE {
+            if down * (self.below + own) >= up * (self.total - self.below - own) || next == NONE {
                 return;
             }
             self.below += own;

@@ -1,8 +1,10 @@
-//! Least absolute error of one constant for a set of targets, while targets are taken away one after the other.
+//! Least sloped error of one constant for a set of targets, while targets are taken away one after the other.
 //!
-//! The distinct targets form a linked list with the weight of each; a pointer stands at the weighted median. Taking a
+//! The distinct targets form a linked list with the weight of each; a pointer stands at the weighted quantile. Taking a
 //! sample away moves the pointer over few targets that are still there, so that all the sets that a feature's cuts
 //! leave on one side cost time in proportion to the samples.
+
+use crate::regression::slopes::Slopes;
 
 /// No target.
 const NONE: u32 = u32::MAX;
@@ -37,13 +39,14 @@ impl Targets {
     }
 }
 
-/// A set of samples with its weighted median.
+/// A set of samples with its weighted quantile: the median where both slopes are equal.
 #[derive(Debug, Default, Clone)]
-pub(crate) struct Medians {
+pub(crate) struct Quantiles {
+    slopes: Slopes,
     targets: Targets,
     next: Vec<u32>,
     previous: Vec<u32>,
-    /// The target at the median; `NONE` in an empty set.
+    /// The target at the quantile; `NONE` in an empty set.
     at: u32,
     below: f64,
     below_sum: f64,
@@ -51,9 +54,10 @@ pub(crate) struct Medians {
     total_sum: f64,
 }
 
-impl Medians {
+impl Quantiles {
     /// Take up a set; `values` are the targets, ascending.
-    pub(crate) fn load(&mut self, targets: &Targets, values: &[f64]) {
+    pub(crate) fn load(&mut self, slopes: Slopes, targets: &Targets, values: &[f64]) {
+        self.slopes = slopes;
         self.targets.clone_from(targets);
         self.next.clear();
         self.next.resize(values.len(), NONE);
@@ -75,17 +79,17 @@ impl Medians {
         self.balance(values);
     }
 
-    /// Least absolute error of one constant.
+    /// Least error of one constant.
     #[inline]
     pub(crate) fn cost(&self, values: &[f64]) -> f64 {
         if self.at == NONE {
             return 0.0;
         }
-        let median = values[self.at as usize];
+        let quantile = values[self.at as usize];
         let own = self.targets.weights[self.at as usize];
         let above = self.total - self.below - own;
-        let above_sum = self.total_sum - self.below_sum - own * median;
-        ((median * self.below - self.below_sum) + (above_sum - median * above)).max(0.0)
+        let above_sum = self.total_sum - self.below_sum - own * quantile;
+        self.slopes.cost(quantile * self.below - self.below_sum, above_sum - quantile * above).max(0.0)
     }
 
     /// Take a sample away.
@@ -127,17 +131,18 @@ impl Medians {
         self.below_sum -= self.targets.weights[to as usize] * values[to as usize];
     }
 
-    /// Move the pointer to where no more than half of the weight is below and above.
+    /// Move the pointer to where no more than the quantile's share of the weight is below it.
+    /// No more than the rest is above it then.
     fn balance(&mut self, values: &[f64]) {
         if self.at == NONE {
             return;
         }
-        while 2.0 * self.below > self.total && self.previous[self.at as usize] != NONE {
+        while self.slopes.is_passed(self.below, self.total) && self.previous[self.at as usize] != NONE {
             self.step_down(self.previous[self.at as usize], values);
         }
         loop {
             let (own, next) = (self.targets.weights[self.at as usize], self.next[self.at as usize]);
-            if 2.0 * (self.below + own) >= self.total || next == NONE {
+            if self.slopes.is_reached(self.below + own, self.total) || next == NONE {
                 return;
             }
             self.below += own;
