@@ -11,7 +11,7 @@ import pytest
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.model_selection import cross_val_score
 
-from octmip import OptimalTreeRegressor, certify
+from octmip import OptimalTreeRegressor, QuantileError, certify
 from octmip.errors import DataError
 
 CHECKS = """
@@ -22,6 +22,7 @@ from octmip import OptimalTreeRegressor
 estimators = (
     OptimalTreeRegressor(max_depth=2),
     OptimalTreeRegressor(max_depth=2, loss="absolute"),
+    OptimalTreeRegressor(max_depth=1, loss="quantile:0.9"),
 )
 results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
 print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))
@@ -54,6 +55,17 @@ def test_it_predicts_by_its_tree_and_says_what_is_proven():
     assert fitted.decision_path(X).shape == (80, 7)
     assert fitted.export_text().startswith("if x0 <= ")
     assert cross_val_score(OptimalTreeRegressor(max_depth=2), X, y, cv=3).min() > 0.8
+
+
+def test_a_high_quantile_lies_above_nine_tenths_of_the_targets_of_every_leaf():
+    X, y = samples(200)
+    fitted = OptimalTreeRegressor(max_depth=2, loss=QuantileError(0.9)).fit(X, y)
+    assert fitted.is_optimal_
+    assert fitted.certificate_.measures["covered"] == (y <= fitted.predict(X)).mean()
+    for leaf in np.unique(fitted.apply(X)):
+        own = y[fitted.apply(X) == leaf]
+        assert (own <= fitted.predict(X)[fitted.apply(X) == leaf]).mean() >= 0.9
+        assert (own < fitted.predict(X)[fitted.apply(X) == leaf]).mean() <= 0.9
 
 
 def test_text_and_gaps_are_encoded_and_samples_without_weight_left_out():

@@ -7,7 +7,7 @@ import pytest
 
 from octmip import Problem, certify, solve
 from octmip.errors import ProblemError
-from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
+from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
 
 LOSSES = {
     "classes": ClassCosts(),
@@ -129,3 +129,42 @@ def test_numbers_keep_to_the_features_that_splits_may_read(method):
     alone = Problem(FEATURES[:, [1]], targets, depth=2, loss=number_loss("squared"))
     assert certify(problem, solve(problem, method)).sensors == ("x1",)
     assert solve(problem).objective == solve(alone).objective
+
+
+@pytest.mark.parametrize(
+    ("spelling", "sentence"),
+    [
+        ("cubic", "loss is 'cubic'; expected a loss of numbers, such as squared, absolute, quantile:0.9"),
+        ("squared:2", "loss 'squared' takes nothing behind its name, but '2' stands there"),
+        ("quantile", "level of the quantile loss is ''; expected a number between 0 and 1"),
+        ("quantile:high", "level of the quantile loss is 'high'"),
+        ("quantile:1/0", "level of the quantile loss is '1/0'"),
+        ("quantile:1", "level of the quantile loss is 1.0"),
+        ("quantile:-0.1", "level of the quantile loss is -0.1"),
+        ("quantile:nan", "level of the quantile loss is 'nan'"),
+        ("quantile:0.12345", "a fraction of whole numbers up to 1000"),
+    ],
+)
+def test_a_loss_that_is_none_is_refused_by_name(spelling, sentence):
+    with pytest.raises(ProblemError, match=sentence):
+        number_loss(spelling)
+
+
+@pytest.mark.parametrize("spelling", [*SPELLINGS, "quantile:1/3"])
+def test_a_loss_is_read_again_from_its_spelling_and_its_json(spelling):
+    loss = number_loss(spelling)
+    assert loss == number_loss(loss) == number_loss(loss.spelling) == loss_of(loss.to_json())
+    assert set(loss.measures(np.ones(2), np.zeros(2), np.ones(2))) == set(loss.measured)
+
+
+def test_half_the_absolute_error_is_the_quantile_loss_of_the_middle():
+    targets = TARGETS * 0.75
+    middle, absolute = (
+        solve(Problem(FEATURES, targets, depth=2, loss=number_loss(name))) for name in ("quantile:0.5", "absolute")
+    )
+    assert (2 * middle.objective, 2 * middle.bound, middle.tree) == (absolute.objective, absolute.bound, absolute.tree)
+
+
+def test_the_digest_of_a_problem_tells_levels_apart():
+    digests = {Problem(FEATURES, TARGETS, depth=1, loss=number_loss(name)).digest() for name in SPELLINGS}
+    assert len(digests) == len(SPELLINGS)

@@ -46,7 +46,8 @@ class QuantileError(SlopedError):
     measured = ("mae", "rmse", "pinball", "covered")
 
     def __post_init__(self) -> None:
-        fraction = self.fraction if 0 < self.level < 1 else Fraction(0)
+        is_between = isinstance(self.level, int | float) and 0 < self.level < 1
+        fraction = self.fraction if is_between else Fraction(0)
         if fraction == 0 or float(fraction) != self.level:
             raise ProblemError(
                 f"the level of the quantile loss is {self.level!r}; expected a number between 0 and 1 that is a "
@@ -57,11 +58,12 @@ class QuantileError(SlopedError):
     def of_spelling(cls, values: str) -> Self:
         """Return the loss of a level in digits, such as 0.9 or 1/3."""
         try:
-            return cls(float(Fraction(values)))
+            level = float(Fraction(values))
         except (ValueError, ArithmeticError) as error:
             raise ProblemError(
                 f"the level of the quantile loss is {values!r}; expected a number between 0 and 1, such as quantile:0.9"
             ) from error
+        return cls(level)
 
     @property
     def fraction(self) -> Fraction:

@@ -8,6 +8,7 @@ import pytest
 
 from octmip import Problem, SquaredError, ValueLeaf, solve
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.trees.losses import SPELLINGS, number_loss
 from octmip.trees.methods.options import SearchOptions
 
 
@@ -27,18 +28,19 @@ def solved(run, houses, *more):
     return run("solve", houses, "--target", "price", *chosen, *more)
 
 
-@pytest.mark.parametrize("loss", ["squared", "absolute"])
+@pytest.mark.parametrize("loss", SPELLINGS)
 def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, loss):
     tree = tmp_path / "t.json"
     code, out, err = solved(run, houses, "--loss", loss, "--out", tree, "--test", houses)
     assert (code, err) == (0, "")
     assert "Proven optimal" in out
     assert "area <= 1" in out
-    assert f"({loss} error)" in out
+    assert f"({number_loss(loss).words})" in out
     code, certified, err = run("certify", tree, houses, "--test", houses)
     assert (code, err) == (0, "")
     assert certified.startswith("certified")
     file = read_tree_file(tree)
+    assert file.loss == number_loss(loss)
     assert certified.count(f"{file.solution.objective:.6g}") >= 1
     answer = json.loads(run("predict", tree, houses, "--json")[1])
     table = pd.read_csv(houses)
@@ -50,6 +52,10 @@ def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, los
     assert "Proven optimal" in run("report", tree, houses)[1]
     assert run("report", tree, "--out", tmp_path / "t.md")[0] == 0
     assert (tmp_path / "t.md").read_text().startswith("```\nprice is predicted as")
+    log, problem = tmp_path / "p.log", tmp_path / "p.json"
+    code, out, err = solved(run, houses, "--loss", loss, "--proof", log, "--write-problem", problem, "--json")
+    assert json.loads(out)["loss"] == json.loads(problem.read_text())["loss"] == file.loss.spelling
+    assert log.read_text().startswith(f"octmip-proof 3 regression {file.loss.spelling}\n")
 
 
 def test_json_is_one_object_and_an_incumbent_is_taken_up(houses, run, tmp_path):
@@ -102,6 +108,8 @@ def test_what_regression_does_not_know_is_refused(houses, run, options, sentence
 def test_a_column_of_words_is_no_target_and_a_loss_needs_one(houses, run):
     assert "is no number" in run("solve", houses, "--target", "kind", "--depth", 1)[2]
     assert "--target" in run("solve", houses, "--label", "kind", "--loss", "squared", "--depth", 1)[2]
+    for loss in ("cubic", "quantile", "quantile:1.5", "squared:2"):
+        assert "loss" in run("solve", houses, "--target", "price", "--loss", loss, "--depth", 1)[2]
     assert "named by no option" in run("solve", houses, "--depth", 1)[2]
 
 
