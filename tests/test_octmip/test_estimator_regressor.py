@@ -22,7 +22,7 @@ from octmip import OptimalTreeRegressor
 estimators = (
     OptimalTreeRegressor(max_depth=2),
     OptimalTreeRegressor(max_depth=2, loss="absolute"),
-    OptimalTreeRegressor(max_depth=1, loss="quantile:0.9"),
+    OptimalTreeRegressor(max_depth=2, loss="quantile:0.5"),
 )
 results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
 print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))

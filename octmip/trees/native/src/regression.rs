@@ -1,4 +1,4 @@
-//! Branch and bound over thresholds for regression: trees of least squared error, or of least sloped error (absolute, quantile).
+//! Branch and bound over thresholds for regression: trees of least squared or sloped (absolute, quantile) error.
 //!
 //! ```text
 //! samples, view      the problem as it is counted, and the samples of one node

@@ -5,8 +5,9 @@
 //! what m is moved to (inside a gap as far up as the moved gap is long), and no sample errs by more.
 //!
 //! Weights are `floor(w 2^A)` and targets `floor((y - least y) 2^B)`, costs are whole multiples of `2^C` of the unit
-//! `2^-(A + qB)`, q = 2 for squared errors (of `2^-(A + B) / over` for sloped ones), rounded down wherever they are not. Lower weights and penalties cost every
-//! tree less. Targets that are not whole move by less than 1, and that moves a bound G of trees
+//! `2^-(A + qB)`, q = 2 for squared errors (`2^-(A + B) / over` for sloped ones), rounded down wherever they are not.
+//! Lower weights and penalties cost every tree less. Targets that are not whole move by less than 1, and that moves a
+//! bound G of trees
 //!
 //! * of sloped error by `W up down / (up + down)` at most, W the total weight: where a leaf predicts m, let it predict
 //!   `m - s`, `s = down / (up + down)`. A target y that moved by d, `0 <= d < 1`, is then off by `(y - m) + (s - d)`,
@@ -132,14 +133,15 @@ impl Samples {
         };
         let rest = (on_grid - lost).max(0) as u128;
         let (power, over) = self.slopes.map_or((2, 1), |slopes| (1, slopes.over));
-        // Sloped costs are below 2^62, and in 2^-64 of their unit a float64 below a quotient is whole: none lies between.
+        // Sloped costs are below 2^62, and in 2^-64 of their unit each float64 near a quotient is whole: the largest one
+        // that is not above the quotient is not above its whole part.
         let (rest, more) = if over == 1 { (rest, 0) } else { ((rest << 64) / over as u128, 64) };
         let exact = Exact::whole((rest >> 64) as u64).scaled(64).plus(&Exact::whole(rest as u64));
         exact.scaled(-self.scale.weight - power * self.scale.target - more).rounded_down()
     }
 
-    /// What a sample costs under a prediction between two numbers on either side of it, rounded up: the most that it may
-    /// add to a tree.
+    /// What a sample costs under a prediction between two numbers on either side of it, rounded up: the most that it
+    /// may add to a tree.
     pub(crate) fn range(&self, i: usize, low: i64, high: i64) -> i64 {
         let (above, below) = (i128::from(self.targets[i] - low), i128::from(high - self.targets[i]));
         let power = match self.slopes {

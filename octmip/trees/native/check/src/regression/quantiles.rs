@@ -81,8 +81,8 @@ impl Quantiles {
         self.below_target -= self.weights[to as usize] * self.targets[to as usize];
     }
 
-    /// Move the pointer to where the error rises on both sides: lower, `up` of all above it gains no more than `down` of
-    /// all below it loses; higher, the same the other way round.
+    /// Move the pointer to where the error rises on both sides: a step down costs `up` for all that is not below, and
+    /// saves `down` for all below; a step up the other way round.
     fn balance(&mut self) {
         if self.at == NONE {
             return;

@@ -1,7 +1,8 @@
-//! Sloped errors: a target above its prediction costs `up / over` for each unit between them, one below it `down / over`.
+//! Sloped errors: a target above its prediction costs `up / over` for each unit between them, one below it
+//! `down / over`.
 //!
-//! Both slopes are 1 in absolute errors, `q` and `1 - q` in those of the quantile of level q. Costs are counted in units
-//! of `1 / over`, so that they are whole.
+//! Both slopes are 1 in absolute errors, `q` and `1 - q` in those of the quantile of level q. Costs are counted in
+//! units of `1 / over`, so that they are whole.
 
 /// Most that an error is divided by.
 const MOST_OVER: i64 = 1000;

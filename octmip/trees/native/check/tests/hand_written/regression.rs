@@ -107,7 +107,7 @@ pub fn bad_logs() -> Vec<BadLog> {
         ("two exponents", four(true), stump("0 0", 9), 4, "got \"grid 0 0 1100\", expected \"grid\" and four exp"),
         ("an exponent too large", four(true), stump("0 0 101", 9), 4, "the exponent of costs is 101, expected 0 to"),
         ("no whole costs", four(true), stump("0 0 1", 9), 4, "costs divided by 2^1, expected them below 2^60"),
-        ("too fine a grid", four(true), stump("40 40 0", 9), 4, "weights of 4398046511104 and targets of 98956046"),
+        ("too fine a grid", four(true), stump("40 40 0", 9), 4, "weights of 4398046511104, targets of 98956046"),
         ("too large weights", huge.clone(), log(&huge, "0 0 0", 1, "end"), 4, "weights on this grid reach 2^53"),
         ("no claim", four(true), stump("0 0 0", 9).replace("claim 9", "claim x"), 5, "got \"claim x\", expected \"cl"),
         ("a claim above the tree", four(true), stump("0 0 0", 10), 6, "a tree costs 9, not 10"),
