@@ -1,8 +1,8 @@
 //! Sloped errors: a target above its prediction costs `up` for each unit between them, one below it `down`.
 //!
 //! Both slopes are 1 in absolute errors. With `up = q` and `down = 1 - q` they are those of the quantile of level q,
-//! here in whole numbers: 9 and 1 for q = 0.9. The best constant of a set has no more than `up / (up + down)` of the weight
-//! below it, and no more than the rest above it.
+//! here in whole numbers: 9 and 1 for q = 0.9. The best constant of a set has no more than `up / (up + down)` of the
+//! weight below it, and no more than the rest above it.
 
 /// What one unit of distance costs, whole numbers above 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -133,8 +133,8 @@ impl Samples {
         };
         let rest = (on_grid - lost).max(0) as u128;
         let (power, over) = self.slopes.map_or((2, 1), |slopes| (1, slopes.over));
-        // Sloped costs are below 2^62, and in 2^-64 of their unit each float64 near a quotient is whole: the largest one
-        // that is not above the quotient is not above its whole part.
+        // Sloped costs are below 2^62, and in 2^-64 of their unit each float64 near a quotient is whole: the largest
+        // one that is not above the quotient is not above its whole part.
         let (rest, more) = if over == 1 { (rest, 0) } else { ((rest << 64) / over as u128, 64) };
         let exact = Exact::whole((rest >> 64) as u64).scaled(64).plus(&Exact::whole(rest as u64));
         exact.scaled(-self.scale.weight - power * self.scale.target - more).rounded_down()
