@@ -37,7 +37,7 @@ def complaint(problem: Problem) -> str | None:
         return f"{type(error).__name__}: {error}"
     if not solution.is_optimal:
         return f"stopped {solution.stop} with bound {solution.bound} of {solution.objective}"
-    if abs(solution.objective - best.objective) > solution.tolerance + 1e-12 * max(1.0, best.objective):
+    if abs(solution.objective - best.objective) > 1e-9 * best.objective:  # no tolerance excuses more than rounding
         return f"objective {solution.objective}, enumeration finds {best.objective}"
     if not problem.has_integer_costs:
         return None

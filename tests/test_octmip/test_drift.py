@@ -9,7 +9,7 @@ import pytest
 from benchmarks.cases.fuzz.drift import complaint
 from benchmarks.kinds.others import random_bands
 from benchmarks.oracles.strategies import random_problem, random_tree
-from octmip import certify, predict
+from octmip import ClassCosts, certify, predict
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.drift import Bands, certify_drift, solve, worst_case
 from octmip.trees.drift.constant import first_beyond
@@ -187,3 +187,10 @@ def test_readings_of_float32_drift_as_their_values_of_float64_do() -> None:
     found = worst_case(Problem(values, [0, 1], depth=1), tree, 2e-9)
     assert found.constant is not None
     assert (found.worst, found.constant.cost) == (1, 1)
+
+
+def test_the_cheaper_of_two_leaves_is_found_where_their_costs_are_no_whole_numbers() -> None:
+    """Both readings may be off by 3, so no split helps: one leaf costs 0.79 and the other 0.64."""
+    problem = Problem([[0.0], [1.0]], [1, 0], depth=1, loss=ClassCosts([[0, 0.64], [0.79, 0]]))
+    solution = solve(problem, 3.0).solution
+    assert (solution.objective, solution.tolerance, solution.stop) == (0.64, 0.0, Stop.OPTIMAL)

@@ -171,3 +171,13 @@ def test_a_cost_that_is_lowered_stays_above_the_tree_that_is_known():
     costs = integer_costs(problem)
     known, dear = (costs.whole_objective(problem, Leaf(label)) for label in (1, 0))
     assert known < dear < 7 * known // 3
+
+
+@pytest.mark.parametrize("price", [0.32, 0.4])
+def test_a_cost_between_the_known_tree_and_the_next_multiple_is_not_rounded_down_to_the_tree(price):
+    """Two wrong answers cost 0.3 together, and one costs 0.32 or 0.4: in steps of 0.15 that is 0.3 as well."""
+    problem = Problem(X[:3], [1, 0, 0], depth=1, loss=ClassCosts([[0, 0.15], [price, 0]]))
+    costs = integer_costs(problem)
+    known, dear = (costs.whole_objective(problem, Leaf(label)) for label in (1, 0))
+    assert known < dear
+    assert costs.tolerance < 1e-12

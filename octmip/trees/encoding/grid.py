@@ -225,19 +225,23 @@ class _Grid:
 
 
 def _common_step(problem: Problem, excess: _Excess, exponent: int, above: int) -> int:
-    """Return the number on the grid that costs and penalty up to `above` are multiples of but for rounding, else 1."""
+    """Return the number on the grid that costs and penalty up to `above` are multiples of but for rounding, else 1.
+
+    The cap is the next multiple. What lies between would be rounded down to the cost of the known tree: then it is 1.
+    """
     if len(np.unique(problem.weights)) > MOST_DISTINCT:
         return 1
     counted = [np.unique(problem.weights[problem.codes == c]).tolist() for c in range(problem.n_classes)]
     pairs = zip(counted, excess.exact, strict=True)
     values = {Fraction(weight) * price for weights, row in pairs for weight in weights for price in set(row)}
-    scaled = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)})
-    scaled = [value for value in scaled if 0 < value <= above]  # what is more is lowered to the cap
+    every = sorted(value * power_of_two(exponent) for value in values | {Fraction(problem.leaf_penalty)})
+    scaled = [value for value in every if 0 < value <= above]  # what is more is lowered to the cap
     if not scaled or len(scaled) > MOST_DISTINCT or scaled[-1] > MOST_STEPS * scaled[0]:
         return 1
     numbers = np.array([float(value / scaled[0]) for value in scaled])
     for part in range(1, 33):
         steps = np.rint(numbers * part)
         if (np.abs(numbers * part - steps) <= ALIKE * steps).all():
-            return max(1, min(int(value / int(n)) for value, n in zip(scaled, steps, strict=True)))
+            step = max(1, min(int(value / int(n)) for value, n in zip(scaled, steps, strict=True)))
+            return step if all(value <= above or value >= -(-above // step) * step for value in every) else 1
     return 1
