@@ -59,6 +59,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.two_feature": 8,
         "trees.methods.search": 8,
         "trees.methods.cart": 6,
+        "trees.methods.pruning": 6,
         "trees.registry": 4,
         "trees.solver": 9,
         "trees.tradeoff": 10,

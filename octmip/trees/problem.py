@@ -294,6 +294,15 @@ class Problem(Shape):
         value = self.loss.best_value(self.weights[rows], self.codes[rows])
         return Leaf(int(value)) if self.loss.predicts == "class" else ValueLeaf(value)
 
+    def leaf_and_cost(self, rows: NDArray[np.int64]) -> tuple[Leaf, float]:
+        """Return the best leaf for some samples and what it costs there, of numbers summed in float64."""
+        if isinstance(self.loss, NumberLoss):
+            leaf = self.best_leaf(rows)
+            assert isinstance(leaf, ValueLeaf)
+            return leaf, float(self.weights[rows] @ self.loss.of_misses(self.codes[rows] - leaf.value))
+        costs = self.class_costs(rows)
+        return Leaf(int(costs.argmin())), float(costs.min())
+
     def with_best_leaves(self, tree: Node) -> Node:
         """Return the tree with the best value in every leaf; samples must reach each."""
         reached = leaf_index(tree, self.features)

@@ -115,8 +115,8 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
         "flow": FLOW_OF_PLANES,
         "benders": BENDERS,
     },
-    **{(loss, "axis"): {"search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
-    **{(loss, "hyperplane"): {"search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},
+    **{(loss, "axis"): {"cart": CART, "search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
+    **{(loss, "hyperplane"): {"cart": CART, "search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},
 }
 """Which solver answers which pair of loss and split, by method. Losses of numbers share their solvers: a new one
 enters this table by its line in `octmip.trees.losses.NUMBER_LOSSES`."""

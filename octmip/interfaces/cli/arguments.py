@@ -127,11 +127,15 @@ def nameable(own: Iterable[str]) -> list[str]:
 
 
 def add_everyday_arguments(
-    parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False
+    parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False, chooses: bool = False
 ) -> None:
-    """Add the table, the label (or a target of numbers and its loss), the depth and the time."""
+    """Add the table, the label (or a target of numbers and its loss), the depth and the time.
+
+    A command that `chooses` a tree where no depth is given needs none.
+    """
     add_label_arguments(group_of(parser, DATA), is_required=not has_target)
-    group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=True, help="levels of splits")
+    levels = "levels of splits" + (" (default: chosen by cross-validation, for new rows)" if chooses else "")
+    group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=not chooses, help=levels)
     if has_target:
         add_target_arguments(group_of(parser, DATA), group_of(parser, LOSS))
         rarely(add_leaf_model(group_of(parser, TREE)))

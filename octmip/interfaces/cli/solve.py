@@ -1,6 +1,8 @@
 """Find the best tree for a table: `octmip.interfaces.cli.options.solve` says how the command is called."""
 
 import argparse
+import math
+from dataclasses import replace
 from functools import partial
 
 from octmip.errors import DataError, SolverError
@@ -8,6 +10,7 @@ from octmip.formats.columns import Columns
 from octmip.formats.problem_file import write_problem_file
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
+    ElapsedLine,
     ProgressLine,
     comparison_json,
     comparison_text,
@@ -23,21 +26,40 @@ from octmip.interfaces.cli.arguments import (
     method_options,
 )
 from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.report.new_rows import choice_text, expected_words
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.methods.options import Options
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_provable
-from octmip.trees.solution import ProofError, Solution
+from octmip.trees.run import Run
+from octmip.trees.solution import Limits, ProofError, Solution
 from octmip.trees.solver import solve
-from octmip.trees.tradeoff import Comparison, beside_cart
+from octmip.trees.tradeoff import Comparison, beside_cart, solve_default
 from octmip.trees.tree import Node
+
+MOST_SECONDS = 60.0
+"""Of a choice, where no --seconds are given."""
+OF_A_DEPTH = {
+    "leaf_penalty": 0.0,
+    "method": "auto",
+    "gap": 0.0,
+    "incumbent": None,
+    "proof": None,
+    "checkpoint": None,
+    "option": [],
+    "write_problem": None,
+}
+"""Options of a problem whose depth is given, and what they are when they are not."""
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
     _check_predicted(arguments)
+    if arguments.depth is None:
+        return _choose(arguments, limits)
     question = ask(arguments)
     if arguments.proof:
         check_provable(question.problem)
@@ -62,6 +84,24 @@ def run(arguments: argparse.Namespace) -> int:
     _show(arguments, question, solution)
     if unproven is not None:
         raise unproven  # said last: the tree is shown and written all the same
+    return 0
+
+
+def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
+    """Choose the tree by cross-validation, show, write."""
+    given = [name for name, usual in OF_A_DEPTH.items() if getattr(arguments, name) != usual]
+    if given:
+        option = f"--{given[0].replace('_', '-')}"
+        raise DataError(
+            f"{option} is given without --depth, where cross-validation chooses kind, depth and penalty of the tree; "
+            f"expected --depth D beside it; add it, or leave {option} out"
+        )
+    question = ask(arguments)
+    limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
+    with method_options(arguments, question.problem) as options, ElapsedLine("cross-validating"):
+        run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
+        answer = solve_default(question.problem, run)
+    _show(arguments, replace(question, problem=answer.problem), answer.solution)
     return 0
 
 
@@ -95,7 +135,7 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
         held_out = question.claim(None if found is None else found.held_out)
         columns = question.target_column, question.weights_column, question.preparation
         file = record_tree(problem, solution, *columns, held_out)
-        last = verdict(problem, solution, certificate)
+        last = expected_words(problem, solution) + verdict(problem, solution, certificate)
         with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
             if arguments.json:
                 more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
@@ -120,6 +160,8 @@ def _show_words(question: Question, solution: Solution, certificate: Certificate
     problem, tree = question.problem, solution.tree
     assert tree is not None
     print_notes(question.notes)
+    if chosen := choice_text(problem, solution):
+        print(f"{chosen}\n")
     print(printable(solution_text(problem, solution, certificate)))
     print()
     print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))

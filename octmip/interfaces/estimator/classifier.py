@@ -11,41 +11,41 @@ from sklearn.utils import Tags
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
-from octmip.errors import SolverError, TreeError
+from octmip.errors import TreeError
 from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
 from octmip.interfaces.estimator.proof import method_proves, warn_unproven
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
 from octmip.interfaces.estimator.settings import (
+    AUTO,
     ClassWeight,
     RandomState,
     class_weights,
+    depth_of,
     leaf_size_of,
     seed_of,
     sensors_of,
     threads_of,
 )
-from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import whole_of
-from octmip.trees.run import Method
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.solver import solve
+from octmip.trees.run import Method, Run
+from octmip.trees.solution import Limits, Stop
 from octmip.trees.uncertainty import LeafDistribution
 
 
 class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type: ignore[misc]
-    """A classification tree of least training cost, with the bound that says how far from it a better one can be.
+    """A classification tree that holds on new samples, or of least training cost, with a bound on how far that is off.
 
     Parameters
     ----------
     max_depth
-        at most so many splits on a path from the root to a leaf, 1 to 30.
+        "auto" chooses kind, depth and leaf penalty by cross-validation (`octmip.trees.tradeoff.default`): the tree
+        that holds on new samples. A number, 1 to 30, is at most so many splits on a path from the root to a leaf: the
+        tree of least training cost.
     split
         "axis" (one feature and a threshold) or "hyperplane".
     split_size
@@ -53,7 +53,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
     leaf_penalty
-        price of one feature in one split, in units of weight times cost.
+        price of one feature in one split, in units of weight times cost; "auto" chooses its own.
     costs
         (n_classes, n_classes) cost of predicting column k for a class of row i, classes sorted; None: 0/1.
     class_weight
@@ -78,7 +78,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         `seconds` at most (`octmip.trees.tradeoff.leaf_shares`). A number instead: so much training weight is added, in
         equal parts to every class; 0 leaves the shares of the training rows.
     method
-        of `octmip.solve`: "auto" proves for splits on one feature, and searches without a proof for hyperplanes.
+        of `octmip.solve`, for a `max_depth` that is a number: "auto" proves for splits on one feature, and searches
+        without a proof for hyperplanes.
     options
         of the method, for instance ``SearchOptions(restarts=20)`` (`octmip.trees.methods.options`); None: the defaults.
     seconds
@@ -100,6 +101,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         the Problem that was solved: features, weights, costs. It holds the training samples.
     solution_
         the Solution; `tree_`, `objective_`, `bound_`, `gap_` and `is_optimal_` are its own.
+    choice_
+        with `max_depth="auto"` everything that the tree was chosen from (`octmip.trees.tradeoff.Choice`); its
+        `expectation` says what it and CART cost on new samples. None where nothing was chosen.
     certificate_
         what was recomputed from problem and tree alone (`octmip.Certificate`); `sensors_` are those it names.
     leaf_distribution_
@@ -112,7 +116,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
 
     def __init__(
         self,
-        max_depth: int = 3,
+        max_depth: int | Literal["auto"] = "auto",
         *,
         split: Literal["axis", "hyperplane"] = "axis",
         split_size: int | None = None,
@@ -181,26 +185,20 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         kept = weights != 0
         problem = self._problem(features[kept], labels[kept], weights[kept])
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        limits = Limits(seconds=self.seconds)
         options = self.options or NO_OPTIONS
-        self._keep(problem, solve(problem, self.method, limits, seed=seed, n_jobs=threads, options=options))
+        problem = self._answer(problem, Run(self.method, Limits(seconds=self.seconds), seed, threads, options))
         self._shares = LeafShares(problem, self.tree_, self.smoothing, self.seconds, seed, threads)
         if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")
-        warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
+        if self.max_depth != AUTO:
+            warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
         return self
-
-    def _keep(self, problem: Problem, solution: Solution) -> None:
-        if solution.tree is None:
-            raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
-        self.problem_, self.solution_ = problem, solution
-        self.certificate_ = certify(problem, solution)
 
     def _problem(self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]) -> Problem:
         return Problem(
             features,
             labels,
-            depth=whole_of(self.max_depth, "max_depth", 1, MAX_DEPTH),
+            depth=depth_of(self.max_depth, self.leaf_penalty, self.method, self.options),
             split=self.split,
             split_size=self.split_size,
             leaf_size=leaf_size_of(self.min_samples_leaf, len(labels)),

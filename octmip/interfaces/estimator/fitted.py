@@ -1,5 +1,6 @@
 """SolvedTree and FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 from sklearn.utils.validation import check_is_fitted
 
+from octmip.errors import SolverError
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike
 from octmip.formats.table.preparation import Preparation
@@ -15,9 +17,13 @@ from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, wor
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import leaf_nodes, node_indicator
 from octmip.interfaces.estimator.samples import read_samples, test_samples
-from octmip.trees.certificate import Certificate
+from octmip.interfaces.estimator.settings import AUTO
+from octmip.trees.certificate import Certificate, certify
 from octmip.trees.problem import Problem
+from octmip.trees.run import Run
 from octmip.trees.solution import Solution
+from octmip.trees.solver import solve_run
+from octmip.trees.tradeoff import Choice, solve_default
 from octmip.trees.tree import Node, depth, leaves
 
 if TYPE_CHECKING:
@@ -27,8 +33,25 @@ if TYPE_CHECKING:
 class SolvedTree:
     """What every estimator with a solution and a certificate says about its tree."""
 
+    max_depth: int | str
+    seconds: float
+    problem_: Problem
     solution_: Solution
     certificate_: Certificate
+    choice_: Choice | None
+
+    def _answer(self, problem: Problem, run: Run) -> Problem:
+        """Solve a problem, keep what is known of its tree, and return the problem with the depth that was chosen."""
+        if self.max_depth == AUTO:
+            found = solve_default(problem, replace(run, method="auto"))
+            problem, solution, self.choice_ = found.problem, found.solution, found.choice
+        else:
+            solution, self.choice_ = solve_run(problem, run), None
+        if solution.tree is None:
+            raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
+        self.problem_, self.solution_ = problem, solution
+        self.certificate_ = certify(problem, solution)
+        return problem
 
     @property
     def tree_(self) -> Node:
@@ -93,7 +116,6 @@ class SolvedTree:
 class FittedTree(SolvedTree):
     """What a classifier says about its tree beside that: what it costs, as words, a picture and a page."""
 
-    problem_: Problem
     columns_: Columns
     _label_name: str | None
 

@@ -9,30 +9,35 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
-from octmip.errors import DataError, SolverError
+from octmip.errors import DataError
 from octmip.interfaces.estimator.fitted import SolvedTree
 from octmip.interfaces.estimator.proof import warn_unproven
 from octmip.interfaces.estimator.samples import learn_samples, read_samples
-from octmip.interfaces.estimator.settings import RandomState, leaf_size_of, seed_of, sensors_of, threads_of
-from octmip.trees.certificate import certify
+from octmip.interfaces.estimator.settings import (
+    AUTO,
+    RandomState,
+    depth_of,
+    leaf_size_of,
+    seed_of,
+    sensors_of,
+    threads_of,
+)
 from octmip.trees.losses import NumberLoss, number_loss
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict_values
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import whole_of
-from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Stop
-from octmip.trees.solver import solve
 from octmip.trees.tree import condition, prediction, tree_lines
 
 
 class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: ignore[misc]
-    """A regression tree of least training error, with the bound that says how far from it a better one can be.
+    """A regression tree that holds on new samples, or of least training error, with a bound on how far that is off.
 
     Parameters
     ----------
     max_depth
-        at most so many splits on a path from the root to a leaf, 1 to 30.
+        "auto", or at most so many splits on a path from the root to a leaf; as in `OptimalTreeClassifier`.
     loss
         "squared" or "absolute" error, a quantile as in "quantile:0.9", or a loss such as ``QuantileError(0.9)``.
     split, split_size
@@ -42,7 +47,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
     leaf_penalty
-        price of one feature in one split, in units of weight times error.
+        price of one feature in one split, in units of weight times error; "auto" chooses its own.
     sensor_of_feature, sensor_cost, sensor_budget, categories, missing
         as in `OptimalTreeClassifier`.
     method
@@ -64,13 +69,15 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         how the columns of X became features (`octmip.formats.columns.Columns`).
     problem_, solution_, certificate_
         the Problem that was solved, its Solution, and what was recounted from problem and tree alone.
+    choice_
+        what the tree was chosen from, as in `OptimalTreeClassifier`.
 
     A sample of weight 0 is left out of the training, as if it were not there.
     """
 
     def __init__(
         self,
-        max_depth: int = 3,
+        max_depth: int | Literal["auto"] = "auto",
         *,
         loss: str | NumberLoss = "squared",
         split: Literal["axis", "hyperplane"] = "axis",
@@ -137,15 +144,12 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         kept = weights != 0
         problem = self._problem(features[kept], targets[kept], weights[kept])
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        limits, options = Limits(seconds=self.seconds), self.options or NO_OPTIONS
-        solution = solve(problem, self.method, limits, seed=seed, n_jobs=threads, options=options)
-        if solution.tree is None:
-            raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
-        self.problem_, self.solution_ = problem, solution
-        self.certificate_ = certify(problem, solution)
-        if solution.stop is Stop.INTERRUPTED:
+        options = self.options or NO_OPTIONS
+        self._answer(problem, Run(self.method, Limits(seconds=self.seconds), seed, threads, options))
+        if self.solution_.stop is Stop.INTERRUPTED:
             raise KeyboardInterrupt("the best tree so far is fitted")
-        warn_unproven(solution, solution.solver == "exact", self.seconds)
+        if self.max_depth != AUTO:
+            warn_unproven(self.solution_, self.solution_.solver == "exact", self.seconds)
         return self
 
     def _problem(
@@ -154,7 +158,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         return Problem(
             features,
             targets,
-            depth=whole_of(self.max_depth, "max_depth", 1, MAX_DEPTH),
+            depth=depth_of(self.max_depth, self.leaf_penalty, self.method, self.options),
             loss=number_loss(self.loss),
             split=self.split,
             split_size=self.split_size,

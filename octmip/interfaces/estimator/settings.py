@@ -12,10 +12,32 @@ from sklearn.utils import check_random_state, compute_class_weight
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.problem_values import whole_of
+from octmip.trees.shape import MAX_DEPTH
 
 ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
 RandomState = int | np.random.RandomState | None
 MOST_SEED = 2**31 - 1
+AUTO: Literal["auto"] = "auto"
+
+
+def depth_of(max_depth: int | str, leaf_penalty: float, method: str, options: object) -> int:
+    """Return the depth of the problem; 1 for "auto", whose choice replaces it.
+
+    Raises
+    ------
+    ProblemError
+        it is neither "auto" nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself.
+    """
+    if max_depth != AUTO:
+        return whole_of(max_depth, "max_depth", 1, MAX_DEPTH)  # type: ignore[arg-type]
+    given = {"leaf_penalty": (leaf_penalty, 0), "method": (method, AUTO), "options": (options, None)}
+    for name, (value, usual) in given.items():
+        if value != usual:
+            raise ProblemError(
+                f"{name} is {value!r} with max_depth='auto', which chooses its own; expected {usual!r}; leave {name} "
+                "out, or give a max_depth, such as 3"
+            )
+    return 1
 
 
 def class_weights(

@@ -5,8 +5,10 @@ rows      a tree as a table of nodes and back
 numbers   float64 in exact arithmetic
 costs     weights, costs and penalty as whole numbers
 grid      the same where they are not whole
+coarse    a problem that may cut each feature in a few places only
 """
 
+from octmip.trees.encoding.coarse import Coarse
 from octmip.trees.encoding.costs import CAPACITY, IntegerCosts
 from octmip.trees.encoding.grid import integer_costs
 from octmip.trees.encoding.ranks import Ranks, native_arguments, native_problem, rank_features
@@ -14,6 +16,7 @@ from octmip.trees.encoding.rows import NodeRow, cut_as_split, rows_from_tree, sp
 
 __all__ = [
     "CAPACITY",
+    "Coarse",
     "IntegerCosts",
     "NodeRow",
     "Ranks",

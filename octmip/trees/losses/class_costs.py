@@ -98,6 +98,11 @@ class ClassCosts(Loss):
         """Return the index of the class of least cost."""
         return int(self.class_costs(weights, codes).argmin())
 
+    def row_costs(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Floats:
+        """Return weight times cost of each prediction."""
+        costs: Floats = weights * self.matrix[codes, predicted]
+        return costs
+
     def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
         """Return the cost as a rational number."""
         whole, unit = whole_numbers(weights)
@@ -106,7 +111,7 @@ class ClassCosts(Loss):
 
     def cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any], prices: Fraction) -> float:
         """Return the cost and the prices of splits: each is rounded once, their sum again."""
-        paid = weights * self.matrix[codes, predicted]
+        paid = self.row_costs(weights, codes, predicted)
         # Sums of whole numbers below 2^52 are exact in any order; fsum rounds others once, but takes ten times as long.
         total = float(paid.sum()) if self.has_whole_costs(weights) else math.fsum(paid)
         return total + float(prices)

@@ -65,6 +65,10 @@ class NumberLoss(Loss):
                 f"most: expected sizes from {LEAST_SIZE:g} to {MOST_SIZE:g}; scale them"
             )
 
+    def row_costs(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Floats:
+        """Return weight times error of each prediction."""
+        return weights * self.of_misses(codes - predicted)
+
     def has_whole_costs(self, weights: Floats) -> bool:
         """Return False: what a leaf predicts need not be a whole number."""
         return False

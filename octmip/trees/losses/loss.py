@@ -59,6 +59,10 @@ class Loss(ABC):
         """Return the value of least cost for some samples, all of them in one leaf: a class's index or a number."""
 
     @abstractmethod
+    def row_costs(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Floats:
+        """Return weight times cost of each prediction, rounded, shape (n_samples,)."""
+
+    @abstractmethod
     def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
         """Return the cost of predictions as a rational number: nothing is rounded."""
 

@@ -1,8 +1,9 @@
 """CART, the greedy tree of Breiman, Friedman, Olshen & Stone (1984), by scikit-learn, as a Solution.
 
 It is the yardstick of every heuristic and a first incumbent of every proof. What it minimises at a node is the Gini
-impurity of its two sides, weighted; the objective of the Problem enters afterwards, when leaves take the label of least
-cost and splits that do not pay their penalty are cut away from the bottom up.
+impurity of its two sides, weighted, of numbers the squared or absolute error; the objective of the Problem enters
+afterwards, when leaves take the label of least cost and splits that do not pay their penalty are cut away from the
+bottom up.
 
 scikit-learn compares in float32. It is therefore trained on dense ranks, which float32 holds exactly up to 2^24
 distinct values; thresholds come back as midpoints of the float64 values on both sides of the cut, as it would set them
@@ -19,7 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import sklearn
 from numpy.typing import NDArray
-from sklearn.tree import DecisionTreeClassifier
+from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor
 
 from octmip.trees.encoding import Ranks, rank_features
 from octmip.trees.methods.options import NO_OPTIONS, Options
@@ -99,10 +100,13 @@ class _GreedyBuilder:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""
         problem = self.problem
         if len(features) == 0:
-            return Leaf(int(problem.class_costs().argmin()))
-        classifier = DecisionTreeClassifier(
-            max_depth=problem.depth, min_samples_leaf=problem.leaf_size, random_state=self.seed
-        )
+            return problem.best_leaf()
+        limits = {"max_depth": problem.depth, "min_samples_leaf": problem.leaf_size, "random_state": self.seed}
+        if problem.loss.predicts == "class":
+            grower = DecisionTreeClassifier(**limits)
+        else:
+            criterion = "absolute_error" if problem.loss.name == "absolute" else "squared_error"
+            grower = DecisionTreeRegressor(criterion=criterion, **limits)
         columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
         for k, feature in enumerate(features.tolist()):
             columns[:, k] = self.ranks.column(self.column(feature))
@@ -110,26 +114,25 @@ class _GreedyBuilder:
                 columns[np.isnan(problem.features[:, feature]), k] = np.nan
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
-            classifier.fit(columns, problem.codes, sample_weight=problem.weights)
-        return self._pruned(classifier.tree_, 0, features, np.arange(problem.n_samples))[0]
+            grower.fit(columns, problem.codes, sample_weight=problem.weights)
+        return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(
         self, grown: sklearn.tree._tree.Tree, node: int, features: NDArray[np.int64], rows: NDArray[np.int64]
     ) -> tuple[Node, float]:
         """Return the subtree of scikit-learn's `node` over `rows` and its cost, as a leaf where that costs no more."""
-        costs = self.problem.class_costs(rows)
-        leaf = Leaf(int(costs.argmin()))
+        leaf, leaf_cost = self.problem.leaf_and_cost(rows)
         if grown.children_left[node] < 0:
-            return leaf, float(costs[leaf.label])
+            return leaf, leaf_cost
         feature = int(features[grown.feature[node]])
         split, left = self._split(grown, node, feature, rows)
         if split is None:
-            return leaf, float(costs[leaf.label])
+            return leaf, leaf_cost
         left_tree, left_cost = self._pruned(grown, grown.children_left[node], features, rows[left])
         right_tree, right_cost = self._pruned(grown, grown.children_right[node], features, rows[~left])
         cost = left_cost + right_cost + self.problem.leaf_penalty
-        if cost >= costs[leaf.label]:
-            return leaf, float(costs[leaf.label])
+        if cost >= leaf_cost:
+            return leaf, leaf_cost
         return replace(split, left=left_tree, right=right_tree), cost
 
     def _split(

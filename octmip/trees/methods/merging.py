@@ -28,14 +28,15 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
     """Return a problem whose trees are those of `problem` at the same cost, in as few rows as can be, and its ranks.
 
     Rows without weight are left out where leaves may be of any size. The order of the rows is that of their values,
-    then of their classes.
+    then of their targets.
     """
     if problem.integer_normals is not None:
         problem = replace(problem, integer_normals=min(problem.integer_normals, MOST_INTEGER))
     if problem.leaf_size == 1:
         problem = _taken(problem, _weighted(problem), problem.weights)
     ranks = rank_features(problem)
-    group, first = _groups(ranks, problem.codes)
+    _, codes = np.unique(problem.codes, return_inverse=True)
+    group, first = _groups(ranks, codes)
     if problem.leaf_size > 1 or len(first) == problem.n_samples:
         rows, weights = np.argsort(group, kind="stable"), problem.weights
     else:

@@ -5,21 +5,31 @@ path       for every leaf penalty the best tree: all the trees that are best for
 risk       missed critical states against false alarms, over the cost of a failure
 held_out   rows kept from training, and what a tree and CART lose there
 leaf_shares  leaf probabilities, corrected by rows held out of refits
-choice     depth and leaf penalty by cross-validation over those paths
+family     the kinds of trees that are chosen among, each with its path
+validation what trees cost on rows held out, and the chosen one on new rows
+choice     kind, depth and leaf penalty by cross-validation over those paths
+default    the answer to whoever names no depth
 """
 
-from octmip.trees.tradeoff.choice import RULES, Choice, Rule, Step, choose_tree
+from octmip.trees.tradeoff.choice import RULES, Choice, Rule, Step, choose_default, choose_tree
+from octmip.trees.tradeoff.default import DefaultAnswer, solve_default
+from octmip.trees.tradeoff.family import Family, default_families
 from octmip.trees.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
 from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score
 from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.trees.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.trees.tradeoff.risk import RiskPoint, trace_risk_frontier
+from octmip.trees.tradeoff.validation import Expectation, Expected
 
 __all__ = [
     "OVERS",
     "RULES",
     "Choice",
     "Comparison",
+    "DefaultAnswer",
+    "Expectation",
+    "Expected",
+    "Family",
     "Over",
     "PathTree",
     "PenaltyPath",
@@ -30,11 +40,14 @@ __all__ = [
     "Score",
     "Step",
     "beside_cart",
+    "choose_default",
     "choose_tree",
+    "default_families",
     "default_values",
     "held_out_rows",
     "leaves_on_fresh_rows",
     "score",
+    "solve_default",
     "trace_frontier",
     "trace_path",
     "trace_risk_frontier",

@@ -12,6 +12,8 @@ The mixed-integer forms go another way, because a small alpha beside error count
 penalty is varied but the number of splits, C = 1, 2, ...: minimise R subject to C(T) <= C.
 Source: Bertsimas & Dunn (2017), Optimal classification trees, section 2.4; alpha = lambda / baseline.
 
+CART is grown once, and its prunings are the path (octmip.trees.methods.pruning).
+
 Every solve starts from the best tree found so far, those of smaller depth included. Where the number of splits is
 varied, CART's tree and one of search are found first, and of all trees known the best pruning to that number is the
 start: so no point of the path is worse than CART.
@@ -25,13 +27,13 @@ from itertools import pairwise
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
-from octmip.trees.encoding.numbers import exact_objective, rounded_down
+from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, Method, chosen_method, solve_run
-from octmip.trees.tree import Leaf, Node, complexity
+from octmip.trees.tree import Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32
@@ -168,9 +170,10 @@ def trace_run(
     free = replace(problem, leaf_penalty=0.0)
     with opened(run.options, run.n_jobs) as options:
         tracer = _Tracer(free, replace(run, options=options))
-        for tree in (Leaf(int(free.class_costs().argmin())), *incumbents):
+        for tree in (free.best_leaf(), *incumbents):
             tracer.add(tree)
-        go = tracer.by_splits if chosen_method(problem, run.method) in BY_SPLITS else tracer.by_penalty
+        name = chosen_method(problem, run.method)
+        go = tracer.by_splits if name in BY_SPLITS else tracer.by_pruning if name == "cart" else tracer.by_penalty
         is_whole = go(most_solves)
     return tracer.path(is_whole)
 
@@ -280,6 +283,17 @@ class _Tracer:
             self.bounds[penalty] = rounded_down(min(at)) if len(at) == len(bounds) else -math.inf
         return True
 
+    def by_pruning(self, most_solves: int) -> bool:
+        """Add the prunings of one tree; there is no more to look at."""
+        assert most_solves >= 1
+        from octmip.trees.methods.pruning import prunings
+
+        grown = self._solve(self.free, self.free.best_leaf(), self.run.options).tree
+        assert grown is not None
+        for tree in prunings(self.free, grown):
+            self.add(tree)
+        return not self.is_interrupted
+
     def _first_trees(self) -> bool:
         """Add the trees of CART and of a search that takes as long as before a proof; return whether Ctrl-C let it."""
         limits = replace(self.run.limits, seconds=SEARCH_SHARE * self.run.limits.seconds)
@@ -325,13 +339,15 @@ class _Tracer:
             # z is concave and the tree's line touches it at both ends of the interval, so all along it. Past the
             # last end nothing changes any more: the leaf has no split to pay for.
             finite = [penalty for penalty in (low, high) if math.isfinite(penalty)]
-            cost = exact_objective(self.free, known.tree)
-            prices = [cost + Fraction(penalty) * known.complexity for penalty in finite]
-            is_proven = all(
-                self._meets(_bound_at(bounds, penalty), price) for penalty, price in zip(finite, prices, strict=True)
-            )
+            is_proven = bool(bounds) and self._is_proven(known, finite)
             trees.append(PathTree(known.tree, known.cost, known.complexity, low, high, is_proven))
         return PenaltyPath(self.free, tuple(trees), bounds, self.n_solves, is_whole, self.is_interrupted)
+
+    def _is_proven(self, known: _Known, penalties: Sequence[float]) -> bool:
+        """Whether no tree is better at any of some penalties."""
+        cost, bounds = self.free.exact_objective(known.tree), tuple(sorted(self.bounds.items()))
+        prices = [cost + Fraction(penalty) * known.complexity for penalty in penalties]
+        return all(self._meets(_bound_at(bounds, at), price) for at, price in zip(penalties, prices, strict=True))
 
     def _meets(self, bound: Fraction | float, price: Fraction) -> bool:
         return bound >= price * (1 - _ROUNDING) - Fraction(self.tolerance)

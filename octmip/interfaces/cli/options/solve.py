@@ -1,5 +1,8 @@
 """Find the best tree for a table within the limits, and the bound that proves how good it is.
 
+Without --depth it is the best tree for new rows, as cross-validation tells: its kind, depth and leaf penalty are chosen
+for them. With --depth it is the tree of least cost on the rows of the table.
+
 The result is certified (recomputed from tree and data alone) before it is shown. Reaching a limit is no error, nor is
 Ctrl-C: the best tree so far and its bound are shown and written.
 """
@@ -22,6 +25,7 @@ from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import add_held_out_arguments
 
 EXAMPLES = """\
+  octmip solve iris.csv --label species
   octmip solve iris.csv --label species --depth 2
   octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
   octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
@@ -33,7 +37,7 @@ EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip solve`."""
-    add_everyday_arguments(parser, has_target=True)
+    add_everyday_arguments(parser, has_target=True, chooses=True)
     rarely(add_held_out_arguments(group_of(parser, DATA)))
     add_problem_arguments(parser)
     output, method = group_of(parser, OUTPUT), group_of(parser, METHOD)

@@ -227,7 +227,7 @@ def _problem(
         features,
         labels,
         weights=weights,
-        depth=arguments.depth,
+        depth=1 if arguments.depth is None else arguments.depth,  # None: it is chosen
         split=_kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,

@@ -1,0 +1,86 @@
+"""What holds on new rows, in words: how a tree was chosen, what it costs there, and what makes that doubtful."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from octmip.formats.names import visible
+from octmip.trees.losses import ClassCosts
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.tree import Node, leaf_index, leaves
+
+FEW_SAMPLES = 5
+"""A leaf of fewer training samples says little about new rows."""
+
+
+def choice_of(solution: Solution) -> Mapping[str, Any] | None:
+    """Return how the tree was chosen where it was (`Choice.to_json`); None where a depth was asked for."""
+    choice = solution.details.get("choice")
+    return choice if isinstance(choice, Mapping) else None
+
+
+def choice_text(problem: Problem, solution: Solution) -> str:
+    """Return how a tree was chosen and what it costs on new rows, line by line; nothing where a depth was asked for."""
+    choice = choice_of(solution)
+    if choice is None:
+        return ""
+    if "reason" in choice:
+        return f"not chosen: {visible(str(choice['reason']))}; depth {problem.depth} instead"
+    lines = [
+        f"chosen by cross-validation ({choice['n_folds']} folds, {len(choice['families'])} kinds of trees): "
+        f"{visible(choice['kind'])}; leaf penalty {problem.leaf_penalty:.4g}"
+    ]
+    if choice["expected"] is not None:
+        expected = choice["expected"]
+        lines.append(f"expected on new rows: {_interval(problem, expected['tree'])}")
+        if expected["cart"] is not None:
+            lines.append(f"CART pruned by the same folds: {_interval(problem, expected['cart'])}")
+            lines.append(f"difference: {_interval(problem, expected['difference'], is_difference=True)}")
+            lines.append("(95 % intervals; the choice is made again in each of 400 bootstraps and judged on the rest)")
+    return "\n".join(lines)
+
+
+def expected_words(problem: Problem, solution: Solution) -> str:
+    """Return what a chosen tree costs on new rows as a sentence with a blank behind, nothing where none was chosen."""
+    expected = (choice_of(solution) or {}).get("expected")
+    if not expected:
+        return ""
+    beside = "" if expected["cart"] is None else f", pruned CART {mean_cost(problem, expected['cart']['mean'])}"
+    return f"Expected on new rows: {mean_cost(problem, expected['tree']['mean'])}{beside}. "
+
+
+def counts_errors(problem: Problem) -> bool:
+    """Whether a mean cost is a share of wrong rows."""
+    return isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one and bool((problem.weights == 1).all())
+
+
+def mean_cost(problem: Problem, cost: float) -> str:
+    """Return a cost per unit of weight in words."""
+    return f"{100 * cost:.3g} % wrong" if counts_errors(problem) else f"mean {problem.loss.words} {cost:.4g}"
+
+
+def _interval(problem: Problem, found: Mapping[str, float], *, is_difference: bool = False) -> str:
+    if counts_errors(problem):
+        low, high = 100 * found["low"], 100 * found["high"]
+        mean = f"{100 * found['mean']:+.2g} points" if is_difference else f"{100 * found['mean']:.3g} % wrong"
+        sign = "+" if is_difference else ""
+        return f"{mean} ({low:{sign}.2g} to {high:{sign}.2g})"
+    mean = f"{found['mean']:+.4g}" if is_difference else mean_cost(problem, found["mean"])
+    return f"{mean} ({found['low']:.4g} to {found['high']:.4g})"
+
+
+def warning_text(problem: Problem, tree: Node) -> str:
+    """Return what makes a tree doubtful on new rows, a line each: small leaves, and rows learned by heart."""
+    sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
+    small = int((sizes < FEW_SAMPLES).sum())
+    if len(sizes) == 1 or not small:
+        return ""
+    lines = [f"warning: {small} of {len(sizes)} leaves hold fewer than {FEW_SAMPLES} training samples"]
+    if 2 * small >= len(sizes) and len(sizes) > 4:
+        lines.append(
+            "warning: most leaves hold so few that the tree has learned rows by heart: training figures say nothing "
+            "about new rows; try --holdout 0.25, or leave out --depth"
+        )
+    return "\n".join(lines)

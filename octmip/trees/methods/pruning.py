@@ -1,0 +1,118 @@
+"""Cost-complexity pruning: of all prunings of one tree those that are best for some price of a split.
+
+The price at which a subtree of node t with m splits pays no more than the leaf in its place is
+
+    g(t) = (R(leaf at t) - R(subtree of t)) / m
+
+The node of least g becomes a leaf first (the weakest link), then that of the tree which is left, up to the root: a
+nested sequence of trees that holds, for every price, the best pruning.
+
+Source: Breiman, Friedman, Olshen & Stone (1984), Classification and Regression Trees, section 3.3, with the cost of the
+problem as R.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, goes_left, n_splits
+
+SMALL = 24
+"""Prunings of fewer splits are all kept."""
+RATIO = 1.15
+"""Of larger ones each kept has so many times the splits of the next, so that a deep tree gives some dozens."""
+
+
+@dataclass(slots=True)
+class _Links:
+    """The nodes of a tree in preorder as arrays (n_nodes,): what each costs as a leaf, and what its subtree costs."""
+
+    leaves: list[Leaf]
+    as_leaf: NDArray[np.float64]
+    below: NDArray[np.float64]
+    n_splits: NDArray[np.int64]
+    right: NDArray[np.int64]  # -1 at a leaf; the left child is the next node
+    parent: NDArray[np.int64]  # -1 at the root
+
+    def prices(self) -> NDArray[np.float64]:
+        """Return the price from which on each split is a leaf in the best pruning, -inf at leaves, shape (n_nodes,)."""
+        found = np.full(len(self.leaves), -np.inf)
+        link = self._links()
+        highest = 0.0
+        while (weakest := int(link.argmin())) >= 0 and np.isfinite(link[weakest]):
+            highest = max(highest, float(link[weakest]))
+            end = self._end(weakest)
+            is_left = np.isfinite(link[weakest:end])
+            found[weakest:end][is_left] = highest
+            link[weakest:end] = np.inf
+            fewer, dearer = self.n_splits[weakest], self.as_leaf[weakest] - self.below[weakest]
+            node = int(self.parent[weakest])
+            while node >= 0:
+                self.n_splits[node] -= fewer
+                self.below[node] += dearer
+                link[node] = (self.as_leaf[node] - self.below[node]) / max(1, self.n_splits[node])
+                node = int(self.parent[node])
+        return found
+
+    def _links(self) -> NDArray[np.float64]:
+        gain = (self.as_leaf - self.below) / np.maximum(1, self.n_splits)
+        return np.asarray(np.where(self.right >= 0, gain, np.inf))
+
+    def _end(self, node: int) -> int:
+        """Return the number behind the last node of a subtree."""
+        while self.right[node] >= 0:
+            node = int(self.right[node])
+        return node + 1
+
+
+def prunings(problem: Problem, tree: Node) -> Iterator[Node]:
+    """Yield prunings that are best for some price of a split, by rising price, from the largest to a single leaf.
+
+    Of large trees not all are yielded (`RATIO`). Costs are sums of float64, not exact.
+    """
+    links = _links_of(problem, tree)
+    prices = links.prices()
+    last = np.inf
+    for price in np.unique(prices[links.right >= 0]).tolist():
+        pruned = _pruned(tree, links, prices, price)
+        size = n_splits(pruned)
+        if size < SMALL or size * RATIO <= last:
+            last = size
+            yield pruned
+
+
+def _links_of(problem: Problem, tree: Node) -> _Links:
+    leaves: list[Leaf] = []
+    as_leaf: list[float] = []
+    right: list[int] = []
+    parent: list[int] = []
+    stack: list[tuple[Node, NDArray[np.int64], int, bool]] = [(tree, np.arange(problem.n_samples), -1, False)]
+    while stack:
+        subtree, rows, above, is_right = stack.pop()
+        here = len(leaves)
+        leaf, cost = problem.leaf_and_cost(rows)
+        leaves.append(leaf), as_leaf.append(cost), right.append(-1), parent.append(above)
+        if is_right:
+            right[above] = here
+        if not isinstance(subtree, Leaf):
+            left = goes_left(subtree, problem.features, rows)
+            right[here] = 0  # a split; its right child comes later
+            stack += [(subtree.right, rows[~left], here, True), (subtree.left, rows[left], here, False)]
+    links = _Links(leaves, *map(np.array, (as_leaf, as_leaf, np.zeros(len(leaves), np.int64), right, parent)))
+    for node in range(len(leaves) - 1, -1, -1):
+        if links.right[node] >= 0:
+            sides = [node + 1, int(links.right[node])]
+            links.below[node] = links.below[sides].sum()
+            links.n_splits[node] = 1 + links.n_splits[sides].sum()
+    return links
+
+
+def _pruned(tree: Node, links: _Links, prices: NDArray[np.float64], price: float, at: int = 0) -> Node:
+    """Return the pruning for a price; `at` is the number of the root in preorder."""
+    if isinstance(tree, Leaf) or prices[at] <= price:
+        return links.leaves[at]
+    left = _pruned(tree.left, links, prices, price, at + 1)
+    return replace(tree, left=left, right=_pruned(tree.right, links, prices, price, int(links.right[at])))

@@ -1,0 +1,156 @@
+"""Families: the kinds of trees that cross-validation chooses among, each with the path of its best trees.
+
+What generalises best differs from table to table: the best tree of few levels, proven; a deeper one that is searched;
+CART's, pruned. Thresholds at few quantiles learn less by heart than thresholds anywhere, so the default families cut
+there. Their numbers were settled on one half of 72 public tables and judged on the other: docs/results/tables.md.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from octmip.trees.encoding import Coarse
+from octmip.trees.methods.options import Options, SearchOptions
+from octmip.trees.problem import Problem
+from octmip.trees.run import Method, Run
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.solution import Solution
+from octmip.trees.solver import solve_run
+from octmip.trees.tradeoff.path import PenaltyPath, trace_run
+from octmip.trees.tree import Node
+
+PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
+SEARCHED_DEPTHS, SEARCHED_CUTS = (8, 12), 10
+MOST_BOUND_SECONDS = 10.0
+"""For the bound of a searched tree; without a limit its proof could take for ever."""
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """Trees of one kind.
+
+    Attributes
+    ----------
+    depth
+        levels of splits.
+    method
+        of `octmip.solve`, by which each tree of the path is found; "cart": the prunings of CART's tree.
+    n_cuts
+        a feature is cut at so many quantiles at most; None: anywhere.
+    options
+        of the method, instead of those of the run but for its cluster and file of solves.
+    """
+
+    depth: int
+    method: Method = "auto"
+    n_cuts: int | None = None
+    options: Options | None = None
+
+    @property
+    def words(self) -> str:
+        """The kind of trees, for a sentence."""
+        if self.method == "cart":
+            return "CART's tree, pruned"
+        found = "searched" if self.method == "search" else "optimal"
+        cuts = "" if self.n_cuts is None else f", at most {self.n_cuts} cuts of a feature"
+        return f"{found}, depth {self.depth} or less{cuts}"
+
+    def run(self, run: Run) -> Run:
+        """Return a run of this method: the options of the family beside those of the run."""
+        shared = {"cluster": run.options.cluster, "solves": run.options.solves}
+        options = run.options if self.options is None else replace(self.options, **shared)
+        return replace(run, method=self.method, options=options)
+
+
+def default_families(problem: Problem) -> tuple[Family, ...]:
+    """Return the families that the default choice is made among; those that are quickest come first."""
+    proves = problem.split == "axis" and problem.is_provable
+    cuts = (PROVEN_CUTS, SEARCHED_CUTS) if problem.split == "axis" and problem.leaf_model == "constant" else (None,) * 2
+    # One start, improved once; a search of numbers knows no perturbations.
+    quick = SearchOptions(restarts=1, perturbations=0 if problem.loss.predicts == "class" else None)
+    proven = [Family(d, "exact", cuts[0]) if proves else Family(d, "search", cuts[0], quick) for d in PROVEN_DEPTHS]
+    searched = [Family(depth, "search", cuts[1], quick) for depth in SEARCHED_DEPTHS]
+    return (Family(MAX_DEPTH, "cart"), *proven, *searched)
+
+
+def trace_families(
+    problem: Problem, families: Sequence[Family], run: Run, most_solves: int, seconds: float = math.inf
+) -> list[PenaltyPath]:
+    """Return the path of each family, begun with the trees of those before that cut where it does.
+
+    Paths are over the readings of the problem; what a path of few cuts proves it proves among trees that cut there.
+
+    Parameters
+    ----------
+    seconds
+        families that have not begun by then, and of all but the first those that have not ended, have no path [s].
+
+    Raises
+    ------
+    ProblemError, SolverError
+        as `trace_path`.
+    """
+    start = time.perf_counter()
+    paths: list[PenaltyPath] = []
+    known: dict[int | None, list[Node]] = {}
+    grids: dict[int, Coarse] = {}
+    for family in families:
+        left = start + seconds - time.perf_counter()
+        if paths and left <= 0:
+            break
+        n_cuts, free = family.n_cuts, replace(problem, depth=family.depth, leaf_penalty=0.0)
+        if n_cuts is not None and n_cuts not in grids:
+            grids[n_cuts] = Coarse.of(problem, n_cuts)
+        cut = free if n_cuts is None else replace(grids[n_cuts].problem, depth=family.depth)
+        limits = replace(run.limits, seconds=max(0.0, min(run.limits.seconds, left)))
+        path = trace_run(cut, family.run(replace(run, limits=limits)), known.get(n_cuts, ()), most_solves)
+        if paths and time.perf_counter() > start + seconds:
+            break
+        if family.method != "cart":  # whose trees may be deeper than the next family's
+            known[n_cuts] = [best.tree for best in path.trees]
+        if n_cuts is not None:
+            over = grids[n_cuts].over_readings
+            path = replace(path, problem=free, trees=tuple(replace(t, tree=over(t.tree)) for t in path.trees))
+        paths.append(path)
+        if path.is_interrupted:
+            break
+    return paths
+
+
+def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> Solution:
+    """Return the best tree of a family for a problem with its depth; `known` is one over readings, at least as good.
+
+    A bound holds for the trees that cut where the family does, and `details["scope"]` says so. Of CART's prunings
+    `known` itself is returned. Where a tree is searched, a proof gives the bound for some seconds, and its tree where
+    it is finished.
+
+    Raises
+    ------
+    SolverError
+        a solver failed.
+    """
+    if family.method == "cart":
+        found = solve_run(problem, family.run(run))
+        return replace(found, tree=known, objective=problem.objective(known))
+    grid = None if family.n_cuts is None else Coarse.of(problem, family.n_cuts)
+    cut, tree = (problem, known) if grid is None else (grid.problem, grid.over_intervals(known))
+    found = solve_run(cut, family.run(run), tree)
+    if family.method == "search" and problem.is_provable and problem.split == "axis":
+        found = _bounded(cut, found, run)
+    if grid is None:
+        return found
+    assert found.tree is not None
+    scope = {} if math.isinf(found.bound) else {"scope": grid.scope}
+    return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
+
+
+def _bounded(problem: Problem, found: Solution, run: Run) -> Solution:
+    """Return a searched solution with the bound of a proof that ends soon; proven optimal, the proof's own."""
+    seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
+    limits = replace(run.limits, seconds=seconds)
+    proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
+    if proof.is_optimal:
+        return proof
+    # A proof that is cut off has found trees by the time that it had: kept is the tree that one seed always gives.
+    return replace(found, bound=min(proof.bound, found.objective), seconds=found.seconds + proof.seconds)

@@ -1,0 +1,206 @@
+"""The default answer: what it is chosen among, that it is the same wherever it runs, and what it says of new rows."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import joblib
+import numpy as np
+import pytest
+from sklearn.datasets import load_diabetes, load_iris
+
+from octmip import AbsoluteError, Problem, SquaredError, certify
+from octmip.trees.encoding import Coarse
+from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.pruning import prunings
+from octmip.trees.run import Run
+from octmip.trees.solution import Limits, Stop
+from octmip.trees.tradeoff import choice as choice_module
+from octmip.trees.tradeoff import choose_default, default_families, solve_default
+from octmip.trees.tradeoff.validation import Judged
+from octmip.trees.tree import Leaf, Node, depth, leaves, n_splits
+
+IRIS = Problem(*load_iris(return_X_y=True), depth=1)
+RNG = np.random.default_rng(3)
+WEIGHED = Problem(RNG.normal(size=(60, 3)).round(1), RNG.integers(3, size=60), depth=6, weights=RNG.integers(1, 4, 60))
+NUMBERS = Problem(RNG.normal(size=(60, 2)).round(1), RNG.normal(size=60).round(1), depth=5, loss=SquaredError())
+
+
+def every_pruning(problem: Problem, tree: Node, rows: np.ndarray) -> list[tuple[int, float, Node]]:
+    """Return splits, cost and tree of every pruning of a small tree."""
+    leaf, cost = problem.leaf_and_cost(rows)
+    found: list[tuple[int, float, Node]] = [(0, cost, leaf)]
+    if not isinstance(tree, Leaf):
+        left = problem.features[rows, tree.feature] <= tree.threshold
+        sides = (every_pruning(problem, side, rows[part]) for side, part in ((tree.left, left), (tree.right, ~left)))
+        for (a, cost_a, left_tree), (b, cost_b, right_tree) in itertools.product(*sides):
+            found.append((a + b + 1, cost_a + cost_b, replace(tree, left=left_tree, right=right_tree)))
+    return found
+
+
+@pytest.mark.parametrize("problem", [WEIGHED, NUMBERS], ids=["classes", "numbers"])
+def test_for_every_price_some_pruning_that_is_kept_is_as_good_as_any(problem):
+    problem = replace(problem, depth=4)
+    tree = greedy_tree(problem).tree
+    kept = list(prunings(problem, tree))
+    every = every_pruning(problem, tree, np.arange(problem.n_samples))
+    for price in np.linspace(0.001, problem.baseline, 60):
+        best = min(cost + price * size for size, cost, _ in every)
+        assert min(problem.objective(t) + price * n_splits(t) for t in [tree, *kept]) == pytest.approx(best)
+    assert [n_splits(t) for t in kept] == sorted({n_splits(t) for t in kept}, reverse=True)
+    assert n_splits(kept[-1]) == 0
+
+
+def test_the_prunings_of_a_large_tree_are_thinned_but_end_with_all_the_small_ones():
+    rng = np.random.default_rng(0)
+    noise = Problem(rng.random((600, 4)), rng.integers(2, size=600), depth=20)
+    tree = greedy_tree(noise).tree
+    sizes = [n_splits(t) for t in prunings(noise, tree)]
+    assert n_splits(tree) > 100
+    assert len(sizes) < 40
+    assert all(b >= 24 and a >= b * 1.15 for a, b in itertools.pairwise(sizes) if a > 24 and b >= 24)
+
+
+def test_cuts_are_at_quantiles_and_a_tree_over_intervals_is_the_same_over_readings():
+    readings = np.array([1.0, 1, 2, 5, 6, 9])[:, None]
+    coarse = Coarse.of(Problem(readings, [0, 0, 0, 1, 1, 0], depth=2), 2)
+    assert coarse.cuts[0].tolist() == [1.5, 5.5]
+    assert coarse.problem.features[:, 0].tolist() == [0, 0, 1, 1, 2, 2]
+    few = Coarse.of(IRIS, 4)
+    assert max(map(len, few.cuts)) == 4
+    for tree in (greedy_tree(replace(few.problem, depth=4)).tree,):
+        over = few.over_readings(tree)
+        assert IRIS.objective(over) == few.problem.objective(tree)
+        assert few.problem.objective(few.over_intervals(over)) == IRIS.objective(over)
+    all_values = Coarse.of(IRIS, 1000)
+    assert [len(cuts) + 1 for cuts in all_values.cuts] == [len(np.unique(column)) for column in IRIS.features.T]
+
+
+def test_missing_readings_stay_missing_over_intervals():
+    features = np.array([[1.0], [2.0], [np.nan], [4.0]])
+    coarse = Coarse.of(Problem(features, [0, 0, 1, 1], depth=1), 5)
+    assert np.isnan(coarse.problem.features[2, 0])
+    assert coarse.problem.features[[0, 1, 3], 0].tolist() == [0, 1, 2]
+
+
+@pytest.mark.parametrize("loss", [SquaredError(), AbsoluteError()])
+def test_cart_grows_trees_of_numbers_too(loss):
+    X, y = load_diabetes(return_X_y=True)
+    problem = Problem(X[:150], y[:150], depth=3, loss=loss)
+    solution = greedy_tree(problem)
+    certify(problem, solution)
+    assert len(leaves(solution.tree)) == 8
+    assert solution.objective < 0.75 * problem.baseline
+
+
+def answer_of(problem, **run):
+    return solve_default(problem, Run("auto", Limits(), 0, **run))
+
+
+def test_the_default_is_the_best_step_of_all_families_and_is_certified():
+    found = answer_of(IRIS)
+    certify(found.problem, found.solution)
+    assert {step.family.words for step in found.choice.steps} == {family.words for family in default_families(IRIS)}
+    least = min(step.validation_cost for step in found.choice.steps)
+    chosen = found.choice.chosen
+    assert chosen.validation_cost <= least + 0.5 * max(step.standard_error for step in found.choice.steps)
+    assert not [
+        step
+        for step in found.choice.steps
+        if step.validation_cost <= chosen.validation_cost and step.complexity < chosen.complexity
+    ]
+    said = found.solution.details["choice"]
+    assert said["kind"] == chosen.family.words
+    assert said["expected"]["tree"]["low"] <= said["expected"]["tree"]["mean"] <= said["expected"]["tree"]["high"]
+
+
+def test_one_seed_gives_one_choice_on_one_thread_on_two_and_in_processes():
+    alone, threads = answer_of(IRIS, n_jobs=1), answer_of(IRIS, n_jobs=2)
+    with joblib.parallel_config(backend="loky", n_jobs=2):
+        processes = choose_default(IRIS, seed=0)
+    assert threads.choice.steps == alone.choice.steps == processes.steps
+    assert threads.solution.tree == alone.solution.tree == processes.tree
+    assert threads.solution.bound == alone.solution.bound
+    assert threads.choice.expectation == alone.choice.expectation
+
+
+def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
+    weights = RNG.integers(1, 3, 150)
+    weighed = answer_of(replace(IRIS, weights=weights))
+    repeated = answer_of(
+        replace(
+            IRIS,
+            features=np.repeat(IRIS.features, weights, 0),
+            targets=np.repeat(IRIS.targets, weights),
+            weights=np.ones(weights.sum()),
+        )
+    )
+    assert weighed.solution.tree == repeated.solution.tree
+    assert weighed.choice.chosen == repeated.choice.chosen
+
+
+def test_numbers_are_chosen_for_by_the_same_mechanism():
+    rng = np.random.default_rng(0)
+    X = rng.random((120, 2))
+    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=120) / 5, depth=1, loss=SquaredError())
+    found = answer_of(problem)
+    assert certify(found.problem, found.solution).n_splits <= 3
+    assert found.solution.tree.feature == 0
+    assert found.choice.expectation.tree.mean < 0.2
+
+
+def test_hyperplanes_are_searched_and_beside_cart():
+    planes = replace(WEIGHED, split="hyperplane", split_size=2, depth=1)
+    families = default_families(planes)
+    assert families[0].method == "cart"
+    assert {family.method for family in families[1:]} == {"search"}
+
+
+def test_of_noise_nothing_is_expected():
+    rng = np.random.default_rng(1)
+    noise = Problem(rng.random((120, 3)), rng.integers(2, size=120), depth=1)
+    found = answer_of(noise)
+    assert found.choice.expectation.tree.low < 0.5 < found.choice.expectation.tree.high
+
+
+def test_rows_too_few_to_choose_by_get_one_split_and_the_reason():
+    found = answer_of(Problem([[0.0], [1.0]], ["a", "b"], depth=1))
+    assert found.choice is None
+    assert depth(found.solution.tree) == 1
+    assert found.solution.details["choice"] == {"reason": "too few rows to cross-validate"}
+
+
+def test_a_time_limit_leaves_out_families_but_not_cart():
+    choice = choose_default(IRIS, seconds=0.0)
+    assert {step.family.method for step in choice.steps} == {"cart"}
+    assert choice.chosen.validation_cost < 0.1
+
+
+def test_ctrl_c_leaves_carts_tree(monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("octmip.trees.tradeoff.default.choose_default", interrupted)
+    found = answer_of(IRIS)
+    assert found.solution.stop is Stop.INTERRUPTED
+    assert found.solution.solver == "cart"
+    assert choice_module.DEFAULT_RULE == "half_se"
+
+
+def test_the_expected_cost_is_corrected_for_the_choice():
+    rng = np.random.default_rng(0)
+    losses = [(rng.random((60, 40)) < 0.5).astype(float) for _ in range(3)]  # forty trees that know nothing
+    trees = np.repeat(np.arange(40)[:, None], 3, axis=1)
+    judged = Judged(losses, [np.ones(60)] * 3, trees, np.arange(40))
+    chosen = judged.sums().means()[judged.best(0.0)]
+    expected = judged.expectation(0.0, np.arange(40) < 5, seed=0)
+    assert chosen < 0.45
+    assert expected.tree.mean == pytest.approx(0.5, abs=0.03)
+    assert expected.tree.low < 0.5 < expected.tree.high
+    assert expected.difference.mean == pytest.approx(expected.tree.mean - expected.cart.mean)
+
+
+def test_standard_errors_are_those_of_the_rows():
+    losses = np.array([[0.0], [1.0], [1.0], [0.0], [1.0]])
+    judged = Judged([losses], [np.ones(5)], np.zeros((1, 1), dtype=np.int64), np.arange(1))
+    assert judged.sums().standard_errors()[0] == pytest.approx(math.sqrt(0.6 * 0.4 / 5))
