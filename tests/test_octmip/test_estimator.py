@@ -22,7 +22,7 @@ from sklearn.preprocessing import StandardScaler
 import octmip
 from octmip import OptimalTreeClassifier, Stop, certify, predict
 from octmip.errors import ProblemError, SolverError
-from octmip.interfaces.estimator import classifier
+from octmip.interfaces.estimator import fitted as fitted_tree
 from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
@@ -202,8 +202,8 @@ def test_methods_that_promise_no_proof_do_not_warn(settings):
 
 def stopped(monkeypatch, **changes):
     """Let every solve return what it finds with some fields changed."""
-    found = classifier.solve
-    monkeypatch.setattr(classifier, "solve", lambda *given, **named: replace(found(*given, **named), **changes))
+    found = fitted_tree.solve_run
+    monkeypatch.setattr(fitted_tree, "solve_run", lambda *given, **named: replace(found(*given, **named), **changes))
 
 
 @pytest.mark.parametrize(

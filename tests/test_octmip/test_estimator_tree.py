@@ -90,7 +90,7 @@ def test_scikit_learn_draws_it(iris):
 
 
 def test_a_leaf_of_a_tree_without_splits_has_scikit_learns_form():
-    model = OptimalTreeClassifier(leaf_penalty=100.0).fit(*IRIS).to_sklearn()
+    model = OptimalTreeClassifier(3, leaf_penalty=100.0).fit(*IRIS).to_sklearn()
     assert model.get_n_leaves() == 1
     assert (model.predict(IRIS[0]) == 0).all()
 
@@ -126,7 +126,7 @@ def test_importances_are_shares_of_the_cost_that_splits_save():
     model = OptimalTreeClassifier(max_depth=2).fit(features, labels)
     assert model.objective_ == 0
     assert model.feature_importances_.tolist() == pytest.approx([2 / 3, 1 / 3])
-    leaf = OptimalTreeClassifier(leaf_penalty=9.0).fit(features, labels)
+    leaf = OptimalTreeClassifier(3, leaf_penalty=9.0).fit(features, labels)
     assert leaf.feature_importances_.tolist() == [0, 0]
 
 

@@ -22,6 +22,9 @@ from octmip.trees.tree import Node
 
 PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
 SEARCHED_DEPTHS, SEARCHED_CUTS = (8, 12), 10
+CUTS_OF_NUMBERS = 10
+UNPROVEN_DEPTHS = (1, 2, 3)
+"""Of hyperplanes and linear leaves."""
 MOST_BOUND_SECONDS = 10.0
 """For the bound of a searched tree; without a limit its proof could take for ever."""
 
@@ -64,14 +67,18 @@ class Family:
 
 
 def default_families(problem: Problem) -> tuple[Family, ...]:
-    """Return the families that the default choice is made among; those that are quickest come first."""
-    proves = problem.split == "axis" and problem.is_provable
-    cuts = (PROVEN_CUTS, SEARCHED_CUTS) if problem.split == "axis" and problem.leaf_model == "constant" else (None,) * 2
-    # One start, improved once; a search of numbers knows no perturbations.
-    quick = SearchOptions(restarts=1, perturbations=0 if problem.loss.predicts == "class" else None)
-    proven = [Family(d, "exact", cuts[0]) if proves else Family(d, "search", cuts[0], quick) for d in PROVEN_DEPTHS]
-    searched = [Family(depth, "search", cuts[1], quick) for depth in SEARCHED_DEPTHS]
-    return (Family(MAX_DEPTH, "cart"), *proven, *searched)
+    """Return the families that the default choice is made among; those that are quickest come first.
+
+    Of numbers deep trees are CART's alone: a search of them takes a hundred times as long as one of classes.
+    """
+    is_class, is_plain = problem.loss.predicts == "class", problem.split == "axis" and problem.leaf_model == "constant"
+    quick = SearchOptions(restarts=1, perturbations=0 if is_class else None)
+    if is_plain:
+        found = [Family(depth, "exact", PROVEN_CUTS if is_class else CUTS_OF_NUMBERS) for depth in PROVEN_DEPTHS]
+        found += [Family(depth, "search", SEARCHED_CUTS, quick) for depth in SEARCHED_DEPTHS if is_class]
+    else:
+        found = [Family(depth, "search", None, quick) for depth in UNPROVEN_DEPTHS]
+    return (Family(MAX_DEPTH, "cart"), *found)
 
 
 def trace_families(
@@ -132,11 +139,12 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     """
     if family.method == "cart":
         found = solve_run(problem, family.run(run))
-        return replace(found, tree=known, objective=problem.objective(known))
+        found = replace(found, tree=known, objective=problem.objective(known))
+        return _bounded(problem, found, run, keeps_tree=True)
     grid = None if family.n_cuts is None else Coarse.of(problem, family.n_cuts)
     cut, tree = (problem, known) if grid is None else (grid.problem, grid.over_intervals(known))
     found = solve_run(cut, family.run(run), tree)
-    if family.method == "search" and problem.is_provable and problem.split == "axis":
+    if family.method == "search":
         found = _bounded(cut, found, run)
     if grid is None:
         return found
@@ -145,12 +153,14 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
-def _bounded(problem: Problem, found: Solution, run: Run) -> Solution:
-    """Return a searched solution with the bound of a proof that ends soon; proven optimal, the proof's own."""
+def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = False) -> Solution:
+    """Return a solution with the bound of a proof that ends soon; proven optimal, the proof's own unless it is kept."""
+    if problem.split != "axis" or not problem.is_provable:
+        return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
     limits = replace(run.limits, seconds=seconds)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
-    if proof.is_optimal:
+    if proof.is_optimal and not keeps_tree:
         return proof
     # A proof that is cut off has found trees by the time that it had: kept is the tree that one seed always gives.
     return replace(found, bound=min(proof.bound, found.objective), seconds=found.seconds + proof.seconds)
