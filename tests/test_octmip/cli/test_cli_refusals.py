@@ -40,7 +40,7 @@ def test_a_bad_table_ends_in_one_line_and_nothing_written(run, tmp_path, name):
 BAD_WORDS = {
     "depth 0": (["--depth", 0], "depth is 0; expected a whole number from 1"),
     "depth text": (["--depth", "two"], "--depth: invalid int value: 'two'"),
-    "no depth": ([], "required: --depth"),
+    "a proof of no depth": (["--proof", "log"], "--proof is given without --depth"),
     "unknown option": (["--depth", 1, "--dept", 2], "unrecognized arguments: --dept"),
     "unknown method": (["--depth", 1, "--method", "magic"], "invalid choice: 'magic'"),
     "negative budget": (["--depth", 1, "--budget", -1], "sensor_budget is -1.0"),
