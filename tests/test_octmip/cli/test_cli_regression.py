@@ -95,7 +95,7 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
         (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
         (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),
         (["--cluster", "local"], "takes no option 'cluster'"),
-        (["--method", "oct"], "expected one of auto, search, exact"),
+        (["--method", "oct"], "expected one of auto, cart, search, exact"),
         (["--leaf-model", "linear", "--method", "exact"], "use method 'search'"),
     ],
 )
