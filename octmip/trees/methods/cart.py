@@ -105,7 +105,7 @@ class _GreedyBuilder:
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
-            criterion = "absolute_error" if problem.loss.name == "absolute" else "squared_error"
+            criterion = "squared_error" if problem.number_loss.slopes is None else "absolute_error"
             grower = DecisionTreeRegressor(criterion=criterion, **limits)
         columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
         for k, feature in enumerate(features.tolist()):
