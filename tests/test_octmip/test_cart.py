@@ -1,11 +1,26 @@
 """CART as a Solution: scikit-learn's tree, judged by the objective of the Problem."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sklearn.datasets import load_iris, load_wine
-from sklearn.tree import DecisionTreeClassifier
+from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor
 
-from octmip import ClassCosts, Leaf, Limits, Problem, Solution, Split, Stop, certify, predict, solve
+from octmip import (
+    AbsoluteError,
+    ClassCosts,
+    Leaf,
+    Limits,
+    Problem,
+    Solution,
+    Split,
+    SquaredError,
+    Stop,
+    certify,
+    predict,
+    solve,
+)
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.tree import features_used, leaf_index, n_splits
 
@@ -129,3 +144,18 @@ def test_more_classes_than_scikit_learn_believes_in_raise_no_warning():
     labels = np.arange(24) % 20
     found = solve(Problem(np.arange(24.0)[:, None], labels, depth=1), "cart")
     assert found.objective == 21
+
+
+@pytest.mark.parametrize("loss", [SquaredError(), AbsoluteError()], ids=lambda loss: loss.name)
+def test_of_numbers_it_is_scikit_learns_regressor_pruned_where_splits_do_not_pay(loss):
+    rng = np.random.default_rng(5)
+    features = rng.normal(size=(80, 3))
+    targets = np.round(features[:, 0] * features[:, 1] + rng.normal(0, 0.3, 80), 2)
+    problem = Problem(features, targets, depth=3, leaf_size=4, loss=loss)
+    found = greedy_tree(problem)
+    certify(problem, found)
+    grown = DecisionTreeRegressor(max_depth=3, min_samples_leaf=4, random_state=0, criterion=f"{loss.name}_error")
+    theirs = grown.fit(features, targets).predict(features)
+    assert found.objective == pytest.approx(loss.of_misses(targets - theirs).sum(), rel=1e-6)
+    assert greedy_tree(replace(problem, leaf_penalty=1e6)).tree == problem.best_leaf()
+    assert solve(problem, "exact").objective <= found.objective

@@ -11,8 +11,8 @@ import pytest
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.model_selection import cross_val_score
 
-from octmip import OptimalTreeRegressor, QuantileError, certify
-from octmip.errors import DataError
+from octmip import MipOptions, OptimalTreeRegressor, QuantileError, SearchOptions, certify
+from octmip.errors import DataError, ProblemError
 
 CHECKS = """
 import json, warnings
@@ -85,3 +85,27 @@ def test_a_proof_that_ends_early_warns_and_words_are_refused():
         OptimalTreeRegressor(max_depth=3, seconds=0).fit(X, y)
     with pytest.raises(DataError, match="predicts numbers"):
         OptimalTreeRegressor().fit(X, np.where(y > 1, "a", "b"))
+
+
+def test_a_regressor_has_the_picture_page_and_importances_that_a_classifier_has(tmp_path):
+    rng = np.random.default_rng(8)
+    X = pd.DataFrame(rng.normal(size=(80, 3)), columns=["area", "age", "noise"])
+    y = pd.Series(10 * (X["area"] > 0) + 3 * (X["age"] > 0), name="price")
+    found = OptimalTreeRegressor(max_depth=2, options=SearchOptions(restarts=2), method="search").fit(X, y)
+    saved = found.feature_importances_
+    assert saved.sum() == pytest.approx(1.0)
+    assert saved.argmax() == 0
+    assert saved[2] == 0
+    found.report(tmp_path / "page.html", X[:20], y[:20], seconds=0.5)
+    page = (tmp_path / "page.html").read_text()
+    assert "A decision tree for price" in page
+    assert "measured on 20 samples" in page
+    assert 'aria-label="the fitted tree"' in found._repr_html_()
+    assert found.plot() is not None
+    assert "samples)" in found.export_text()
+
+
+def test_an_option_of_another_method_is_refused_when_fitting():
+    found = OptimalTreeRegressor(max_depth=1, options=MipOptions(max_splits=2))
+    with pytest.raises(ProblemError, match="method 'exact' takes no option 'max_splits'; expected some of: proof"):
+        found.fit([[0.0], [1.0]], [0.0, 1.0])

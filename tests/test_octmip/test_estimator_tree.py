@@ -197,7 +197,8 @@ def test_a_notebook_shows_the_tree_below_scikit_learns_diagram(iris, encoded):
     assert html.startswith(DecisionTreeClassifier()._repr_html_()[:6])
     assert {"yes", "no", "0", "1", "2"} <= set(picture(html))
     assert {"<b>kind</b>", "is a?"} <= set(picture(encoded._repr_html_()))
-    assert "training samples wrong; objective" in html
+    assert "samples wrong (" in html
+    assert "%); objective" in html
     assert "<b>kind</b>" not in encoded._repr_html_()
     assert 'aria-label="the fitted tree"' not in OptimalTreeClassifier()._repr_html_()
     assert "OptimalTreeClassifier" in make_pipeline(StandardScaler(), iris)._repr_html_()

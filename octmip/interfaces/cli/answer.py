@@ -138,7 +138,7 @@ def _counts_errors(problem: Problem) -> bool:
 
 
 def comparison_text(problem: Problem, found: Comparison) -> str:
-    """Return errors on training and held-out samples, of a tree and of CART beside it if there is, as a small table."""
+    """Return errors on training and held-out samples, of a tree and of CART beside it, as a small table."""
     assert found.held_out is not None
     head = ("", f"{found.training.n_samples} training samples", f"{found.held_out.n_samples} held out")
     rows = [head]
@@ -146,8 +146,8 @@ def comparison_text(problem: Problem, found: Comparison) -> str:
         ("this tree", found.training, found.held_out),
         ("CART", found.cart_training, found.cart_held_out),
     ):
-        if train is not None and held is not None:
-            rows.append((name, _score_text(problem, train), _score_text(problem, held)))
+        assert held is not None
+        rows.append((name, _score_text(problem, train), _score_text(problem, held)))
     widths = [max(len(row[k]) for row in rows) for k in range(3)]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
@@ -170,7 +170,7 @@ def comparison_json(found: Comparison) -> dict[str, Any]:
     """Return the entries `training`, `held_out` and `cart` of a JSON object."""
     cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
     own = {"training": score_json(found.training), "held_out": score_json(found.held_out)}
-    return own if found.cart_tree is None else own | {"cart": cart}
+    return own | {"cart": cart}
 
 
 class ElapsedLine:

@@ -16,14 +16,13 @@ from octmip.interfaces.cli.arguments import MOST_THREADS
 from octmip.interfaces.cli.options.report import KINDS
 from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.markdown import code_block, markdown_table
-from octmip.interfaces.report.text import number, percent, solution_text, tree_text
-from octmip.trees.certificate import certify
-from octmip.trees.tradeoff import score
+from octmip.interfaces.report.text import number, percent, tree_text
 
 if TYPE_CHECKING:
     from octmip.interfaces.report.tree.evidence import Evidence
 
 WITH_DATA = (".html", ".md", ".txt")
+GREEDY = "greedy tree"
 DRAWN = (".dot", ".svg", ".png", ".pdf")
 
 
@@ -32,15 +31,6 @@ def run(arguments: argparse.Namespace) -> int:
     file = read_tree_file(arguments.tree)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
-    if file.loss.predicts == "number":
-        _check_of_numbers(arguments, kind)
-        words = _words_of_numbers(arguments, file)
-        if not arguments.out:
-            print(printable(words))
-            return 0
-        content = (code_block(words) if kind == ".md" else words) + "\n"
-        write_bytes(arguments.out, _drawing(file, kind) if kind in DRAWN else content.encode())
-        return 0
     units = _units(arguments.unit, file)
     evidence = None
     if arguments.data:
@@ -67,38 +57,6 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
         raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
 
 
-def _check_of_numbers(arguments: argparse.Namespace, kind: str) -> None:
-    """Refuse what is said of classes alone: trees of numbers are reported in words and drawings."""
-    if kind == ".html":
-        raise DataError(
-            f"--out {arguments.out} asks for a page, which only trees of classes have; expected one of "
-            f"{', '.join(other for other in KINDS if other != kind)}; name such a file, or leave --out out"
-        )
-    for option in ("proof", "holdout"):
-        if getattr(arguments, option) is not None:
-            raise DataError(
-                f"--{option} is for reports on classes, but {arguments.tree} predicts numbers; expected a tree of "
-                "classes; leave it out"
-            )
-
-
-def _words_of_numbers(arguments: argparse.Namespace, file: TreeFile) -> str:
-    from octmip.interfaces.cli.samples.training import read_test, read_training
-
-    parts = [f"{visible(file.target_column or 'the target')} is predicted as\n", _tree(file)]
-    if arguments.data:
-        with ElapsedLine("recounting"):
-            training = read_training(file, arguments.data, form=arguments.format, source=arguments.tree)
-            certificate = certify(training.problem, file.solution)
-        samples = read_test(file, training.problem, arguments.test) if arguments.test else training.held_out
-        parts.append(f"\n{solution_text(training.problem, file.solution, certificate)}")
-        if samples is not None:
-            found = score(training.problem, file.tree, samples)
-            parts.append(f"held out: {file.loss.words_of(found.measures, found.n_samples)}")
-        parts.append(verdict(training.problem, file.solution, certificate))
-    return "\n".join(parts)
-
-
 def _units(given: list[str], file: TreeFile) -> dict[str, str]:
     """Return the unit of each column of numbers.
 
@@ -112,15 +70,18 @@ def _units(given: list[str], file: TreeFile) -> dict[str, str]:
     for words in given:
         column, sign, unit = words.rpartition("=")
         if sign and column not in numbers:
-            raise DataError(f"--unit names {shown(column)}, which is no column of numbers that the tree was trained on")
+            raise DataError(
+                f"--unit names {shown(column)}, which is no column of numbers that the tree was trained on or predicts"
+            )
         units |= {column: unit} if sign else dict.fromkeys(numbers, unit)
     return units
 
 
 def _number_columns(columns: Columns | None, file: TreeFile) -> tuple[str, ...]:
+    target = (file.target_column,) if file.loss.predicts == "number" and file.target_column else ()
     if columns is None:
-        return file.feature_names
-    return tuple(column.name for column in columns.columns if column.kind == "number")
+        return (*map(str, file.feature_names), *target)
+    return (*(column.name for column in columns.columns if column.kind == "number"), *target)
 
 
 def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -> "Evidence":
@@ -186,7 +147,7 @@ def _words(file: TreeFile, evidence: "Evidence | None") -> str:
     claim = f"objective {number(solution.objective)}, bound {number(solution.bound)}, gap {percent(solution.gap)}"
     parts = [f"{claim} ({visible(solution.solver)}, stop: {solution.stop})", _tree(file)]
     if evidence is not None:
-        parts.append("\n".join(_beside(evidence)))
+        parts.append("\n".join(_beside(file, evidence)))
     return "\n\n".join(parts)
 
 
@@ -194,20 +155,18 @@ def _tree(file: TreeFile) -> str:
     return tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts, file.columns)
 
 
-def _beside(evidence: "Evidence") -> list[str]:
-    """Return what the data say about this tree and the greedy one, a line each."""
-    n = evidence.problem.n_samples
-    lines = [f"recounted on {n} samples: every claim holds"]
-    for name, certificate in (("this tree", evidence.certificate), ("greedy tree", evidence.greedy_certificate)):
-        share = percent(certificate.errors / n)
-        lines.append(f"{name}: {certificate.errors} wrong ({share}), objective {number(certificate.objective)}")
-    held = evidence.held_out
+def _beside(file: TreeFile, evidence: "Evidence") -> list[str]:
+    """Return what the data say about this tree and the greedy one, a line each, and the verdict."""
+    from octmip.interfaces.report.tree.contents import measure_of
+
+    measure, held, greedy = measure_of(file), evidence.held_out, evidence.greedy.tree
+    assert greedy is not None
+    lines = [f"recounted on {evidence.problem.n_samples} samples: every claim holds"]
+    lines += [f"{name}: {measure.line(evidence, tree)}" for name, tree in (("this tree", file.tree), (GREEDY, greedy))]
     if held is not None:
-        for name, tree in (("this tree", held.tree), ("greedy tree", held.greedy)):
-            wrong = held.n_samples - int(held.confusion(tree, evidence.problem.n_classes).trace())
-            share = percent(wrong / held.n_samples)
-            lines.append(f"{name}, held out: {wrong} of {held.n_samples} wrong ({share}; {visible(held.source)})")
-    return lines
+        trees = (("this tree", held.tree), (GREEDY, held.greedy))
+        lines += [f"{name}, held out ({visible(held.source)}): {measure.line(evidence, t, held)}" for name, t in trees]
+    return [*lines, verdict(evidence.problem, file.solution, evidence.certificate)]
 
 
 def _markdown(file: TreeFile, evidence: "Evidence | None") -> str:
@@ -222,5 +181,5 @@ def _markdown(file: TreeFile, evidence: "Evidence | None") -> str:
     }
     parts = [markdown_table([row]), code_block(_tree(file))]
     if evidence is not None:
-        parts.append(code_block("\n".join(_beside(evidence))))
+        parts.append(code_block("\n".join(_beside(file, evidence))))
     return "\n\n".join(parts)

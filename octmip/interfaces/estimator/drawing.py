@@ -40,9 +40,9 @@ def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> 
     else:
         wording = Wording(problem.feature_names, problem.class_names, _encoded(columns))
         picture = drawing_svg(draw_tree(tree, wording, leaf_counts(problem, tree)))
-    errors = certify(problem, solution).errors
+    good = problem.loss.words_of(certify(problem, solution).measures, problem.n_samples)
     claim = str(solution).splitlines()[0]
-    return notebook_html(picture, f"{errors} of {problem.n_samples} training samples wrong; {claim}")
+    return notebook_html(picture, f"training: {good}; {claim}")
 
 
 def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None) -> "Figure":

@@ -1,4 +1,4 @@
-"""SolvedTree and FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
+"""FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -30,15 +30,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class SolvedTree:
-    """What every estimator with a solution and a certificate says about its tree."""
+class FittedTree:
+    """What an estimator says about its tree: its figures, its words, a picture and a page."""
 
     max_depth: int | str
     seconds: float
     problem_: Problem
     solution_: Solution
     certificate_: Certificate
+    columns_: Columns
     choice_: Choice | None
+    _label_name: str | None
 
     def _answer(self, problem: Problem, run: Run) -> Problem:
         """Solve a problem, keep what is known of its tree, and return the problem with the depth that was chosen."""
@@ -112,18 +114,11 @@ class SolvedTree:
         check_is_fitted(self, "solution_")
         return node_indicator(self.tree_, read_samples(self, X))
 
-
-class FittedTree(SolvedTree):
-    """What a classifier says about its tree beside that: what it costs, as words, a picture and a page."""
-
-    columns_: Columns
-    _label_name: str | None
-
     @property
     def feature_importances_(self) -> NDArray[np.float64]:
         """Share of each column of X in what the splits save of the training cost, shape (n_features_in_,).
 
-        A split saves the cost of the best label of its samples minus those of its two sides; the shares add up to 1,
+        A split saves the cost of the best answer for its samples minus those of its two sides; the shares add up to 1,
         or are all 0 where no split saves anything. See `octmip.interfaces.estimator.importance`.
         """
         saved = feature_savings(self.problem_, self.tree_)
@@ -132,7 +127,7 @@ class FittedTree(SolvedTree):
         return np.asarray(shares / shares.sum() if shares.sum() > 0 else shares)
 
     def export_text(self) -> str:
-        """Return the tree as indented lines, with the training samples of each leaf and how many of them are wrong."""
+        """Return the tree as indented lines, with the training samples of each leaf; of classes how many are wrong."""
         check_is_fitted(self, "solution_")
         return words_of(self.problem_, self.tree_, self.columns_)
 
@@ -157,7 +152,7 @@ class FittedTree(SolvedTree):
         path
             of the file.
         X_test, y_test
-            samples and classes that were not trained on, by which the page judges the tree; None: without them.
+            samples and targets that were not trained on, by which the page judges the tree; None: without them.
         seconds
             for the best tree of every lower depth, with which the page compares this one [s]; 0: without them.
 
@@ -166,7 +161,7 @@ class FittedTree(SolvedTree):
         MissingExtraError
             what draws the page is not installed.
         DataError
-            the file cannot be written, or y_test holds what is no class of the training.
+            the file cannot be written, or y_test holds what is no class of the training, or no number.
         """
         check_is_fitted(self, "solution_")
         held_out = None if X_test is None else test_samples(self, X_test, y_test)

@@ -1,6 +1,6 @@
 """The importance of a column: its share of what the splits of the tree save of the training cost.
 
-With C(t) the least cost of the samples in node t under one label, weights and costs as in training, a split of node t
+With C(t) the least cost of the samples in node t under one answer, weights and costs as in training, a split of node t
 into l and r saves C(t) - C(l) - C(r), which is never below 0. All splits together save what the whole tree saves
 against a single leaf. A hyperplane's saving is divided among its features by |coefficient| times the standard
 deviation of the feature in the node, which no change of units alters. A split that saves nothing by itself, and only
@@ -27,10 +27,14 @@ def feature_savings(problem: Problem, tree: Node) -> NDArray[np.float64]:
             continue
         left = goes_left(node, problem.features, rows)
         sides = rows[left], rows[~left]
-        saving = problem.class_costs(rows).min() - sum(problem.class_costs(side).min() for side in sides)
-        saved[list(node.features)] += max(0.0, float(saving)) * _shares(problem, node, rows)
+        saving = _cost(problem, rows) - sum(_cost(problem, side) for side in sides)
+        saved[list(node.features)] += max(0.0, saving) * _shares(problem, node, rows)
         stack += [(node.left, sides[0]), (node.right, sides[1])]
     return saved
+
+
+def _cost(problem: Problem, rows: NDArray[np.int64]) -> float:
+    return problem.leaf_and_cost(rows)[1]
 
 
 def _shares(problem: Problem, node: Split | HyperplaneSplit, rows: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -10,9 +10,9 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.errors import DataError
-from octmip.interfaces.estimator.fitted import SolvedTree
+from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.proof import warn_unproven
-from octmip.interfaces.estimator.samples import learn_samples, read_samples
+from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
 from octmip.interfaces.estimator.settings import (
     AUTO,
     RandomState,
@@ -28,10 +28,9 @@ from octmip.trees.prediction import predict_values
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Stop
-from octmip.trees.tree import condition, prediction, tree_lines
 
 
-class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: ignore[misc]
+class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: ignore[misc]
     """A regression tree that holds on new samples, or of least training error, with a bound on how far that is off.
 
     Parameters
@@ -51,7 +50,8 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
     sensor_of_feature, sensor_cost, sensor_budget, categories, missing
         as in `OptimalTreeClassifier`.
     method
-        "auto" proves where splits read one feature and leaves hold one number, else searches; "exact" or "search".
+        "auto" proves where splits read one feature and leaves hold one number, else searches; "exact", "search", or
+        "cart", the greedy tree.
     options
         of the method (`octmip.trees.methods.options`); None: the defaults.
     seconds
@@ -91,7 +91,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         sensor_budget: float | None = None,
         categories: Literal["yes-no", "order", "refuse"] = "yes-no",
         missing: Literal["either-side", "refuse"] = "either-side",
-        method: Literal["auto", "exact", "search"] = "auto",
+        method: Literal["auto", "exact", "search", "cart"] = "auto",
         options: Options | None = None,
         seconds: float = 60.0,
         n_jobs: int | None = None,
@@ -136,6 +136,7 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
             columns of X cannot become features, or y is no column of numbers (also a ValueError).
         """
         features, given, self.columns_ = learn_samples(self, X, y, doubled=True)
+        self._label_name = label_name(y)
         try:
             targets = np.asarray(given, dtype=np.float64)
         except (TypeError, ValueError) as error:
@@ -177,14 +178,3 @@ class OptimalTreeRegressor(SolvedTree, RegressorMixin, BaseEstimator):  # type: 
         """Return the number predicted for each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
         return predict_values(self.tree_, read_samples(self, X))
-
-    def export_text(self) -> str:
-        """Return the tree as indented lines."""
-        check_is_fitted(self, "solution_")
-        names = self.problem_.feature_names
-        lines = tree_lines(
-            self.tree_,
-            lambda split: condition(split, lambda feature: names[feature]),
-            lambda leaf: prediction(leaf, lambda feature: names[feature]),
-        )
-        return "\n".join(lines)

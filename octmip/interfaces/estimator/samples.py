@@ -93,19 +93,21 @@ def _labels(y: Any) -> Any:
 
 
 def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) -> Samples:
-    """Return samples that a fitted classifier is judged by, each of weight 1.
+    """Return samples that a fitted estimator is judged by, each of weight 1.
 
     Raises
     ------
     ValueError
         X is refused, or X and y have different lengths.
     DataError
-        y is not given, or holds what is no class of the training.
+        y is not given, or holds what is no class of the training, or no number.
     """
     if y is None:
         raise DataError("X_test is given without y_test; expected both")
     features, labels = read_samples(estimator, X), column_or_1d(_labels(y))
     check_consistent_length(features, labels)
+    if not hasattr(estimator, "classes_"):
+        return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
     position = {label: code for code, label in enumerate(estimator.classes_.tolist())}
     unknown = next((label for label in labels.tolist() if label not in position), None)
     if unknown is not None:

@@ -15,7 +15,7 @@ from octmip.trees.tradeoff.choice import RULES, Choice, Rule, Step, choose_defau
 from octmip.trees.tradeoff.default import DefaultAnswer, solve_default
 from octmip.trees.tradeoff.family import Family, default_families
 from octmip.trees.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
-from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score
+from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, beside_cart, held_out_rows, score, strata_of
 from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.trees.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.trees.tradeoff.risk import RiskPoint, trace_risk_frontier
@@ -48,6 +48,7 @@ __all__ = [
     "leaves_on_fresh_rows",
     "score",
     "solve_default",
+    "strata_of",
     "trace_frontier",
     "trace_path",
     "trace_risk_frontier",

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import distinct_labels
@@ -39,6 +40,11 @@ def held_out_rows(labels: NDArray[Any], share: float, seed: int) -> NDArray[np.b
             f"a share of {share:g} of {len(codes)} rows holds none out, as each class keeps a row; give a larger share"
         )
     return is_held
+
+
+def strata_of(loss: Loss, targets: NDArray[Any]) -> NDArray[Any]:
+    """Return what rows are held out of, a share of each: classes, or one stratum where numbers are predicted."""
+    return targets if loss.predicts == "class" else np.zeros(len(targets))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,16 +87,13 @@ class Score:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A tree beside CART of the same problem, on the training samples and on those held out (None: there are none).
-
-    CART is one of classes; of numbers its scores and tree are None.
-    """
+    """A tree beside CART of the same problem, on the training samples and on those held out (None: there are none)."""
 
     training: Score
     held_out: Score | None
-    cart_training: Score | None
+    cart_training: Score
     cart_held_out: Score | None
-    cart_tree: Node | None
+    cart_tree: Node
 
 
 def score(problem: Problem, tree: Node, samples: Samples | None = None) -> Score:
@@ -115,11 +118,12 @@ def beside_cart(problem: Problem, tree: Node, held_out: Samples | None = None, s
     seed
         of CART.
     """
-    cart = greedy_tree(problem, seed=seed).tree if problem.loss.predicts == "class" else None
+    cart = greedy_tree(problem, seed=seed).tree
+    assert cart is not None
     return Comparison(
         training=score(problem, tree),
         held_out=None if held_out is None else score(problem, tree, held_out),
-        cart_training=None if cart is None else score(problem, cart),
-        cart_held_out=None if cart is None or held_out is None else score(problem, cart, held_out),
+        cart_training=score(problem, cart),
+        cart_held_out=None if held_out is None else score(problem, cart, held_out),
         cart_tree=cart,
     )

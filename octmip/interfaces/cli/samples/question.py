@@ -20,11 +20,11 @@ from octmip.formats.tree_file import HeldOut
 from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.targets import refuse_quantity
-from octmip.interfaces.cli.samples.training import samples_of, strata_of
+from octmip.interfaces.cli.samples.training import samples_of
 from octmip.trees.losses import ClassCosts, Loss, number_loss
 from octmip.trees.problem import Problem
 from octmip.trees.registry import OF_CLASSES_ALONE
-from octmip.trees.tradeoff import Samples, Score, held_out_rows
+from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
 
 FEWEST_COUNTED = 20
 """Rows of a table from which on a column that goes up by one is taken for their number."""

@@ -12,9 +12,8 @@ from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
-from octmip.trees.losses import Loss
 from octmip.trees.problem import Problem
-from octmip.trees.tradeoff import Samples, held_out_rows
+from octmip.trees.tradeoff import Samples, held_out_rows, strata_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,11 +34,6 @@ def samples_of(
     position = {name: k for k, name in enumerate(problem.class_names)}
     codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
     return Samples(features, codes, weights)
-
-
-def strata_of(loss: Loss, targets: NDArray[Any]) -> NDArray[Any]:
-    """Return what rows are held out of, a share of each: classes, or one stratum where numbers are predicted."""
-    return targets if loss.predicts == "class" else np.zeros(len(targets))
 
 
 def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:

@@ -48,10 +48,10 @@
     const rows = samples.leaves[leaves.indexOf(leaf)], count = sum(nodes[leaf].counts);
     if (!rows.length) return make("p", { class: "note" }, "No sample ends here.");
     const kind = (k) => (samples.isNumber[k] ? "n" : false);
-    const head = make("tr", {}, make("th", { scope: "col", class: "n" }, "row"), make("th", { scope: "col" }, `true ${data.label}`),
+    const head = make("tr", {}, make("th", { scope: "col", class: "n" }, "row"), make("th", { scope: "col" }, classes.length ? `true ${data.label}` : `${data.label} (missed by)`),
       ...samples.columns.map((name, k) => make("th", { scope: "col", class: kind(k) }, name)));
     const body = rows.map(([row, code, isWrong, ...cells]) => make("tr", { class: isWrong ? "marked" : false },
-      make("td", { class: "n" }, grouped(row)), make("td", {}, classes[code]), ...cells.map((cell, k) => make("td", { class: kind(k) }, cell))));
+      make("td", { class: "n" }, grouped(row)), make("td", {}, code), ...cells.map((cell, k) => make("td", { class: kind(k) }, cell))));
     const which = rows.length < count ? `The first ${grouped(rows.length)} of ${grouped(count)} samples` : `All ${counted(count, "sample")}`;
     const columns = samples.columns.length < samples.of ? `, ${samples.columns.length} of ${grouped(samples.of)} columns` : "";
     const some = rows.some((row) => row[2]) ? "; wrong ones are marked" : "";
@@ -86,10 +86,10 @@
     const close = make("button", { type: "button", onclick: () => { detail.hidden = true; group(index).classList.remove("chosen"); group(index).focus(); } }, "Close");
     const share = `${counted(here, "sample")}, ${percent(here / Math.max(1, total))} of all`;
     if ("label" in node) {
-      const wrong = here - node.counts[node.label];
-      detail.replaceChildren(make("h3", {}, make("span", {}, `Leaf: ${data.label} is ${classes[node.label]}`), close),
-        make("p", {}, `${share}; ${wrong ? `${grouped(wrong)} of them wrong` : "none of them wrong"}. Their true classes:`),
-        bars(node.counts), sampleTable(index));
+      const missed = node.miss ? `${share}; ${node.miss}.` : `${share}.`;
+      detail.replaceChildren(make("h3", {}, make("span", {}, `Leaf: ${data.label} is ${node.answer}`), close),
+        make("p", {}, classes.length ? `${missed} Their true classes:` : missed),
+        ...(classes.length ? [bars(node.counts)] : []), sampleTable(index));
     } else {
       detail.replaceChildren(make("h3", {}, make("span", {}, node.text), close),
         make("p", {}, `${share}, come to this split. Where they go:`), splitTable(node));
@@ -246,9 +246,11 @@
 
   function drawAnswer(leaf) {
     const node = nodes[leaf], here = sum(node.counts);
-    answer.replaceChildren(make("p", { class: "result" }, `Answer: ${data.label} is ${classes[node.label]}`),
-      make("p", { class: "note" }, here ? `Of ${counted(here, "training sample")} that came this way, the true classes were:` : "No training sample came this way."),
-      bars(node.counts));
+    const came = classes.length ? `Of ${counted(here, "training sample")} that came this way, the true classes were:`
+      : `${counted(here, "training sample")} came this way${node.miss ? `; ${node.miss}` : ""}.`;
+    answer.replaceChildren(make("p", { class: "result" }, `Answer: ${data.label} is ${node.answer}`),
+      make("p", { class: "note" }, here ? came : "No training sample came this way."),
+      ...(classes.length ? [bars(node.counts)] : []));
     answer.append(make("button", { type: "button", onclick: () => { choose(leaf); detail.scrollIntoView({ block: "center" }); } }, "Show its samples"));
   }
 

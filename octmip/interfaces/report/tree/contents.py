@@ -3,26 +3,22 @@
 import shlex
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from octmip.formats.names import visible
-from octmip.formats.tree_file import TreeFile
+from octmip.formats.tree_file import TreeFile, leaf_counts
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.curve import depth_curve
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.embedded import node_data, sample_data
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.goodness import comparison, depth_words, quality
-from octmip.interfaces.report.tree.measure import Measure, measure_of
+from octmip.interfaces.report.tree.measure import Measure
+from octmip.interfaces.report.tree.of_classes import OfClasses
+from octmip.interfaces.report.tree.of_numbers import OfNumbers
 from octmip.interfaces.report.tree.proof import certificate_words
 from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
 from octmip.interfaces.report.tree.summary import figures, subtitle, title, verdict
-from octmip.interfaces.report.tree.words import Wording, percent, question, short_name
-from octmip.trees.tree import Leaf, Node, leaf_index, leaves
-
-MOST_CLASSES = 30
-"""Classes that a table of confusions has room for."""
+from octmip.interfaces.report.tree.words import Wording, percent, question
+from octmip.trees.tree import Leaf, Node, leaves
 
 
 def page_contents(
@@ -31,36 +27,42 @@ def page_contents(
     """Return the context of `tree.html`."""
     measure = measure_of(file)
     page = {
+        "kicker": measure.kicker,
         "title": title(file),
-        "subtitle": subtitle(file, wording),
+        "subtitle": subtitle(file, measure, wording),
         "verdict": verdict(file, evidence, measure),
         "figures": figures(file, evidence, measure, wording),
-        "legend": [short_name(name, 40) for name in file.class_names],
-        "drawing": draw_tree(file.tree, wording, file.leaf_counts),
+        "legend": measure.legend(),
+        "leaf_note": measure.leaf_note,
+        "drawing": draw_tree(file.tree, wording, file.leaf_counts, measure.answer),
         "quality": quality(file, evidence, measure),
         "comparison": comparison(file, evidence, measure, wording),
-        "greedy_drawing": _greedy_drawing(evidence, wording),
-        "confusions": _confusions(file, evidence, wording),
+        "greedy_drawing": _greedy_drawing(evidence, measure, wording),
+        "detail_heading": measure.detail_heading,
+        "details": measure.details(evidence, wording),
         "reads": reads(file, wording),
-        "risk": risk(file, evidence),
+        "risk": risk(file, measure, evidence),
         "certificate": certificate_words(file, evidence, measure, data),
         "words": tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts, wording.columns),
-        "leaves": _leaves(file, wording),
-        "settings": settings_rows(file),
+        "leaves": _leaves(file, measure, evidence, wording),
+        "settings": settings_rows(file, measure),
         "commands": _commands(source, data) if source else "",
-        "data": _data(file, evidence, wording),
+        "data": _data(file, measure, evidence, wording),
     }
     return page | _depths(evidence, measure)
 
 
-def _greedy_drawing(evidence: Evidence | None, wording: Wording) -> Any:
+def measure_of(file: TreeFile) -> Measure:
+    """Return what the tree of a file is judged by."""
+    return OfClasses.of(file) if file.loss.predicts == "class" else OfNumbers(file)
+
+
+def _greedy_drawing(evidence: Evidence | None, measure: Measure, wording: Wording) -> Any:
     if evidence is None:
         return None
-    tree, problem = evidence.greedy.tree, evidence.problem
+    tree = evidence.greedy.tree
     assert tree is not None
-    counts = np.zeros((len(leaves(tree)), problem.n_classes), dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, problem.features), problem.codes), 1)
-    return draw_tree(tree, wording, counts)
+    return draw_tree(tree, wording, leaf_counts(evidence.problem, tree), measure.answer)
 
 
 def _depths(evidence: Evidence | None, measure: Measure) -> dict[str, Any]:
@@ -70,57 +72,14 @@ def _depths(evidence: Evidence | None, measure: Measure) -> dict[str, Any]:
     return words | {"curve": depth_curve(evidence.depths, measure.noun)}
 
 
-def confusion_of(file: TreeFile) -> NDArray[np.int64]:
-    """Return training samples by true and predicted class, shape (n_classes, n_classes)."""
-    counts = np.zeros((len(file.class_names), len(file.class_names)), dtype=np.int64)
-    for leaf, row in zip(leaves(file.tree), file.leaf_counts, strict=True):
-        counts[:, leaf.label] += row
-    return counts
-
-
-def _confusions(file: TreeFile, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
-    found = [_confusion("Training samples", confusion_of(file), wording)]
-    if evidence is not None and evidence.held_out is not None:
-        held = evidence.held_out
-        found.append(_confusion("Samples held out", held.confusion(held.tree, len(file.class_names)), wording))
-    return found
-
-
-def _confusion(what: str, counts: NDArray[np.int64], wording: Wording) -> dict[str, Any]:
-    names = [short_name(name, 40) for name in wording.classes]
-    caption = f"{what}: true class in rows, answer of the tree in columns"
-    if len(names) <= MOST_CLASSES:
-        rows = [[name, *row, sum(row)] for name, row in zip(names, counts.tolist(), strict=True)]
-        return {
-            "caption": caption,
-            "head": ["true class", *names, "all"],
-            "rows": rows,
-            "right": range(1, len(names) + 2),
-        }
-    wrong = counts - np.diag(np.diag(counts))
-    worst = np.argsort(-wrong, axis=None, kind="stable")[:MOST_CLASSES]
-    pairs = [divmod(int(k), len(names)) for k in worst if wrong.flat[k] > 0]
-    rows = [[names[true], names[got], int(wrong[true, got])] for true, got in pairs]
-    head = ["true class", "answer", "samples"]
-    return {"caption": f"{what}: the most frequent errors", "head": head, "rows": rows, "right": (2,)}
-
-
-def _leaves(file: TreeFile, wording: Wording) -> dict[str, Any]:
+def _leaves(file: TreeFile, measure: Measure, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
     total = max(1, file.n_samples)
+    ways = zip(_paths(file.tree, wording), leaves(file.tree), file.leaf_counts, strict=True)
     rows = []
-    for path, leaf, counts in zip(_paths(file.tree, wording), leaves(file.tree), file.leaf_counts, strict=True):
+    for (path, leaf, counts), cells in zip(ways, measure.leaf_cells(evidence), strict=True):
         here = int(counts.sum())
-        share = percent(here / total)
-        rows.append(
-            [
-                path or "always",
-                short_name(file.class_names[leaf.label], 40),
-                here,
-                share,
-                here - int(counts[leaf.label]),
-            ]
-        )
-    return {"head": ["questions on the way", "answer", "samples", "share", "wrong"], "rows": rows}
+        rows.append([path or "always", measure.answer(leaf, wording), here, percent(here / total), *cells])
+    return {"head": ["questions on the way", "answer", "samples", "share", *measure.leaf_columns], "rows": rows}
 
 
 def _paths(node: Node, wording: Wording) -> list[str]:
@@ -143,14 +102,11 @@ def _commands(source: str, data: str | None) -> str:
     return f"octmip certify {tree} {table}\noctmip certify {tree} {table} --proof LOG"
 
 
-def _data(file: TreeFile, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
-    samples = None
-    if evidence is not None:
-        samples = sample_data(evidence.problem, file.tree, wording, evidence.table)
+def _data(file: TreeFile, measure: Measure, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
+    said = [measure.script_leaf(leaf, k, evidence, wording) for k, leaf in enumerate(leaves(file.tree))]
     return {
-        "nodes": node_data(file.tree, wording, file.leaf_counts),
-        "classes": [short_name(name, 40) for name in file.class_names],
-        "label": short_name(file.target_column or "class", 40),
+        "nodes": node_data(file.tree, wording, file.leaf_counts, said),
+        **measure.script_data(wording),
         "total": file.n_samples,
-        "samples": samples,
+        "samples": None if evidence is None else sample_data(evidence, measure, wording),
     }

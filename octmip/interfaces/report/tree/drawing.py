@@ -5,7 +5,7 @@ estimate of the text that is wide enough for common fonts; longer names end in d
 """
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from octmip.formats.names import END_ISOLATE, ISOLATE
 from octmip.interfaces.report.tree.words import Wording, counted, figure, percent, question, short_name
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, leaves
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, leaves
 
+Answer = Callable[[Leaf, Wording], str]
 TEXT = 14
 """Size of all text in the drawing [px]."""
 CHARACTER, WIDE = 8.0, 16.0
@@ -95,6 +96,7 @@ class _Sized:
     lines: tuple[str, ...]
     title: str
     counts: NDArray[np.int64]
+    pieces: Sequence[float] = ()  # of the bar of a leaf: samples of each class, or below and above a number
     sides: "tuple[_Sized, _Sized] | None" = None
     yes_is_left: bool = True
     width: float = 0.0
@@ -102,10 +104,20 @@ class _Sized:
     span: float = 0.0
 
 
-def draw_tree(tree: Node, wording: Wording, counts: NDArray[np.int64]) -> Drawing:
-    """Return the drawing of a tree; `counts` are the samples of each class in each leaf, (n_leaves, n_classes)."""
+def draw_tree(tree: Node, wording: Wording, counts: NDArray[np.int64], answer: Answer | None = None) -> Drawing:
+    """Return the drawing of a tree.
+
+    Parameters
+    ----------
+    tree, wording
+        the tree, and the names in it.
+    counts
+        samples of each class in each leaf, (n_leaves, n_classes); of numbers one column.
+    answer
+        the words of a leaf's answer; None: the name of its class, or the number.
+    """
     total = max(1, int(counts.sum()))
-    root = _sized(tree, wording, counts, total)
+    root = _sized(tree, _Leaves.of(tree, wording, answer, total), counts)
     leaf_width = max(_leaf_widths(root))
     _spread(root, leaf_width)
     heights = _level_heights(root, 0, {})
@@ -114,16 +126,41 @@ def draw_tree(tree: Node, wording: Wording, counts: NDArray[np.int64]) -> Drawin
     return Drawing(tuple(boxes), root.span + 2 * MARGIN, tops[-1] + heights[len(heights) - 1] + MARGIN)
 
 
-def _sized(node: Node, wording: Wording, counts: NDArray[np.int64], total: int) -> _Sized:
+@dataclass(frozen=True, slots=True)
+class _Leaves:
+    """What the drawing knows of leaves: the words of their answers, all samples, and the ends of their numbers."""
+
+    wording: Wording
+    answer: Answer
+    total: int
+    least: float
+    most: float
+
+    @classmethod
+    def of(cls, tree: Node, wording: Wording, answer: Answer | None, total: int) -> "_Leaves":
+        values = [leaf.value for leaf in leaves(tree) if isinstance(leaf, ValueLeaf)] or [0.0]
+        return cls(wording, answer or _answer, total, min(values), max(values))
+
+    def height_of(self, leaf: ValueLeaf) -> float:
+        """Return where a number lies between the least and the greatest of all leaves, from 0 to 1."""
+        span = self.most / 2 - self.least / 2  # halves do not overflow
+        return (leaf.value / 2 - self.least / 2) / span if span > 0 else 1.0
+
+
+def _answer(leaf: Leaf, wording: Wording) -> str:
+    return figure(leaf.value) if isinstance(leaf, ValueLeaf) else short_name(wording.classes[leaf.label])
+
+
+def _sized(node: Node, known: _Leaves, counts: NDArray[np.int64]) -> _Sized:
     if isinstance(node, Leaf):
-        return _sized_leaf(node, wording, counts[0], total)
-    n_left = len(leaves(node.left))
-    sides = (_sized(node.left, wording, counts[:n_left], total), _sized(node.right, wording, counts[n_left:], total))
+        return _sized_leaf(node, known, counts[0])
+    n_left, wording = len(leaves(node.left)), known.wording
+    sides = (_sized(node.left, known, counts[:n_left]), _sized(node.right, known, counts[n_left:]))
     asked = question(node, wording)
     lines = _few(asked.lines)
     here = counts.sum(axis=0)
     title = f"{asked.text}? {_exactly(node)}{_missing(node, wording)}{counted(int(here.sum()), 'sample')} come here"
-    out = _Sized(node, lines, title, here, sides, asked.yes_is_left)
+    out = _Sized(node, lines, title, here, (), sides, asked.yes_is_left)
     out.width, out.height = _box_width(lines), LINE * len(lines) + PAD
     return out
 
@@ -147,13 +184,18 @@ def _asks_for_gaps(node: Split | HyperplaneSplit, wording: Wording) -> bool:
     return is_text or (isinstance(node, Split) and node.threshold is None)
 
 
-def _sized_leaf(node: Leaf, wording: Wording, counts: NDArray[np.int64], total: int) -> _Sized:
-    here = int(counts.sum())
-    wrong, share = here - int(counts[node.label]), percent(round(here / total, 3))
-    name = short_name(wording.classes[node.label])
-    lines = (_cut(name), f"{here:,}, {share}", f"{wrong:,} wrong")
-    title = f"Answer: {name}. {counted(here, 'sample')} ({share} of all), {wrong:,} of them wrong"
-    out = _Sized(node, lines, title, counts)
+def _sized_leaf(node: Leaf, known: _Leaves, counts: NDArray[np.int64]) -> _Sized:
+    here, name = int(counts.sum()), known.answer(node, known.wording)
+    share = percent(round(here / known.total, 3))
+    lines: tuple[str, ...] = (_cut(name), f"{here:,}, {share}")
+    title = f"Answer: {name}. {counted(here, 'sample')} ({share} of all)"
+    pieces = counts.tolist()
+    if isinstance(node, ValueLeaf):
+        pieces = [] if node.features else [known.height_of(node), 1.0 - known.height_of(node)]
+    else:
+        wrong = here - int(counts[node.label])
+        lines, title = (*lines, f"{wrong:,} wrong"), f"{title}, {wrong:,} of them wrong"
+    out = _Sized(node, lines, title, counts, pieces=pieces)
     out.width, out.height = _box_width(lines), LINE * len(lines) + PAD + BAR + 8
     return out
 
@@ -248,9 +290,10 @@ def _edge(x0: float, y0: float, x1: float, y1: float, word: str) -> Edge:
 
 
 def _bar(sized: _Sized, x: float) -> tuple[tuple[float, float, int], ...]:
-    room, total = sized.width - 2 * PAD, max(1, int(sized.counts.sum()))
+    room, total = sized.width - 2 * PAD, sum(sized.pieces) or 1
     pieces, at = [], x - room / 2
-    for label, count in enumerate(sized.counts.tolist()):
+    of_number = isinstance(sized.node, ValueLeaf)
+    for label, count in enumerate(sized.pieces[:1] if of_number else sized.pieces):
         if count:
             pieces.append((at, room * count / total, label))
             at += room * count / total

@@ -1,11 +1,14 @@
 """What the scripts of the page know: each node with its question, and samples for a look into the leaves."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from octmip.interfaces.report.tree.evidence import Evidence
+from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import Wording, figure, question, short_name
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaf_index, leaves
@@ -18,15 +21,21 @@ MOST_COLUMNS = 12
 LONGEST_CELL = 60
 
 
-def node_data(tree: Node, wording: Wording, counts: NDArray[np.int64]) -> list[dict[str, Any]]:
-    """Return the nodes in preorder: what each asks, where yes and no lead, and the samples that come there."""
+def node_data(
+    tree: Node, wording: Wording, counts: NDArray[np.int64], said: Sequence[Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """Return the nodes in preorder: what each asks, where yes and no lead, and the samples that come there.
+
+    `said` is what a leaf answers and how that misses, leaves from the left.
+    """
+    answers = iter(said)
     found: list[dict[str, Any]] = []
 
     def add(node: Node, here: NDArray[np.int64]) -> int:
         own = len(found)
         found.append({"counts": here.sum(axis=0).tolist()})
         if isinstance(node, Leaf):
-            found[own]["label"] = node.label
+            found[own] |= {"label": node.label, **next(answers)}
             return own
         n_left = len(leaves(node.left))
         left, right = add(node.left, here[:n_left]), add(node.right, here[n_left:])
@@ -74,19 +83,19 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
     }
 
 
-def sample_data(problem: Problem, tree: Node, wording: Wording, table: pd.DataFrame | None) -> dict[str, Any]:
+def sample_data(evidence: Evidence, measure: Measure, wording: Wording) -> dict[str, Any]:
     """Return samples of each leaf in the order of the table, as text, within the limits of this module."""
+    problem, tree, table = evidence.problem, measure.file.tree, evidence.table
     reached = leaf_index(tree, problem.features)
     names, is_number, cells = _columns(problem, tree, wording, table)
     n_leaves = len(leaves(tree))
     each = max(1, min(MOST_ROWS, MOST_CELLS // (n_leaves * max(1, len(names)))))
     rows_of = [np.flatnonzero(reached == k)[:each] for k in range(n_leaves)]
-    labels = [leaf.label for leaf in leaves(tree)]
     place = range(problem.n_samples) if table is None else table.index.tolist()
     found = []
-    for rows, label in zip(rows_of, labels, strict=True):
-        samples = zip(rows.tolist(), problem.codes[rows].tolist(), strict=True)
-        found.append([[place[row] + 1, code, int(code != label), *cells(row)] for row, code in samples])
+    for k, rows in enumerate(rows_of):
+        samples = zip(rows.tolist(), measure.script_samples(evidence, rows.tolist(), k), strict=True)
+        found.append([[place[row] + 1, *judged, *cells(row)] for row, judged in samples])
     total = problem.n_features if table is None else table.shape[1]
     return {"columns": [short_name(name, 40) for name in names], "isNumber": is_number, "leaves": found, "of": total}
 

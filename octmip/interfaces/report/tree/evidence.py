@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.text import narrow_scope
@@ -19,8 +18,8 @@ from octmip.trees.solution import Limits, ProgressCallback, Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.folds import part_of
 from octmip.trees.tradeoff.frontier import frontier_run
-from octmip.trees.tradeoff.held_out import Samples, held_out_rows
-from octmip.trees.tree import Node, predict
+from octmip.trees.tradeoff.held_out import Samples, held_out_rows, strata_of
+from octmip.trees.tree import Node
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,12 +49,6 @@ class HeldOut:
     def n_samples(self) -> int:
         """Number of samples."""
         return len(self.samples.codes)
-
-    def confusion(self, tree: Node, n_classes: int) -> NDArray[np.int64]:
-        """Return samples by true and predicted class, shape (n_classes, n_classes)."""
-        counts = np.zeros((n_classes, n_classes), dtype=np.int64)
-        np.add.at(counts, (self.samples.codes, predict(tree, self.samples.features)), 1)
-        return counts
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +168,7 @@ def with_share_held_out(evidence: Evidence, share: float, run: Run) -> Evidence:
         the share is not between 0 and 1, or holds out no sample.
     """
     problem = evidence.problem
-    held = held_out_rows(problem.codes, share, run.seed)
+    held = held_out_rows(strata_of(problem.loss, problem.codes), share, run.seed)
     rest = part_of(problem, np.flatnonzero(~held), "the samples to train on")
     tree, greedy = solve_run(rest, run).tree, greedy_tree(rest, seed=run.seed).tree
     assert tree is not None  # a leaf alone is a tree of every problem

@@ -4,9 +4,8 @@ from typing import Any
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
-from octmip.interfaces.report.tree.measure import Measure, errors_of
-from octmip.interfaces.report.tree.words import Wording, counted, figure, percent
-from octmip.trees.tradeoff.held_out import score
+from octmip.interfaces.report.tree.measure import Measure, differs
+from octmip.interfaces.report.tree.words import Wording, counted, figure
 from octmip.trees.tree import Node, depth, features_used, n_splits
 
 
@@ -36,71 +35,26 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
         sentences.append(
             f"The error on new samples was measured on {counted(held.n_samples, 'sample')} of {held.source}."
         )
-    if held is not None and held.n_samples < 100:
-        low, high = _wilson(*_held_wrong(evidence, held.tree))
-        sentences.append(
-            f"So few samples say little: an error rate from {percent(low)} to {percent(high)} agrees with them (95 %)."
-        )
+    if held is not None:
+        sentences += measure.held_caution(held)
     return sentences
-
-
-def _held_wrong(evidence: Evidence, tree: Node) -> tuple[int, int]:
-    held = evidence.held_out
-    assert held is not None
-    return held.n_samples - int(held.confusion(tree, evidence.problem.n_classes).trace()), held.n_samples
-
-
-def _wilson(wrong: int, n: int, z: float = 1.96) -> tuple[float, float]:
-    """Return the interval of an error rate. Source: Wilson (1927)."""
-    share, width = wrong / n, 1 + z * z / n
-    middle = (share + z * z / (2 * n)) / width
-    half = z / width * (share * (1 - share) / n + z * z / (4 * n * n)) ** 0.5
-    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 def comparison(file: TreeFile, evidence: Evidence | None, measure: Measure, wording: Wording) -> dict[str, Any]:
     """Return the table of this tree beside the greedy one."""
     if evidence is None:
-        rows = [
-            ["wrong on training samples", f"{errors_of(file):,}"],
-            ["splits", n_splits(file.tree)],
-            ["depth", depth(file.tree)],
-        ]
+        rows = [*measure.training_rows(None), ["splits", n_splits(file.tree)], ["depth", depth(file.tree)]]
         return {"head": ["", "this tree"], "rows": rows}
     greedy = evidence.greedy.tree
     assert greedy is not None
-    wrong, other = errors_of(file), evidence.greedy_certificate.errors
-    rows = [["wrong on training samples", wrong, other, _difference(other - wrong)]]
-    if not measure.is_errors:
-        mine, its = file.solution.objective, evidence.greedy.objective
-        rows.append(["cost", figure(mine), figure(its), _difference(its - mine)])
-    rows += _held_rows(evidence, measure)
+    rows = [*measure.training_rows(evidence), *measure.held_rows(evidence)]
     for name, count in (("splits", n_splits), ("depth", depth)):
         rows.append([name, count(file.tree), count(greedy), ""])
     rows.append(["columns read", _n_columns(file.tree, wording), _n_columns(greedy, wording), ""])
     if file.settings["sensor_budget"] is not None or any(cost != 1 for cost in evidence.problem.sensor_costs):
         costs = [evidence.problem.sensor_cost_of(tree) for tree in (file.tree, greedy)]
-        rows.append(["cost of the sensors read", *(figure(cost) for cost in costs), _difference(costs[1] - costs[0])])
+        rows.append(["cost of the sensors read", *(figure(cost) for cost in costs), differs(costs[1] - costs[0])])
     return {"head": ["", "this tree", "greedy tree", "greedy loses"], "rows": rows}
-
-
-def _held_rows(evidence: Evidence, measure: Measure) -> list[list[Any]]:
-    held = evidence.held_out
-    if held is None:
-        return []
-    counts = [_held_wrong(evidence, tree)[0] for tree in (held.tree, held.greedy)]
-    shares = [f"{count:,} ({percent(count / held.n_samples)})" for count in counts]
-    rows = [["wrong on samples held out", *shares, _difference(counts[1] - counts[0])]]
-    if not measure.is_errors:
-        costs = [score(evidence.problem, tree, held.samples).cost / held.n_samples for tree in (held.tree, held.greedy)]
-        rows.append(
-            ["cost per held-out sample", *(figure(cost, 4) for cost in costs), _difference(costs[1] - costs[0])]
-        )
-    return rows
-
-
-def _difference(value: float) -> str:
-    return "nothing" if value == 0 else f"{figure(value, 4)}" if value > 0 else f"{figure(value, 4)} (better)"
 
 
 def _n_columns(tree: Node, wording: Wording) -> int:

@@ -1,49 +1,168 @@
-"""What a tree is judged by: errors where every sample and every error counts the same, else its cost."""
+"""What a tree is judged by, and all that the page says of it: whichever the loss, one of these answers.
 
+`Measure` is what every page needs; `octmip.interfaces.report.tree.of_classes` and `of_numbers` say it of classes and
+of numbers. `measure_of` in `contents.py` chooses.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from typing import Any
 
 from octmip.formats.tree_file import TreeFile
-from octmip.interfaces.report.tree.words import counted, figure
-from octmip.trees.tree import leaves
+from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
+from octmip.interfaces.report.tree.words import Wording, figure
+from octmip.trees.tree import Leaf, Node
+
+Card = tuple[Any, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
-    """Whether the objective is the number of errors, and the words for it."""
+class Measure(ABC):
+    """The words and tables about what a tree of a file costs."""
 
-    is_errors: bool
+    file: TreeFile
+
+    # What is summed up
 
     @property
+    @abstractmethod
+    def kicker(self) -> str:
+        """What kind of tree it is."""
+
+    @property
+    @abstractmethod
     def noun(self) -> str:
         """What the objective counts."""
-        return "errors" if self.is_errors else "cost"
 
+    @abstractmethod
     def fewer(self) -> str:
         """Return what a better tree would do."""
-        return "makes fewer errors" if self.is_errors else "costs less"
 
+    @abstractmethod
     def amount(self, value: float) -> str:
         """Return an objective in words: 6 errors; a cost of 28.5."""
-        return counted(round(value), "error") if self.is_errors else f"a cost of {figure(value)}"
 
+    @abstractmethod
+    def below(self, value: float) -> str:
+        """Return that a tree is below an objective, as a predicate: has less than 6 errors."""
+
+    @abstractmethod
     def is_worse(self, difference: float) -> str:
         """Return by how much a tree is worse, as a predicate: makes 3 more errors; costs 2.5 more."""
-        if self.is_errors:
-            return f"makes {counted(round(difference), 'more error')}"
-        return f"costs {figure(difference)} more"
+
+    def least(self, bound: float) -> float:
+        """Return the least objective that a bound leaves open."""
+        return bound
+
+    def none(self) -> str:
+        """Return what is left when the objective is 0."""
+        return f"no {self.noun}"
+
+    def difference(self, value: float) -> str:
+        """Return a difference of objectives, for a card."""
+        return figure(value)
+
+    # The top of the page
+
+    @abstractmethod
+    def answers(self) -> str:
+        """Return what the tree answers with: one of three classes; a number."""
+
+    @abstractmethod
+    def training_sentence(self, evidence: Evidence | None) -> str:
+        """Return how good the tree is on its training samples."""
+
+    @abstractmethod
+    def cards(self, evidence: Evidence | None) -> list[Card]:
+        """Return the figures of the training samples."""
+
+    @abstractmethod
+    def held_card(self, evidence: Evidence) -> Card:
+        """Return the figure of the samples held out."""
+
+    # How good it is
+
+    @abstractmethod
+    def held_caution(self, held: HeldOut) -> list[str]:
+        """Return what few samples held out leave open."""
+
+    @abstractmethod
+    def training_rows(self, evidence: Evidence | None) -> list[list[Any]]:
+        """Return rows of this tree's figures; with evidence those of the greedy tree beside, and what it loses."""
+
+    @abstractmethod
+    def held_rows(self, evidence: Evidence) -> list[list[Any]]:
+        """Return the same of the samples held out."""
+
+    @abstractmethod
+    def recounted(self) -> str:
+        """Return what a recount gives beside the objective."""
+
+    # The tree and its leaves
+
+    @abstractmethod
+    def legend(self) -> list[str]:
+        """Return the names of the colours in the drawing; none where they say nothing."""
+
+    @property
+    @abstractmethod
+    def leaf_note(self) -> str:
+        """What a leaf shows."""
+
+    @property
+    @abstractmethod
+    def detail_heading(self) -> str:
+        """Heading of the tables that say how the tree goes wrong."""
+
+    @abstractmethod
+    def details(self, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
+        """Return these tables."""
+
+    @property
+    @abstractmethod
+    def leaf_columns(self) -> tuple[str, ...]:
+        """Heads of the table of leaves, behind answer, samples and share."""
+
+    @abstractmethod
+    def leaf_cells(self, evidence: Evidence | None) -> list[list[Any]]:
+        """Return the cells below them, leaves from the left."""
+
+    @abstractmethod
+    def answer(self, leaf: Leaf, wording: Wording) -> str:
+        """Return what a leaf answers."""
+
+    # What errors cost, and settings
+
+    @abstractmethod
+    def risk(self) -> dict[str, Any]:
+        """Return how errors are weighed, where that is not all alike: sentences, and a table."""
+
+    @abstractmethod
+    def settings(self) -> list[tuple[str, str | None]]:
+        """Return the settings that only this kind of tree has."""
+
+    # The scripts of the page
+
+    @abstractmethod
+    def script_data(self, wording: Wording) -> dict[str, Any]:
+        """Return what the scripts say: the classes, or none of them; the name of what is answered."""
+
+    @abstractmethod
+    def script_leaf(self, leaf: Leaf, index: int, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
+        """Return what they say of a leaf, the `index`-th from the left."""
+
+    @abstractmethod
+    def script_samples(self, evidence: Evidence, rows: Sequence[int], leaf: int) -> list[list[Any]]:
+        """Return for samples of a leaf what is true, and how the answer misses it."""
+
+    # Words on the command line
+
+    @abstractmethod
+    def line(self, evidence: Evidence, tree: Node, held: HeldOut | None = None) -> str:
+        """Return how good a tree is on the training samples, or on those held out."""
 
 
-def measure_of(file: TreeFile) -> Measure:
-    """Return what the tree of a file is judged by."""
-    costs = np.array(file.settings["loss"]["costs"])
-    is_plain = bool((costs == 1 - np.eye(len(costs))).all()) and not file.settings["leaf_penalty"]
-    return Measure(is_plain and file.weights_column is None and file.solution.objective == errors_of(file))
-
-
-def errors_of(file: TreeFile) -> int:
-    """Return how many training samples the tree gets wrong."""
-    labels = [leaf.label for leaf in leaves(file.tree)]
-    right = sum(int(row[label]) for label, row in zip(labels, file.leaf_counts, strict=True))
-    return int(file.leaf_counts.sum()) - right
+def differs(value: float) -> str:
+    """Return a difference of two trees as a cell of a table."""
+    return "nothing" if value == 0 else f"{figure(value, 4)}" if value > 0 else f"{figure(value, 4)} (better)"

@@ -5,7 +5,7 @@ import math
 from octmip.formats.names import shown
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence
-from octmip.interfaces.report.tree.measure import Measure, errors_of
+from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.summary import trees_meant
 from octmip.interfaces.report.tree.words import counted, figure, percent
 
@@ -24,12 +24,11 @@ def _recount(file: TreeFile, evidence: Evidence | None, measure: Measure, data: 
             f"{measure.amount(file.solution.objective)} over {counted(file.n_samples, 'sample')}."
         )
     where = f" of {shown(data)}" if data else ""
-    wrong = "" if measure.is_errors else f" and {counted(errors_of(file), 'error')}"
     return (
         f"Recounted for this page: each of the {counted(file.n_samples, 'sample')}{where} was sent through the tree "
-        f"again, without the solver. That gives {measure.amount(file.solution.objective)}{wrong}, as the tree file "
-        "says; depth, size of the leaves, kind of split and sensors keep to the settings. The digest of the data is "
-        "the one that the tree was trained on."
+        f"again, without the solver. That gives {measure.amount(file.solution.objective)}{measure.recounted()}, as the "
+        "tree file says; depth, size of the leaves, kind of split and sensors keep to the settings. The digest of the "
+        "data is the one that the tree was trained on."
     )
 
 
@@ -38,14 +37,14 @@ def _bound(file: TreeFile, measure: Measure) -> str:
     if not math.isfinite(solution.bound):
         return "No bound is known, so a better tree may exist."
     if solution.is_optimal and solution.objective == 0:
-        return f"No tree can have less than no {'error' if measure.is_errors else 'cost'} at all: this one is the best."
-    least = math.ceil(solution.bound - 1e-9) if measure.is_errors else solution.bound
+        return f"No tree can have less than {measure.none()} at all: this one is the best."
+    least = measure.least(solution.bound)
     gap = (
         "That is what this tree has, so it is the best."
         if solution.is_optimal
         else f"This tree has {measure.amount(solution.objective)}: a gap of {percent(solution.gap)}."
     )
-    return f"Proven by the solver: {trees_meant(file)} has less than {measure.amount(least)}. {gap}"
+    return f"Proven by the solver: {trees_meant(file)} {measure.below(least)}. {gap}"
 
 
 def _log(evidence: Evidence | None) -> str:

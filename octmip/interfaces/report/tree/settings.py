@@ -3,15 +3,14 @@
 from collections import Counter
 from typing import Any
 
-import numpy as np
-
 from octmip.formats.names import shown
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
+from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, percent, short_name
 from octmip.trees.solution import Stop
-from octmip.trees.tree import splits
+from octmip.trees.tree import ValueLeaf, leaves, splits
 
 STOPS = {
     Stop.OPTIMAL: "the proof was complete",
@@ -23,12 +22,13 @@ STOPS = {
     Stop.NUMERICS: "arithmetic allowed no further proof",
     Stop.INTERRUPTED: "it was interrupted",
 }
-MOST_CLASSES = 12
 
 
 def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     """Return the columns that the tree reads, with the sensors they come from where that matters."""
-    asked = Counter(wording.feature(j).column for split in splits(file.tree) for j in split.features)
+    read = [*splits(file.tree), *(leaf for leaf in leaves(file.tree) if isinstance(leaf, ValueLeaf))]
+    asked = Counter(wording.feature(j).column for node in read for j in node.features)
+    readers = "splits and leaves that read it" if file.settings.get("leaf_model") == "linear" else "splits that read it"
     if not asked:
         return {"sentence": "The tree asks nothing: one answer for every sample.", "rows": []}
     sensor_of = dict(
@@ -49,15 +49,15 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
         sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often it is asked."
     if not has_sensors:
         rows = [[short_name(column), times] for column, times in asked.most_common()]
-        return {"sentence": sentence, "head": ["column", "splits that read it"], "rows": rows, "right": (1,)}
+        return {"sentence": sentence, "head": ["column", readers], "rows": rows, "right": (1,)}
     rows = [
         [shown(c), times, shown(sensor_of[c]), figure(cost.get(sensor_of[c], 1.0))] for c, times in asked.most_common()
     ]
-    head = ["column", "splits that read it", "sensor", "its cost"]
+    head = ["column", readers, "sensor", "its cost"]
     return {"sentence": sentence, "head": head, "rows": rows, "right": (1, 3)}
 
 
-def risk(file: TreeFile, evidence: Evidence | None) -> dict[str, Any]:
+def risk(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[str, Any]:
     """Return how errors are weighed, where that is not all alike."""
     sentences = []
     if file.weights_column:
@@ -66,18 +66,8 @@ def risk(file: TreeFile, evidence: Evidence | None) -> dict[str, Any]:
         )
     if file.settings["leaf_penalty"]:
         sentences.append(f"Each feature in a split is charged {figure(file.settings['leaf_penalty'])}.")
-    costs = np.array(file.settings["loss"]["costs"])
-    if (costs == 1 - np.eye(len(costs))).all():
-        return {"sentences": sentences, "rows": []}
-    sentences.append("Errors do not cost the same:")
-    names = [short_name(name, 40) for name in file.class_names]
-    if len(names) > MOST_CLASSES:
-        words = f"costs from {figure(float(costs.min()))} to {figure(float(costs.max()))}, by true class and answer"
-        return {"sentences": [*sentences[:-1], f"Errors do not cost the same: {words}."], "rows": []}
-    rows = [[name, *(figure(cost) for cost in row)] for name, row in zip(names, costs.tolist(), strict=True)]
-    caption = "Cost of an answer: true class in rows, answer in columns"
-    table = {"head": ["true class", *names], "rows": rows, "right": range(1, len(names) + 1), "caption": caption}
-    return {"sentences": sentences, **table}
+    found = measure.risk()
+    return {**found, "sentences": [*sentences, *found["sentences"]]}
 
 
 def _range(evidence: Evidence | None) -> str:
@@ -87,7 +77,7 @@ def _range(evidence: Evidence | None) -> str:
     return f", from {figure(float(weights.min()))} to {figure(float(weights.max()))}"
 
 
-def settings_rows(file: TreeFile) -> list[list[str]]:
+def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
     """Return the settings that were asked for, and how the solver fared."""
     asked, solution = file.settings, file.solution
     kinds = {"axis": "one feature in each split", "hyperplane": "weighted sums of features"}
@@ -100,7 +90,7 @@ def settings_rows(file: TreeFile) -> list[list[str]]:
         ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
         ("features that may meet", _groups(asked["allowed_splits"])),
         ("coefficients", _integers(asked["integer_normals"])),
-        ("column of the class", short_name(file.target_column) if file.target_column else None),
+        *measure.settings(),
         ("column of the weights", short_name(file.weights_column) if file.weights_column else None),
         ("objective", figure(solution.objective)),
         ("bound", figure(solution.bound)),

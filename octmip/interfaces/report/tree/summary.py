@@ -1,16 +1,13 @@
 """The top of the page: what the tree decides, how good it is, whether that is proven, what the greedy tree loses."""
 
 import math
-from typing import Any
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
-from octmip.interfaces.report.tree.measure import Measure, errors_of
+from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
 from octmip.trees.tree import depth, features_used
-
-Card = tuple[Any, ...]
 
 
 def title(file: TreeFile) -> str:
@@ -18,14 +15,13 @@ def title(file: TreeFile) -> str:
     return f"A decision tree for {short_name(file.target_column, 60)}" if file.target_column else "A decision tree"
 
 
-def subtitle(file: TreeFile, wording: Wording) -> str:
+def subtitle(file: TreeFile, measure: Measure, wording: Wording) -> str:
     """Return what the tree decides from what."""
-    answers = listed([short_name(name, 40) for name in file.class_names], 6)
     levels = depth(file.tree)
     if not levels:
-        return f"One of {len(file.class_names)} classes ({answers}); this tree always gives the same answer."
+        return f"{measure.answers()}; this tree always gives the same answer."
     asked = f"at most {counted(levels, 'question')}"
-    return f"One of {len(file.class_names)} classes ({answers}), by {asked} about {_columns_read(file, wording)}."
+    return f"{measure.answers()}, by {asked} about {_columns_read(file, wording)}."
 
 
 def columns_read(file: TreeFile, wording: Wording) -> list[str]:
@@ -49,12 +45,8 @@ def trees_meant(file: TreeFile) -> str:
 
 def verdict(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
     """Return the answer in two or three sentences."""
-    n, wrong = file.n_samples, errors_of(file)
-    right = f"The tree gets {n - wrong:,} of {counted(n, 'sample')} right ({percent((n - wrong) / n)})"
-    cost = "" if measure.is_errors else f", at {measure.amount(file.solution.objective)}"
-    return " ".join(
-        filter(None, [f"{right}{cost}.", _proof_sentence(file, measure), _greedy_sentence(evidence, measure, file)])
-    )
+    good = measure.training_sentence(evidence)
+    return " ".join(filter(None, [good, _proof_sentence(file, measure), _greedy_sentence(evidence, measure, file)]))
 
 
 def _proof_sentence(file: TreeFile, measure: Measure) -> str:
@@ -65,11 +57,11 @@ def _proof_sentence(file: TreeFile, measure: Measure) -> str:
         return f"Proven: {trees_meant(file)} {measure.fewer()}."
     if not math.isfinite(solution.bound):
         return "Whether a better tree exists is not known: the method that found it gives no proof."
-    least = math.ceil(solution.bound - 1e-9) if measure.is_errors else solution.bound
+    least = measure.least(solution.bound)
     if least <= 0:
         return "Not proven to be the best: nothing is ruled out yet, so let the solver run for longer."
     return (
-        f"Not proven to be the best: {trees_meant(file)} is below {measure.amount(least)}, "
+        f"Not proven to be the best: {trees_meant(file)} {measure.below(least)}, "
         f"so a gap of {percent(solution.gap)} stays open."
     )
 
@@ -79,11 +71,7 @@ def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile
         return ""
     loss = evidence.greedy.objective - file.solution.objective
     if loss > 0:
-        return (
-            f"The usual greedy tree (CART) {measure.is_worse(loss)}."
-            if measure.is_errors
-            else f"The usual greedy tree (CART) costs {figure(loss)} more."
-        )
+        return f"The usual greedy tree (CART) {measure.is_worse(loss)}."
     if loss < 0:
         return "The usual greedy tree (CART) is better than this one: let the solver run for longer."
     return f"The usual greedy tree (CART) happens to be as good: {measure.amount(evidence.greedy.objective)} too."
@@ -91,29 +79,17 @@ def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile
 
 def figures(file: TreeFile, evidence: Evidence | None, measure: Measure, wording: Wording) -> list[Card]:
     """Return the key figures."""
-    wrong, n = errors_of(file), file.n_samples
-    cards: list[Card] = [("Wrong in training", f"{wrong:,}", f"of {n:,} ({percent(wrong / n)})")]
-    if not measure.is_errors:
-        cards.append(("Cost", figure(file.solution.objective), "errors weighed, splits charged"))
+    cards = measure.cards(evidence)
     if evidence is not None:
-        cards += [_held_card(evidence), _greedy_card(file, evidence, measure)]
+        cards += [measure.held_card(evidence), _greedy_card(file, evidence, measure)]
     return [*cards, _proof_card(file, measure), _reads_card(file, wording)]
-
-
-def _held_card(evidence: Evidence) -> Card:
-    held = evidence.held_out
-    if held is None:
-        return ("Wrong on new samples", "unknown", "none were held out")
-    wrong = held.n_samples - int(held.confusion(held.tree, evidence.problem.n_classes).trace())
-    return ("Wrong on new samples", percent(wrong / held.n_samples), f"{wrong:,} of {held.n_samples:,} held out")
 
 
 def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
     loss = evidence.greedy.objective - file.solution.objective
     both = f"{figure(evidence.greedy.objective)} instead of {figure(file.solution.objective)}"
     if loss > 0:
-        unit = f" {'error' if loss == 1 else 'errors'}" if measure.is_errors else ""
-        return ("Greedy tree loses", f"{figure(loss)}{unit}", both)
+        return ("Greedy tree loses", measure.difference(loss), both)
     if loss < 0:
         return ("Greedy tree", "is better", both, "warn")
     return ("Greedy tree loses", "nothing", f"{measure.amount(evidence.greedy.objective)} too")
