@@ -168,8 +168,6 @@ def test_a_share_of_the_rows_is_held_out_and_recounted_by_certify(houses, run, t
     assert f"held out: 15 samples, mean absolute error {answer['held_out']['mae']:.6g}" in out
     shown = run("report", tree, houses)[1]
     assert "this tree, held out (houses.csv, held out before the training): 15 samples" in shown
-        "this tree, held out (houses.csv, held out before the training): 15 samples" in run("report", tree, houses)[1]
-    )
     content = json.loads(tree.read_text())
     content["held_out"]["measures"]["mae"] *= 0.9
     tree.write_text(json.dumps(content))
