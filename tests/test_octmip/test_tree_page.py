@@ -21,6 +21,7 @@ from octmip import (
     Leaf,
     Limits,
     Problem,
+    QuantileError,
     SearchOptions,
     Solution,
     Split,
@@ -262,7 +263,7 @@ def number_page(problem: Problem, **options: Any) -> str:
     return tree_page(file, "t.json", evidence, data="houses.csv", units={"price": "EUR"}, made=DAY)
 
 
-@pytest.mark.parametrize("loss", [SquaredError(), AbsoluteError()], ids=lambda loss: loss.name)
+@pytest.mark.parametrize("loss", [SquaredError(), AbsoluteError(), QuantileError(0.9)], ids=lambda loss: loss.name)
 def test_a_tree_of_numbers_has_the_page_of_a_tree_of_classes_in_words_of_its_loss(loss: Loss):
     problem, page = prices(loss), number_page(prices(loss))
     best, greedy = solve(problem), greedy_tree(problem)
