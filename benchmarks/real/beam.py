@@ -165,7 +165,7 @@ class Knowledge:
 
     def change(self, sizes: FloatArray, parameter: str, series: str) -> FloatArray:
         """Return what a parameter changes of the logarithms of the frequencies (2,)."""
-        allowed = self.twin.card.parameters[parameter]
+        allowed = self.twin.card.ranges[parameter]
         size = float(np.clip(sizes[0], allowed.low, allowed.high))
         own = self.twin.ask({}, NO_LOAD, {parameter: size}) - self.twin.ask({}, NO_LOAD, {})
         return own + self.correction(size, series)[0] if parameter == "support_moved" else own
@@ -211,7 +211,7 @@ def hypotheses(known: Knowledge, series: str) -> list[Hypothesis]:
     none, zero, two = np.zeros(0), np.zeros(2), np.zeros(2)
     found = [Hypothesis((), lambda _: zero, none, none, SOUND_PRIOR, 0.0, zero, zero)]
     for kind, (place, mean, sd, prior) in PRIORS.items():
-        unit = known.twin.card.parameters[kind].unit
+        unit = known.twin.card.ranges[kind].unit
         error = (lambda s: known.correction(float(s[0]), series)[1]) if kind == "support_moved" else OTHER_ERROR
         found.append(
             Hypothesis(

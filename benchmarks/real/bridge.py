@@ -94,7 +94,7 @@ def hypotheses(twin: FunctionTwin, warmer: float) -> list[Hypothesis]:
     sizes = {**SIZES, "temperature": (LAG * warmer, 1.0 + 0.25 * abs(warmer))}
     found = []
     for kinds, prior in PRIORS.items():
-        causes = tuple(Named(kind, PLACES.get(kind, "bridge"), twin.card.parameters[kind].unit) for kind in kinds)
+        causes = tuple(Named(kind, PLACES.get(kind, "bridge"), twin.card.ranges[kind].unit) for kind in kinds)
         mean, sd = np.array([sizes[kind] for kind in kinds]).reshape(-1, 2).T
         signed = not any(kind.startswith(("support", "mass")) for kind in kinds)
         found.append(Hypothesis(causes, partial(change, kinds=kinds), mean, sd, prior, ERROR, zero, zero, signed))

@@ -94,7 +94,10 @@ def _links_of(problem: Problem, tree: Node) -> _Links:
         subtree, rows, above, is_right = stack.pop()
         here = len(leaves)
         leaf, cost = problem.leaf_and_cost(rows)
-        leaves.append(leaf), as_leaf.append(cost), right.append(-1), parent.append(above)
+        leaves.append(leaf)
+        as_leaf.append(cost)
+        right.append(-1)
+        parent.append(above)
         if is_right:
             right[above] = here
         if not isinstance(subtree, Leaf):
