@@ -79,12 +79,13 @@ class CachedTwin:
         return positions_of(self.twin)
 
     @property
-    def _is_linear(self) -> bool:
+    def is_linear_in_load(self) -> bool:
+        """Whether readings are proportional to the load."""
         return bool(getattr(self.twin, "is_linear_in_load", False))
 
     def predict(self, state: State, load_factor: Load) -> NDArray[np.float64]:
         """Return the readings (n_gauges,)."""
-        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
+        if self.is_linear_in_load and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict(state, 1.0)
         key = _key(state, load_factor)
         if key not in self._strains:
@@ -144,7 +145,7 @@ class CachedTwin:
 
     def predict_states(self, states: NDArray[np.float64], load_factor: Load) -> NDArray[np.float64]:
         """Return the readings (n_states, n_gauges), asking the twin once for all states that are new."""
-        if self._is_linear and not isinstance(load_factor, Loads) and load_factor != 1.0:
+        if self.is_linear_in_load and not isinstance(load_factor, Loads) and load_factor != 1.0:
             return load_factor * self.predict_states(states, 1.0)
         named = [dict(zip(self.parameters, row.tolist(), strict=True)) for row in states]
         keys = [_key(state, load_factor) for state in named]

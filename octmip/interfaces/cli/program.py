@@ -32,6 +32,7 @@ COMMANDS = {
     "drift": "find the tree of least worst case while gauges are off by up to given amounts",
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
+    "monitor": "make trees, page and C code that read an asset's state from few sensors, from its twin",
     "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
     "doctor": "check this installation: versions, native core, extras, memory",
     "completion": "print the script that lets a shell complete octmip's words",
