@@ -46,6 +46,12 @@ class Asset:
         for _ in range(20000):
             answer = load_factor * np.arange(1.0, 7.0)
         return answer
+
+class Cracked(Asset):
+    parameters = ("crack",)
+
+    def predict(self, state, load_factor):
+        return (1.0 + state.get("crack", 0.0)) * super().predict(state, load_factor)
 """
 ANSWERS: Mapping[str, tuple[str, ...]] = {
     "solve": ("hard.csv", "--label", "y", "--depth", "5", "--holdout", "0.2", "--json"),
@@ -57,6 +63,7 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "drift": ("hard.csv", "--label", "y", "--depth", "2", "--off", "0.1", "--json"),
     "frontier": ("hard.csv", "--label", "y", "--over", "depth", "--depth", "5", "--folds", "3", "--json"),
     "diagnose": ("campaign.csv", "--twin", "asset:Asset", "--json"),
+    "monitor": ("--twin", "asset:Cracked", "--noise", "2", "--depth", "4", "--out", "cracked", "--json"),
     "report": ("tree.json", "small.csv", "--out", "page.html"),
     "doctor": ("--json",),
     "completion": ("bash",),
