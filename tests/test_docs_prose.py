@@ -95,7 +95,6 @@ RULES: dict[Rule, set[str]] = {
         "docs/results/tables.md",
         "docs/sensing.md",
         "docs/theory/gap.md",
-        "docs/theory/regression.md",
         "docs/tutorial.md",
     },
     too_many_words: {
