@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,13 +14,18 @@ from benchmarks.real.answer import Answer
 from benchmarks.real.evidence import Hypothesis, Judged, Named, judge
 from benchmarks.real.quadrotor.flight import READINGS, Flight, read_flights
 from benchmarks.real.quadrotor.hover import NO_LOAD, PAIRS, ROTORS, SIDES, hover_twin
-from benchmarks.real.quadrotor.normal import WITHIN, references
+from benchmarks.real.quadrotor.normal import WITHIN, Told, references, usual_shaking
 from femlib.arrays import FloatArray
 from octmip.gap.doors.function import FunctionTwin
 
 N_STEADY = len(WITHIN)
 GRAMS = {"W1": 0.5, "W2": 1.2, "W3": 1.9}
 """The weights of practice [g], which are not told: the thrust that they took."""
+HEADING = 0.12
+"""Standard deviation by which a disturbed flight's yaw commands of both ways differ beside what the twin says [g]."""
+UNKNOWN = Named("unknown", "", "")
+SAME_AIRFRAME, OTHER_AIRFRAME = 1.0, 0.4
+"""What a practice flight says of how a kind shakes, over what was expected before."""
 TOLD_ERROR = 0.3
 """Relative error of what a told cause changes."""
 
@@ -52,12 +58,12 @@ class Kind:
     tie: float = 0.2
 
 
-SOUND_PRIOR, UNKNOWN_PRIOR, UNKNOWN_SD = 0.12, 0.015, 0.5
+SOUND_PRIOR, UNKNOWN_PRIOR, UNKNOWN_SD = 0.08, 0.015, 0.5
 KINDS: Mapping[str, Kind] = {
     "blade_cut": Kind("mm", 3.5, 2.5, 0.25, 0.3, (0.35, 0.5), (0.1, 0.4), 0.3),
     "weight_near_rotor": Kind("g", 1.2, 1.0, 0.17, 0.35, (0.3, 0.45), (-0.1, 0.25), 0.1),
     "weight_on_string": Kind("g", 1.5, 0.9, 0.12, 0.5, (0.2, 0.4), (0.15, 0.3), 0.1),
-    "tape_on_blade": Kind("-", 1.0, 0.6, 0.06, 0.4, (-0.3, 0.6), (0.3, 0.3), 0.4),
+    "tape_on_blade": Kind("-", 1.0, 0.6, 0.06, 0.4, (-0.3, 0.5), (0.3, 0.3), 0.3),
     "blade_bent": Kind("-", 1.0, 0.6, 0.004, 0.4, (0.35, 0.5), (0.3, 0.4)),
     "motor_weak": Kind("%", 6.0, 5.0, 0.002, 0.2, (0.0, 0.2), (0.0, 0.1), 0.1),
     "arm_bent": Kind("deg", 0.0, 1.0, 0.002, 0.2, (0.0, 0.2), (0.0, 0.1), 0.1),
@@ -79,9 +85,10 @@ class Knowledge:
 
     twin: FunctionTwin
     sound: tuple[Flight, ...]
-    told: tuple[tuple[FloatArray, FloatArray], ...]
+    told: tuple[Told, ...]
     places: Mapping[str, float]
     seen: Mapping[frozenset[tuple[str, str]], float]
+    shaking: Mapping[str, FloatArray]
 
 
 def told_causes(condition: str, detail: str) -> list[tuple[str, str, float]]:
@@ -97,25 +104,55 @@ def told_causes(condition: str, detail: str) -> list[tuple[str, str, float]]:
 
 def learn(folder: Path, flights: Mapping[str, Flight], airframe: str, without: str = "") -> Knowledge:
     """Return what is known of an airframe, one flight left out."""
-    twin, practice = hover_twin(), pd.read_csv(folder / "practice.csv")
-    sound = [f for f in flights.values() if (f.airframe, f.role) == (airframe, "commissioning") and f.name != without]
-    seen: dict[frozenset[tuple[str, str]], float] = {}
-    told, places = [], dict.fromkeys(ROTORS, OFTEN)
-    for row in practice.itertuples():
-        flight = flights[str(row.flight)]
-        if flight.airframe != airframe or flight.name == without:
-            continue
-        changes = [change_of(twin, (f"{kind} {place}",), np.array([size]))
-                   for kind, place, size in told_causes(str(row.condition), str(row.detail))]  # fmt: skip
-        acted = frozenset((kind, place) for kind, place, _ in told_causes(str(row.condition), str(row.detail)))
-        seen[acted] = seen.get(acted, 0.0) + AGAIN
-        for _, place in acted:
-            for rotor in place.split("+"):
-                places[rotor] += 1.0
-        doubt = TOLD_ERROR * np.sqrt(np.sum(np.square(changes), axis=0))[:N_STEADY]
-        told.append((flight.readings[:N_STEADY] - np.sum(changes, axis=0)[:N_STEADY], doubt))
+    twin = hover_twin()
+    known = {
+        own: [f for f in flights.values() if (f.airframe, f.role) == (own, "commissioning") and f.name != without]
+        for own in {f.airframe for f in flights.values()}
+    }
+    practice = [told_flight(twin, flights, row) for row in pd.read_csv(folder / "practice.csv").itertuples()]
+    practice = [one for one in practice if one.flight.name != without]
+    told = [one for one in practice if one.flight.airframe == airframe]
+    places, seen = dict.fromkeys(ROTORS, OFTEN), dict[frozenset[tuple[str, str]], float]()
+    for one in told:
+        seen[one.causes] = seen.get(one.causes, 0.0) + AGAIN
+        for rotor in (rotor for _, place in one.causes for rotor in place.split("+")):
+            places[rotor] += 1.0
     total = sum(places.values())
-    return Knowledge(twin, tuple(sound), tuple(told), {rotor: count / total for rotor, count in places.items()}, seen)
+    shaking = {kind: _shaking(kind, airframe, practice, known) for kind in KINDS}
+    return Knowledge(
+        twin,
+        tuple(known[airframe]),
+        tuple(told),
+        {rotor: count / total for rotor, count in places.items()},
+        seen,
+        shaking,
+    )
+
+
+def told_flight(twin: FunctionTwin, flights: Mapping[str, Flight], row: Any) -> Told:
+    """Return a practice flight as if it were sound."""
+    flight, causes = flights[str(row.flight)], told_causes(str(row.condition), str(row.detail))
+    changes = [change_of(twin, (f"{kind} {place}",), np.array([size]))[:N_STEADY] for kind, place, size in causes]
+    doubt = TOLD_ERROR * np.sqrt(np.sum(np.square(changes), axis=0))
+    acted = frozenset((kind, place) for kind, place, _ in causes)
+    return Told(flight, flight.readings[:N_STEADY] - np.sum(changes, axis=0), doubt, acted)
+
+
+def _shaking(name: str, airframe: str, practice: Sequence[Told], sound: Mapping[str, Sequence[Flight]]) -> FloatArray:
+    """Return by how much a kind raises what shakes (n_readings,): expected beforehand, and seen in practice flights."""
+    kind, groups = KINDS[name], [reading.split("_")[0] for reading in READINGS]
+    expected = {"step": kind.step[0], "shake": kind.shake[0]}
+    total = np.array([expected.get(group, 0.0) if k >= N_STEADY else 0.0 for k, group in enumerate(groups)])
+    weight = np.ones(len(READINGS))
+    for one in practice:
+        if name not in {acted for acted, _ in one.causes}:
+            continue
+        share = SAME_AIRFRAME if one.flight.airframe == airframe else OTHER_AIRFRAME
+        shift = one.flight.readings - usual_shaking(one.flight, sound[one.flight.airframe])
+        shown = np.isfinite(shift) & (np.arange(len(READINGS)) >= N_STEADY)
+        total[shown] += share * shift[shown]
+        weight[shown] += share
+    return total / weight
 
 
 def change_of(twin: FunctionTwin, names: Sequence[str], sizes: FloatArray) -> FloatArray:
@@ -146,18 +183,19 @@ def hypotheses(known: Knowledge) -> list[Hypothesis]:
     spread = np.array([UNKNOWN_SD] * N_STEADY)
     wide = np.concatenate([np.zeros(N_STEADY), np.full(len(READINGS) - N_STEADY, 0.6)])
     free = Hypothesis(
-        (Named("unknown", "", ""),), lambda s: np.concatenate([s, nothing[N_STEADY:]]), np.zeros(N_STEADY), spread,
+        (UNKNOWN,), lambda s: np.concatenate([s, nothing[N_STEADY:]]), np.zeros(N_STEADY), spread,
         UNKNOWN_PRIOR, 0.0, nothing, wide, is_signed=True,
     )  # fmt: skip
     return [*found, free]
 
 
 def _hypothesis(known: Knowledge, causes: Sequence[tuple[str, str]], prior: float) -> Hypothesis:
-    kind = KINDS[causes[0][0]]
+    kind_name = causes[0][0]
+    kind = KINDS[kind_name]
     names = tuple(f"{name} {place}" for name, place in causes)
     groups = [reading.split("_")[0] if k >= N_STEADY else "" for k, reading in enumerate(READINGS)]
-    mean = {"step": kind.step[0], "shake": kind.shake[0]}
     sd = {"step": kind.step[1], "shake": kind.shake[1], "tie": kind.tie}
+    heading = np.where(np.array(READINGS) == "yaw_way", HEADING, 0.0)
     often = 1.0 + known.seen.get(frozenset(causes), 0.0)
     return Hypothesis(
         tuple(Named(name, place, kind.unit) for name, place in causes),
@@ -166,8 +204,8 @@ def _hypothesis(known: Knowledge, causes: Sequence[tuple[str, str]], prior: floa
         sd=np.full(len(causes), kind.sd),
         prior=prior * often,
         error=kind.error,
-        extra_mean=np.array([mean.get(group, 0.0) for group in groups]),
-        extra_sd=np.array([sd.get(group, 0.0) for group in groups]),
+        extra_mean=known.shaking[kind_name],
+        extra_sd=np.array([sd.get(group, 0.0) for group in groups]) + heading,
         is_signed=kind.mean == 0.0,
     )
 
@@ -182,8 +220,11 @@ def answer(flight: Flight, known: Knowledge) -> Answer:
 
 
 def _closed(flight: Flight, first: Judged, known: Knowledge) -> float | None:
-    """Return the share of the square of the gap of the way back that the first cause, sized on the way out, closes."""
-    if not first.hypothesis.causes:
+    """Return the share of the square of the gap of the way back that the first cause, sized on the way out, closes.
+
+    None where nothing acts, and for a weight on a thread: it shows by how both ways differ, so neither can be held out.
+    """
+    if first.hypothesis.causes in {(), (UNKNOWN,)} or first.hypothesis.causes[0].kind == "weight_on_string":
         return None
     ways = [np.mean([getattr(one, way) for one in known.sound], axis=0) for way in ("out", "back")]
     drift = ways[1] - ways[0]

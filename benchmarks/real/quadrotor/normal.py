@@ -5,6 +5,7 @@ together from day to day; thrust and roll commands do too.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,7 +24,9 @@ TOGETHER = 0.5
 """Correlation of thrust and roll commands from day to day."""
 FAITH = 0.5
 """Weight of what shakes beside what is steady: neighbouring channels tell much the same."""
-ANOTHER_DAY = 0.35
+OTHER_LOG = 0.4
+"""Weight of a flight of the same day that shows nothing of how this log shakes."""
+ANOTHER_DAY = 0.25
 """Probability that a flight is from a day of which no reference is known."""
 
 
@@ -53,27 +56,55 @@ def faithful(found: FloatArray) -> FloatArray:
     return np.asarray(found * np.outer(weight, weight))
 
 
-def references(
-    flight: Flight, sound: Sequence[Flight], told: Sequence[tuple[FloatArray, FloatArray]]
-) -> list[Reference]:
+@dataclass(frozen=True, slots=True, eq=False)
+class Told:
+    """A practice flight as if it were sound: its readings with what was done taken off, and how uncertain that is.
+
+    Attributes
+    ----------
+    flight
+        as it flew.
+    steady
+        (n_steady,) with the change of its causes taken off.
+    doubt
+        (n_steady,) standard deviation of that change.
+    causes
+        kind and place of each.
+    """
+
+    flight: Flight
+    steady: FloatArray
+    doubt: FloatArray
+    causes: frozenset[tuple[str, str]]
+
+
+def usual_shaking(flight: Flight, sound: Sequence[Flight]) -> FloatArray:
+    """Return the mean of the readings of sound flights with the same log (n_readings,)."""
+    return np.asarray(np.mean([one.readings for one in sound if one.log == flight.log], axis=0))
+
+
+def references(flight: Flight, sound: Sequence[Flight], told: Sequence[Told]) -> list[Reference]:
     """Return sound flights as the one at hand may resemble: each seen again, or on another day.
 
-    A commissioning flight with the other log lends its steady commands; what shakes is then the mean of its own log's.
-    `told` are readings of practice flights with what was done to them taken off, and how uncertain that is (steady).
+    A flight with the other log lends its steady commands; what shakes is then the mean of the own log.
     """
     n = len(WITHIN)
-    usual = np.mean([one.readings for one in sound if one.log == flight.log], axis=0)
+    usual = usual_shaking(flight, sound)
     near, far = covariance(within=True), covariance(within=False)
     mixed = far.copy()
     mixed[:n, :n] = near[:n, :n]
     found = []
     for one in sound:
-        same = one.log == flight.log
-        readings = one.readings if same else np.concatenate([one.readings[:n], usual[n:]])
-        found.append(Reference(readings, near if same else mixed, 1.0 - ANOTHER_DAY))
-        found.append(Reference(readings, far, ANOTHER_DAY))
-    for steady, doubt in told:
+        if one.log == flight.log:
+            found.append(Reference(one.readings, near, 1.0 - ANOTHER_DAY))
+            found.append(Reference(one.readings, far, ANOTHER_DAY))
+        else:
+            readings = np.concatenate([one.readings[:n], usual[n:]])
+            found.append(Reference(readings, mixed, OTHER_LOG * (1.0 - ANOTHER_DAY)))
+            found.append(Reference(readings, far, ANOTHER_DAY))
+    for known in told:
         wide = mixed.copy()
-        wide[:n, :n] += np.diag(doubt**2)
-        found.append(Reference(np.concatenate([steady, usual[n:]]), wide, 1.0 - ANOTHER_DAY))
+        wide[:n, :n] += np.diag(known.doubt**2)
+        shaken = known.flight.readings if known.flight.log == flight.log else usual
+        found.append(Reference(np.concatenate([known.steady, shaken[n:]]), wide, OTHER_LOG * (1.0 - ANOTHER_DAY)))
     return found

@@ -1,0 +1,141 @@
+"""The same flights and stretches through `octmip.gap.diagnose`: the other column of the tables in docs/gap.
+
+`python -m benchmarks.real.through_gap SET --data FOLDER` asks both about every practice and commissioning case, each
+left out of what it is judged by, and prints the probability that each gives to the truth.
+"""
+
+import argparse
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.real import beam
+from benchmarks.real.answer import Answer
+from benchmarks.real.quadrotor import diagnosis as quadrotor
+from benchmarks.real.quadrotor.flight import read_flights
+from benchmarks.real.quadrotor.normal import WITHIN
+from femlib.arrays import FloatArray
+from octmip.gap import FunctionTwin, Odds, Recorded, diagnose, gathered
+
+Causes = frozenset[tuple[str, str]]
+COUNT, UNKNOWN = (0.30, 0.45, 0.20), (0.03, 0.01, 0.002)
+"""Odds of no, one and two effects; of something unknown alone and beside one or two."""
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A case whose truth is told: what acted, and the probabilities of sets of causes by both."""
+
+    case: str
+    truth: Causes
+    plain: Mapping[Causes, float]
+    gap: Mapping[Causes, float]
+
+
+def by_gap(
+    readings: FloatArray, tests: Sequence[FloatArray], twin: FunctionTwin, noise: Sequence[float], odds: Odds
+) -> dict[Causes, float]:
+    """Return the probability of each set of causes (kind, place) by `octmip.gap.diagnose`, several tests as the run."""
+    run = gathered(twin, [Recorded(one, {}, f"sound_{k}") for k, one in enumerate(tests)])
+    named = dict(zip(twin.gauges, noise, strict=True))
+    found = diagnose(gathered(twin, [Recorded(readings)]), twin, twin.effects, run, noise_sd=named, odds=odds)
+    candidates, shares = found.posterior.model.inputs.candidates, dict[Causes, float]()
+    for one in found.posterior.judged:
+        if one.has_unknown:
+            continue
+        causes = frozenset(_named(candidates[member].name) for member in one.members)
+        shares[causes] = shares.get(causes, 0.0) + one.probability
+    return shares
+
+
+def _named(effect: str) -> tuple[str, str]:
+    kind, _, place = effect.partition(" ")
+    return kind, place
+
+
+def by_plain(answer: Answer) -> dict[Causes, float]:
+    """Return the probability of each set of causes by the evidence of this folder."""
+    shares: dict[Causes, float] = {}
+    for one in answer.judged:
+        causes = frozenset((cause.kind, cause.place) for cause in one.hypothesis.causes)
+        shares[causes] = shares.get(causes, 0.0) + one.probability
+    return shares
+
+
+def told_flights(folder: Path) -> Iterator[Told]:
+    """Yield every practice and commissioning flight, judged without itself."""
+    flights = read_flights(folder)
+    practice = pd.read_csv(folder / "practice.csv", index_col="flight")
+    for name, flight in flights.items():
+        if flight.role == "blind":
+            continue
+        known = quadrotor.learn(folder, flights, flight.airframe, name)
+        causes = quadrotor.told_causes(*map(str, practice.loc[name])) if name in practice.index else []
+        shares = {
+            f"{one.causes[0].kind} {one.causes[0].place}": one.prior
+            for one in quadrotor.hypotheses(known)
+            if len(one.causes) == 1 and one.causes[0].kind != "unknown"
+        }
+        usual = np.mean(list(shares.values()))
+        odds = Odds(COUNT, UNKNOWN, effects={effect: float(share / usual) for effect, share in shares.items()})
+        n = len(WITHIN)
+        tests = [*(one.readings[:n] for one in known.sound), *(one.steady for one in known.told)]
+        gap = by_gap(flight.readings[:n], tests, known.twin, list(WITHIN.values()), odds)
+        truth = frozenset((kind, place) for kind, place, _ in causes)
+        yield Told(name, truth, by_plain(quadrotor.answer(flight, known)), gap)
+
+
+def told_stretches(folder: Path) -> Iterator[Told]:
+    """Yield every practice and commissioning stretch of the beam, judged without itself."""
+    tests = pd.read_csv(folder / "tests.csv", index_col="segment")
+    practice = pd.read_csv(folder / "practice.csv", index_col="segment")
+    chosen = tests[tests.role != "blind"]
+    stretches = {str(case): beam.read_stretch(folder, str(case), str(one)) for case, one in chosen.series.items()}
+    moved = Odds(COUNT, UNKNOWN, effects={kind: one[3] / 0.005 for kind, one in beam.PRIORS.items()})
+    for case, stretch in stretches.items():
+        known = beam.learn_from(folder, stretches, case)
+        acted = case in practice.index and practice.condition[case] != "sound"
+        truth = frozenset({("support_moved", "support")} if acted else set())
+        runs = [one.log for name, one in stretches.items() if tests.role[name] == "commissioning" and name != case]
+        gap = by_gap(stretch.log, runs, known.twin, list(beam.LEAST_SCATTER), moved)
+        placed = {frozenset((kind, beam.PRIORS[kind][0]) for kind, _ in causes): p for causes, p in gap.items()}
+        yield Told(case, truth, by_plain(beam.answer(stretch, known)), placed)
+
+
+def main() -> None:
+    """Read the arguments and print a line for each case that is told, then what both sum to."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.real.through_gap", description=__doc__)
+    parser.add_argument("set", choices=("beam", "quadrotor"))
+    parser.add_argument("--data", type=Path, required=True, help="folder of the set")
+    given = parser.parse_args()
+    told = list((told_stretches if given.set == "beam" else told_flights)(given.data))
+    for one in told:
+        acted = "; ".join(f"{kind} {place}" for kind, place in sorted(one.truth)) or "sound"
+        print(f"{one.case} {acted}: plain {one.plain.get(one.truth, 0.0):.3f}, gap {one.gap.get(one.truth, 0.0):.3f}")
+    for name in ("plain", "gap"):
+        print(f"{name}: {summary([(one.truth, getattr(one, name)) for one in told])}")
+
+
+def summary(told: Sequence[tuple[Causes, Mapping[Causes, float]]]) -> str:
+    """Return how many first hypotheses hold the truth, a place of it, and the mean log probability of the truth."""
+    first = [max(shares, key=lambda causes: shares[causes], default=frozenset()) for _, shares in told]
+    whole = sum(one == truth for one, (truth, _) in zip(first, told, strict=True))
+    place = sum(bool(_places(one) & _places(truth)) for one, (truth, _) in zip(first, told, strict=True) if truth)
+    log = np.mean([np.log(max(shares.get(truth, 0.0), LEAST)) for truth, shares in told])
+    acted = sum(bool(truth) for truth, _ in told)
+    return f"whole truth first {whole} of {len(told)}, a place of it {place} of {acted}, mean log probability {log:.2f}"
+
+
+LEAST = 1e-3
+"""Probability that the truth has at least in the mean of logarithms."""
+
+
+def _places(causes: Causes) -> set[str]:
+    return {rotor for _, place in causes for rotor in place.split("+")}
+
+
+if __name__ == "__main__":
+    main()
