@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +21,27 @@ UNKNOWN = "unknown"
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What is said about a case: hypotheses, most probable first, and the share of the gap that the first closes."""
+    """What is said about a case.
+
+    Attributes
+    ----------
+    case
+        its name.
+    judged
+        hypotheses, most probable first.
+    closed
+        share of the gap that the first closes; None where it is not asked.
+    note
+        what was held out for it.
+    sharpness
+        power of the probabilities by which the set is formed, settled on cases whose truth is told.
+    """
 
     case: str
     judged: tuple[Judged, ...]
     closed: float | None
     note: str = ""
+    sharpness: float = 1.0
 
     @property
     def sound_probability(self) -> float:
@@ -45,7 +60,7 @@ class Answer:
             "case": self.case,
             "sound_probability": round(self.sound_probability, 4),
             "causes": _causes(self.judged),
-            "set95": credible_set(self.judged),
+            "set95": credible_set(sharpened(self.judged, self.sharpness)),
             "unexplained_probability": round(unknown, 4),
             **({} if self.closed is None else {"closed": round(self.closed, 4)}),
             **({"note": self.note} if self.note else {}),
@@ -73,6 +88,13 @@ def _causes(judged: Sequence[Judged]) -> list[dict[str, Any]]:
         }
         for (kind, place), (size, unit) in ((key, sizes[key]) for key in kept) if kind != UNKNOWN
     ]  # fmt: skip
+
+
+def sharpened(judged: Sequence[Judged], power: float) -> list[Judged]:
+    """Return the hypotheses with their probabilities raised to a power."""
+    raised = np.array([one.probability for one in judged]) ** power
+    shares = (raised / raised.sum()).tolist()
+    return [replace(one, probability=share) for one, share in zip(judged, shares, strict=True)]
 
 
 def credible_set(judged: Sequence[Judged], share: float = CREDIBLE) -> list[list[str]]:

@@ -8,10 +8,11 @@ import pandas as pd
 import pytest
 
 from benchmarks.real import beam, bridge
-from benchmarks.real.answer import Answer, credible_set, write_answers
+from benchmarks.real.answer import Answer, credible_set, sharpened, write_answers
 from benchmarks.real.evidence import Hypothesis, Judged, Named, Reference, judge
 from benchmarks.real.quadrotor.flight import commands
 from benchmarks.real.quadrotor.hover import NO_LOAD, PATTERNS, hover_twin
+from benchmarks.real.through_gap import summary
 
 DATA = Path(__file__).parents[2].parent / "shared" / "real"
 NOTHING, NONE = np.zeros(2), np.zeros(0)
@@ -181,3 +182,30 @@ def test_the_practice_stretches_of_the_beam_are_right():
         assert first["size"] == pytest.approx(moved, abs=3.0)
         assert first["low"] - 0.5 < moved < first["high"] + 0.5
     assert beam.answer(stretches["s033"], beam.learn_from(DATA / "beam", stretches, "s033")).sound_probability > 0.9
+
+
+def test_the_summary_counts_the_whole_truth_a_place_of_it_and_the_log_probability():
+    cut, tape = frozenset({("cut", "M1")}), frozenset({("tape", "M1"), ("tape", "M3")})
+    told = [(cut, {cut: 0.5, frozenset(): 0.2}), (tape, {cut: 0.6, tape: 0.1}), (frozenset(), {cut: 1.0})]
+    expected = (np.log(0.5) + np.log(0.1) + np.log(1e-3)) / 3
+    assert summary(told) == f"whole truth first 1 of 3, a place of it 2 of 2, mean log probability {expected:.2f}"
+
+
+def test_the_hover_twin_is_linear_in_every_parameter():
+    twin = hover_twin()
+    rng = np.random.default_rng(1)
+    names = list(twin.card.parameters)
+    sizes = rng.uniform(0.1, 1.0, len(names))
+    alone = [
+        twin.ask({}, NO_LOAD, {name: size}) - twin.ask({}, NO_LOAD, {}) for name, size in zip(names, sizes, strict=True)
+    ]
+    together = twin.ask({}, NO_LOAD, dict(zip(names, sizes, strict=True))) - twin.ask({}, NO_LOAD, {})
+    assert together == pytest.approx(np.sum(alone, axis=0))
+
+
+def test_sharper_probabilities_give_smaller_sets_in_the_same_order():
+    judged = judged_as((0.6, (("cut", "M1"),)), (0.36, (("tape", "M1"),)), (0.04, ()))
+    assert len(credible_set(judged, 0.97)) == 3
+    sharp = sharpened(judged, 2.0)
+    assert [one.probability for one in sharp] == pytest.approx(np.array([0.36, 0.1296, 0.0016]) / 0.4912)
+    assert len(credible_set(sharp, 0.97)) == 2
