@@ -77,6 +77,7 @@ def _causes(judged: Sequence[Judged]) -> list[dict[str, Any]]:
             acts[key] = acts.get(key, 0.0) + one.probability
             sizes.setdefault(key, (size, cause.unit))
     first = [(cause.kind, cause.place) for cause in judged[0].hypothesis.causes]
+    first.sort(key=lambda key: -acts[key])
     others = sorted((key for key in acts if key not in first), key=lambda key: -acts[key])
     sound = sum(one.probability for one in judged if not one.hypothesis.causes)
     n_others = max(sum(acts[key] >= LEAST_PROBABILITY for key in others), 0 if first or sound > SURE else 1)

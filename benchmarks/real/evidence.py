@@ -99,6 +99,7 @@ def judge(readings: FloatArray, references: Sequence[Reference], hypotheses: Seq
         log, size, sd = _fit(seen, rests, covariances, hypothesis)
         logs = weights - logsumexp(weights) + log
         sizes = _mixed(np.exp(logs - logsumexp(logs)), size, sd)
+        sizes = sizes if hypothesis.is_signed else np.maximum(sizes, 0.0)
         found.append((np.log(hypothesis.prior) + logsumexp(logs), hypothesis, sizes, int(np.argmax(logs))))
     scale = logsumexp([log for log, *_ in found])
     judged = [Judged(h, float(np.exp(log - scale)), sizes, best) for log, h, sizes, best in found]

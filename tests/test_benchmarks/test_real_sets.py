@@ -65,6 +65,8 @@ def test_sizes_that_cannot_be_negative_cost_a_cause_the_wrong_sign():
     wrong = [judge(np.array([-1.0, 0.0]), day, [SOUND, hypothesis])[0] for hypothesis in (one, positive)]
     assert wrong[0].hypothesis.causes
     assert not wrong[1].hypothesis.causes
+    alone = judge(np.array([-0.1, 0.0]), day, [positive])[0]
+    assert alone.sizes[0, 1] == 0.0
 
 
 def judged_as(*rows: tuple[float, tuple[tuple[str, str], ...]]) -> list[Judged]:
@@ -97,6 +99,11 @@ def test_answers_have_the_form_of_the_sets(tmp_path):
     assert case["causes"][0] | {"probability": 0} == {
         "kind": "cut", "place": "M1", "size": 1.0, "low": 0.5, "high": 1.5, "unit": "g", "probability": 0,
     }  # fmt: skip
+
+
+def test_the_surer_cause_of_the_first_hypothesis_comes_first():
+    judged = judged_as((0.6, (("tape", "M1"), ("tape", "M3"))), (0.4, (("tape", "M3"),)))
+    assert [cause["place"] for cause in Answer("f1", tuple(judged), None).row()["causes"]] == ["M3", "M1"]
 
 
 def test_a_beam_pinned_at_its_end_has_the_frequencies_of_the_textbook():
