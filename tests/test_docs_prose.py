@@ -88,6 +88,7 @@ RULES: dict[Rule, set[str]] = {
         "docs/gap/sets.md",
         "docs/howto/held-out.md",
         "docs/howto/regression-trees.md",
+        "docs/howto/solve-a-csv.md",
         "docs/reliability.md",
         "docs/results/sensing.md",
         "docs/results/tables.md",
