@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any, Protocol, cast
 
-from octmip.errors import SolverError
+from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import NUMBER_LOSSES
 from octmip.trees.methods.options import OPTIONS, Options, values_of
 from octmip.trees.problem import Problem
@@ -125,6 +125,31 @@ OF_CLASSES_ALONE: Mapping[str, str] = {
     "numbers_are_classes": "a label of classes",
 }
 """What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
+
+ASKED_OF_CLASSES: Mapping[str, str] = {
+    "near_optimal": "trees are counted by whole costs, and errors of numbers are none",
+    "sensor_roles": "what a sensor is worth is counted by whole costs, and errors of numbers are none",
+    "drift": "the worst case is a sum of costs of wrong classes",
+    "leaves_on_fresh_rows": "probabilities are those of classes",
+    "shared_budget": "labels are classes",
+    "sequential": "the next reading is chosen by the classes that are left",
+}
+"""What is asked of classes alone, by name, and why: refused in one sentence with a loss of numbers."""
+
+
+def refuse_numbers(problem: Problem, asked: str) -> None:
+    """Check that a problem is one of classes, for what is asked of these alone.
+
+    Raises
+    ------
+    ProblemError
+        its loss is one of numbers.
+    """
+    if problem.loss.predicts == "number":
+        raise ProblemError(
+            f"{asked} is for classes, as {ASKED_OF_CLASSES[asked]}; got the loss {problem.loss.spelling!r}; sort the "
+            "numbers into classes, or ask solve, trace_frontier or choose_tree, which answer every loss"
+        )
 
 
 def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:

@@ -5,9 +5,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from octmip import Problem, certify, solve
+from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
+from octmip.sensing.sequential.problem import SequentialProblem
+from octmip.sensing.shared.budget import shared_budget
+from octmip.trees.drift import least_worst
 from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
+from octmip.trees.registry import ASKED_OF_CLASSES
+from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier
 
 LOSSES = {
     "classes": ClassCosts(),
@@ -168,3 +173,38 @@ def test_half_the_absolute_error_is_the_quantile_loss_of_the_middle():
 def test_the_digest_of_a_problem_tells_levels_apart():
     digests = {Problem(FEATURES, TARGETS, depth=1, loss=number_loss(name)).digest() for name in SPELLINGS}
     assert len(digests) == len(SPELLINGS)
+
+
+@pytest.mark.parametrize(
+    ("asked", "ask"),
+    [
+        ("near_optimal", lambda problem: near_optimal(problem, relative=0.1)),
+        ("sensor_roles", sensor_roles),
+        ("drift", lambda problem: least_worst.solve(problem, 0.1)),
+        ("leaves_on_fresh_rows", lambda problem: leaves_on_fresh_rows(problem, problem.best_leaf())),
+        ("shared_budget", lambda problem: shared_budget([problem, problem], 2.0)),
+        ("sequential", lambda problem: SequentialProblem(problem, price=0.1)),
+    ],
+)
+def test_what_is_asked_of_classes_alone_is_a_line_of_the_registry_and_refused_in_one_sentence(asked, ask):
+    problem = Problem([[0.0], [1.0], [2.0]], [0.0, 1.0, 5.0], depth=1, loss=AbsoluteError())
+    with pytest.raises(
+        ProblemError, match=f"^{asked} is for classes, as .*; got the loss 'absolute'; sort the numbers"
+    ):
+        ask(problem)
+    assert asked in ASKED_OF_CLASSES
+
+
+@pytest.mark.parametrize("over", ["depth", "budget", "penalty"])
+def test_a_frontier_of_numbers_never_rises_and_its_bounds_hold(over):
+    rng = np.random.default_rng(4)
+    features = rng.normal(size=(40, 3))
+    problem = Problem(features, np.round(features[:, 0] * features[:, 1], 1), depth=2, loss=SquaredError())
+    points = trace_frontier(problem, over)
+    for point in points:
+        certify(point.problem, point.solution)
+        assert point.solution.is_optimal
+    trees = [point.solution.tree for point in points]
+    judged = problem.weights, problem.codes
+    plain = [problem.loss.cost(*judged, problem.predictions(tree), Fraction(0)) for tree in trees]
+    assert plain == sorted(plain, reverse=over != "penalty")

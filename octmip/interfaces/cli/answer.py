@@ -76,6 +76,11 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else repr(c)[1:-1] for c in text)
 
 
+def rounded(value: float | None) -> float | None:
+    """Return a figure of a printed table to six digits; whole numbers stay whole."""
+    return value if value is None or isinstance(value, int) else float(f"{value:.6g}")
+
+
 def describe(problem: Problem, solution: Solution, certificate: Certificate) -> dict[str, Any]:
     """Return the JSON object of a solution: bound and gap are None without a proof."""
     assert solution.tree is not None

@@ -126,6 +126,10 @@ def nameable(own: Iterable[str]) -> list[str]:
     return [name for name, option in all_options().items() if name not in own and values_of(option) is not FILE]
 
 
+def _only_classes(_: str) -> NoReturn:
+    raise argparse.ArgumentTypeError("this command is about classes; name a column of them with --label")
+
+
 def add_everyday_arguments(
     parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False, chooses: bool = False
 ) -> None:
@@ -136,6 +140,8 @@ def add_everyday_arguments(
     add_label_arguments(group_of(parser, DATA), is_required=not has_target)
     levels = "levels of splits" + (" (default: chosen by cross-validation, for new rows)" if chooses else "")
     group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=not chooses, help=levels)
+    if not has_target:
+        group_of(parser, DATA).add_argument("--target", type=_only_classes, help=argparse.SUPPRESS)
     if has_target:
         add_target_arguments(group_of(parser, DATA), group_of(parser, LOSS))
         rarely(add_leaf_model(group_of(parser, TREE)))

@@ -6,7 +6,7 @@ from typing import Any
 from octmip.errors import DataError, ProblemError, SolverError
 from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
-from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, score_json
+from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
 from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
 from octmip.interfaces.cli.samples.question import Question, ask
@@ -17,7 +17,7 @@ from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
-from octmip.trees.registry import read_options, taken
+from octmip.trees.registry import read_options, solvers_of, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import score
@@ -47,10 +47,11 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
         notes = {"notes": list(question.notes)}
         print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **notes})
         return
-    held = () if question.held_out is None else ("errors held out",)
+    measures = problem.loss.measured
+    held = () if question.held_out is None else tuple(f"{name} held out" for name in measures)
     columns = (
         "method",
-        "errors",
+        *measures,
         *held,
         "objective",
         "bound",
@@ -63,7 +64,7 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
         "stop",
     )
     print_notes(question.notes)
-    print(markdown_table([_shown(row) for row in rows], columns))
+    print(markdown_table([_shown(row, measures) for row in rows], columns))
     if question.held_out is not None:
         print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
     for row in rows:
@@ -95,6 +96,9 @@ def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> 
 
 def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
     if not arguments.methods:
+        if problem.loss.predicts == "number":
+            known = solvers_of(problem)
+            return [name for name in METHODS if name in known and known[name].refusal(problem) is None]
         has_boxes = problem.split == "hyperplane" and problem.max_split_size <= 2
         return list(DEFAULTS["two features" if has_boxes else problem.split])
     names = [name.strip() for name in arguments.methods.split(",")]
@@ -145,16 +149,19 @@ def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
             row["gap_to_best_bound"] = finite_or_none(relative_gap(row["objective"], best))
 
 
-def _shown(row: dict[str, Any]) -> dict[str, Any]:
+def _shown(row: dict[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
+    """Return a row under the headings of the printed table, its figures rounded."""
     gaps = {"gap %": row.get("gap"), "gap to best bound %": row.get("gap_to_best_bound")}
     reached = row.get("seconds_to_gap", {})
+    held = row.get("held_out") or {}
     return {
         **row,
+        **{name: rounded(row.get(name)) for name in measures},
+        **{f"{name} held out": rounded(held.get(name)) for name in measures},
         **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
         **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
         "splits": row.get("n_splits"),
         "tree by": row.get("tree_by"),
-        "errors held out": (row.get("held_out") or {}).get("errors"),
         "seconds": None if "seconds" not in row else round(row["seconds"], 3),
         "stop": row.get("stop", "failed"),
     }

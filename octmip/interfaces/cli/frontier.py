@@ -13,7 +13,15 @@ from joblib import parallel_config
 from octmip.errors import DataError
 from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
-from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine, describe, print_json, print_notes, then_written
+from octmip.interfaces.cli.answer import (
+    ElapsedLine,
+    ProgressLine,
+    describe,
+    print_json,
+    print_notes,
+    rounded,
+    then_written,
+)
 from octmip.interfaces.cli.arguments import (
     limits_of,
     method_options,
@@ -85,7 +93,7 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
         print_json(found | {"notes": list(question.notes)} | chosen)
         return
     print_notes(question.notes)
-    print(_table(arguments.over, rows))
+    print(_table(arguments.over, rows, question.problem.loss.measured))
     if choice is not None:
         best = _chosen(choice)
         print(
@@ -94,15 +102,17 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
         )
 
 
-def _table(over: str, rows: list[dict[str, Any]]) -> str:
+def _table(over: str, rows: list[dict[str, Any]], measures: tuple[str, ...]) -> str:
     held = ("held out",) if "held_out" in rows[0] else ()
-    columns = (over, "errors", *held, "objective", "bound", "gap %", "splits", "sensors", "seconds", "stop")
-    return markdown_table([_shown(row) for row in rows], columns)
+    columns = (over, *measures, *held, "objective", "bound", "gap %", "splits", "sensors", "seconds", "stop")
+    return markdown_table([_shown(row, measures) for row in rows], columns)
 
 
-def _shown(row: dict[str, Any]) -> dict[str, Any]:
+def _shown(row: dict[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
     """Return a row under the headings of the printed table, its figures rounded."""
-    return row | {
+    return {
+        **row,
+        **{name: rounded(row[name]) for name in measures},
         "held out": round(row.get("held_out", 0.0), 4),
         "gap %": None if row["gap"] is None else round(100 * row["gap"], 2),
         "splits": row["n_splits"],

@@ -57,7 +57,6 @@ OF_A_DEPTH = {
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
-    _check_predicted(arguments)
     if arguments.depth is None:
         return _choose(arguments, limits)
     question = ask(arguments)
@@ -107,22 +106,6 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
 
 def _incumbent(path: str, problem: Problem) -> Node:
     return tree_for(problem, read_tree_file(path, problem.loss.predicts))
-
-
-def _check_predicted(arguments: argparse.Namespace) -> None:
-    """Raise a DataError unless one column is to be predicted, with no option about another kind of it."""
-    given = [f"--{name}" for name in ("label", "target") if getattr(arguments, name) is not None]
-    if len(given) != 1:
-        raise DataError(
-            f"the column to predict is named by {' and '.join(given) or 'no option'}; expected --label COL for classes "
-            "or --target COL for numbers; give one of the two"
-        )
-    if arguments.target is None and (arguments.loss or arguments.leaf_model):
-        option = "--loss" if arguments.loss else "--leaf-model"
-        raise DataError(
-            f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
-            f"--target; leave it out, or name a column of numbers with --target"
-        )
 
 
 def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.problem import Problem
+from octmip.trees.registry import refuse_numbers
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, leaves
 
@@ -86,6 +87,7 @@ class SequentialProblem:
     shares: Floats | None = field(kw_only=True, default=None)
 
     def __post_init__(self) -> None:
+        refuse_numbers(self.problem, "sequential")
         if self.problem.sensor_budget is not None:
             raise ProblemError(
                 f"the problem has a sensor_budget of {self.problem.sensor_budget}, which limits the sensors of the "

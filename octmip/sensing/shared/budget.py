@@ -27,6 +27,7 @@ from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighte
 from octmip.trees._native import __version__
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
+from octmip.trees.registry import refuse_numbers
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Leaf, Node
@@ -77,6 +78,8 @@ def shared_budget(
     SolverError
         a solver failed.
     """
+    for problem in problems:
+        refuse_numbers(problem, "shared_budget")
     shared, shares = _shared(problems, budget), _checked_weights(weights, len(problems))
     labels = LabelTrees(
         problems=shared,

@@ -30,6 +30,7 @@ from octmip.trees.encoding import (
 )
 from octmip.trees.methods.native_call import native_progress
 from octmip.trees.problem import Problem
+from octmip.trees.registry import refuse_numbers
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
 from octmip.trees.solver import solve as solve_plain
 from octmip.trees.tree import Node, complexity, depth, without_empty_sides
@@ -103,6 +104,7 @@ def solve(
     ProblemError
         the bands, `off` or the incumbent do not fit the problem, or splits are hyperplanes.
     """
+    refuse_numbers(problem, "drift")
     started = time.perf_counter()
     search = _Search(problem, Bands.of(problem, bands), off, limits, started, seed, n_jobs, progress)
     search.run(incumbent)

@@ -238,3 +238,24 @@ def test_prices_and_weights_are_solved_certified_and_predicted_as_they_are_writt
     assert run("predict", tmp_path / "t.json", tmp_path / "m.csv")[0] == 0
     _, _, err = run("solve", tmp_path / "m.csv", "--target", "kind", "--depth", 1)
     assert "if its words are classes, name the column by --label instead of --target" in err
+
+
+@pytest.mark.parametrize("loss", ["squared", "absolute", "quantile:0.9"])
+def test_numbers_are_compared_and_have_a_frontier_by_the_measures_of_their_loss(houses, run, loss):
+    words = (houses, "--target", "price", "--loss", loss, "--features", "area,kind", "--depth", 2)
+    rows = json.loads(run("compare", *words, "--holdout", 0.25, "--json")[1])["rows"]
+    assert [row["method"] for row in rows] == ["cart", "search", "exact"]
+    assert rows[2]["is_optimal"]
+    assert min(row["objective"] for row in rows) == rows[2]["objective"]
+    assert all(row["held_out"]["mae"] >= 0 for row in rows)
+    assert "| mae held out |" in " ".join(run("compare", *words, "--holdout", 0.25)[1].split())
+    points = json.loads(run("frontier", *words, "--over", "depth", "--json")[1])["rows"]
+    assert [point["depth"] for point in points] == [1, 2]
+    assert points[1]["objective"] == rows[2]["objective"] or points[1]["n_samples"] != rows[2]["n_samples"]
+
+
+@pytest.mark.parametrize("command", ["near-optimal", "sensors", "drift"])
+def test_commands_about_classes_say_so_of_a_target_of_numbers(houses, run, command):
+    code, out, err = run(command, houses, "--target", "price", "--depth", 1)
+    assert (code, out) == (2, "")
+    assert "this command is about classes; name a column of them with --label" in err

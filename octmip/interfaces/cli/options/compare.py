@@ -24,13 +24,14 @@ from octmip.interfaces.cli.samples.options import add_held_out_arguments
 EXAMPLES = """\
   octmip compare iris.csv --label species --depth 3
   octmip compare iris.csv --label species --depth 2 --holdout 0.25
+  octmip compare houses.csv --target price --loss absolute --depth 3
   octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip compare`."""
-    add_everyday_arguments(parser, seconds=60.0)
+    add_everyday_arguments(parser, seconds=60.0, has_target=True)
     rarely(add_held_out_arguments(group_of(parser, DATA)))
     group_of(parser, METHOD).add_argument(
         "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"

@@ -25,13 +25,14 @@ PICTURES = (".svg", ".png", ".pdf")
 EXAMPLES = """\
   octmip frontier iris.csv --label species --over depth --depth 4
   octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg
+  octmip frontier houses.csv --target price --over depth --depth 4
   octmip frontier iris.csv --label species --over penalty --depth 3 --folds 5
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip frontier`."""
-    add_everyday_arguments(parser, seconds=60.0)
+    add_everyday_arguments(parser, seconds=60.0, has_target=True)
     group = parser.add_argument_group("frontier")
     group.add_argument("--over", choices=OVERS, required=True, help="setting to vary")
     group.add_argument(

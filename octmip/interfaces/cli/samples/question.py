@@ -91,6 +91,8 @@ def ask(arguments: argparse.Namespace) -> Question:
     ProblemError
         no tree can answer.
     """
+    if hasattr(arguments, "loss"):
+        _check_predicted(arguments)
     target = getattr(arguments, "target", None)
     loss = None if target is None else number_loss(arguments.loss or "squared")
     if loss is not None:
@@ -129,6 +131,22 @@ def ask(arguments: argparse.Namespace) -> Question:
         share,
         arguments.seed,
     )
+
+
+def _check_predicted(arguments: argparse.Namespace) -> None:
+    """Raise a DataError unless one column is to be predicted, with no option about another kind of it."""
+    given = [f"--{name}" for name in ("label", "target") if getattr(arguments, name) is not None]
+    if len(given) != 1:
+        raise DataError(
+            f"the column to predict is named by {' and '.join(given) or 'no option'}; expected --label COL for classes "
+            "or --target COL for numbers; give one of the two"
+        )
+    if arguments.target is None and (arguments.loss or arguments.leaf_model):
+        option = "--loss" if arguments.loss else "--leaf-model"
+        raise DataError(
+            f"{option} is given with --label {arguments.label}, but is about regression trees; expected it with "
+            f"--target; leave it out, or name a column of numbers with --target"
+        )
 
 
 def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
