@@ -18,6 +18,7 @@ FAMILIES = {
     "exact_large": "benchmarks.cases.exact.large",
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "exact_cluster": "benchmarks.cases.exact.cluster",
+    "held_out_tables": "benchmarks.cases.held_out_tables",
     "leaf_calibration": "benchmarks.cases.leaf_calibration",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",

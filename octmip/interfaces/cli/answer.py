@@ -118,12 +118,14 @@ def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> s
     trees, counts = _trees(problem, solution), _counts_errors(problem)
     if solution.is_optimal:
         no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.bound)}"
-        return f"Proven optimal: {wrong}; no {trees} {no_better}."
+        return f"In training, proven optimal: {wrong}; no {trees} {no_better}."
     if math.isinf(solution.bound):
-        return f"Not proven optimal: {wrong}; the method {visible(solution.solver)} proves nothing about other trees."
+        who = f"the method {visible(solution.solver)} proves nothing about other trees"
+        return f"In training, not proven optimal: {wrong}; {who}."
     least = number(solution.bound)
     bound = f"makes {least} errors or more" if counts else f"has an objective of {least} or more"
-    return f"Not proven optimal (stop: {solution.stop}, gap {percent(solution.gap)}): {wrong}; every {trees} {bound}."
+    why = f"stop: {solution.stop}, gap {percent(solution.gap)}"
+    return f"In training, not proven optimal ({why}): {wrong}; every {trees} {bound}."
 
 
 def _trees(problem: Problem, solution: Solution) -> str:
@@ -172,10 +174,10 @@ def score_json(score: Score | None) -> dict[str, Any] | None:
 
 
 def comparison_json(found: Comparison) -> dict[str, Any]:
-    """Return the entries `training`, `held_out` and `cart` of a JSON object."""
+    """Return the entries `training`, `held_out`, `cart` and `difference` of a JSON object."""
     cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
     own = {"training": score_json(found.training), "held_out": score_json(found.held_out)}
-    return own | {"cart": cart}
+    return own | {"cart": cart, "difference": found.difference and found.difference.to_json()}
 
 
 class ElapsedLine:

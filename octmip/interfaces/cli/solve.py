@@ -26,7 +26,13 @@ from octmip.interfaces.cli.arguments import (
     method_options,
 )
 from octmip.interfaces.cli.samples.question import Question, ask
-from octmip.interfaces.report.new_rows import choice_text, expected_words
+from octmip.interfaces.report.new_rows import (
+    choice_text,
+    difference_text,
+    expected_words,
+    held_out_words,
+    warning_text,
+)
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.interruption import held_back, is_heard
@@ -118,7 +124,8 @@ def _show(arguments: argparse.Namespace, question: Question, solution: Solution)
         held_out = question.claim(None if found is None else found.held_out)
         columns = question.target_column, question.weights_column, question.preparation
         file = record_tree(problem, solution, *columns, held_out)
-        last = expected_words(problem, solution) + verdict(problem, solution, certificate)
+        new_rows = expected_words(problem, solution) if found is None else held_out_words(problem, found)
+        last = new_rows + verdict(problem, solution, certificate)
         with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
             if arguments.json:
                 more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
@@ -145,12 +152,14 @@ def _show_words(question: Question, solution: Solution, certificate: Certificate
     print_notes(question.notes)
     if chosen := choice_text(problem, solution):
         print(f"{chosen}\n")
+    if found is not None:
+        print(f"{comparison_text(problem, found)}\n{difference_text(problem, found)}\n")
     print(printable(solution_text(problem, solution, certificate)))
     print()
     print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))
     print()
-    if found is not None:
-        print(f"{comparison_text(problem, found)}\n")
+    if doubt := warning_text(problem, tree):
+        print(f"{doubt}\n")
 
 
 def _names(question: Question) -> tuple[tuple[str, ...], tuple[object, ...]]:

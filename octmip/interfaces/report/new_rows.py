@@ -9,6 +9,7 @@ from octmip.formats.names import visible
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
+from octmip.trees.tradeoff import Comparison
 from octmip.trees.tree import Node, leaf_index, leaves
 
 FEW_SAMPLES = 5
@@ -49,6 +50,23 @@ def expected_words(problem: Problem, solution: Solution) -> str:
         return ""
     beside = "" if expected["cart"] is None else f", pruned CART {mean_cost(problem, expected['cart']['mean'])}"
     return f"Expected on new rows: {mean_cost(problem, expected['tree']['mean'])}{beside}. "
+
+
+def held_out_words(problem: Problem, found: Comparison) -> str:
+    """Return what a tree and CART lose on samples held out as a sentence with a blank behind; nothing without any."""
+    if found.held_out is None or found.cart_held_out is None:
+        return ""
+    loss, n = problem.loss, found.held_out.n_samples
+    own, cart = (loss.short_words_of(s.measures, n) for s in (found.held_out, found.cart_held_out))
+    return f"On rows held out: {own}, CART {cart}. "
+
+
+def difference_text(problem: Problem, found: Comparison) -> str:
+    """Return the difference to CART on samples held out with its interval, on one line; nothing without samples."""
+    if found.difference is None:
+        return ""
+    between = _interval(problem, found.difference.to_json(), is_difference=True)
+    return f"difference to CART on rows held out, 95 % interval: {between}"
 
 
 def counts_errors(problem: Problem) -> bool:

@@ -96,6 +96,6 @@ def solution_text(problem: Problem, solution: Solution, certificate: Certificate
     measured = loss.words_of(certificate.measures, problem.n_samples)
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"
-        f"{measured}; depth {certificate.depth}, {splits}, {sensors}\n"
+        f"in training {measured}; depth {certificate.depth}, {splits}, {sensors}\n"
         f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )

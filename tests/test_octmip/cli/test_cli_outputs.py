@@ -129,7 +129,7 @@ def full(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("words", "shown"),
     [
-        (("solve", "--label", "y", "--depth", "1"), "Proven optimal"),
+        (("solve", "--label", "y", "--depth", "1"), "proven optimal"),
         (("solve", "--label", "y", "--depth", "1", "--json"), '"is_optimal": true'),
         (("solve", "--target", "b", "--features", "a", "--depth", "1"), "roven optimal"),
         (("drift", "--label", "y", "--depth", "1", "--off", "0.1"), "Proven: no tree"),

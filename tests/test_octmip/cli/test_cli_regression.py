@@ -33,7 +33,7 @@ def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, los
     tree = tmp_path / "t.json"
     code, out, err = solved(run, houses, "--loss", loss, "--out", tree, "--test", houses)
     assert (code, err) == (0, "")
-    assert "Proven optimal" in out
+    assert "In training, proven optimal" in out
     assert "area <= 1" in out
     assert f"({number_loss(loss).words})" in out
     code, certified, err = run("certify", tree, houses, "--test", houses)
@@ -73,7 +73,7 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
     tree, log, problem = tmp_path / "t.json", tmp_path / "p.log", tmp_path / "p.json"
     code, out, err = solved(run, houses, "--out", tree, "--proof", log, "--write-problem", problem)
     assert (code, err) == (0, "")
-    assert "Proven optimal" in out
+    assert "In training, proven optimal" in out
     file = json.loads(problem.read_text())
     assert (file["format"], file["loss"], len(file["targets"])) == ("octmip-regression-problem", "squared", 60)
     code, out, err = run("certify", tree, houses, "--proof", log)
@@ -163,6 +163,7 @@ def test_a_share_of_the_rows_is_held_out_and_recounted_by_certify(houses, run, t
     assert answer["held_out"]["mae"] > 0
     assert answer["cart"]["training"]["rmse"] >= answer["training"]["rmse"]
     assert answer["cart"]["held_out"]["n_samples"] == 15
+    assert answer["difference"]["low"] <= answer["difference"]["mean"] <= answer["difference"]["high"]
     code, out, err = run("certify", tree, houses)
     assert (code, err) == (0, "")
     assert f"held out: 15 samples, mean absolute error {answer['held_out']['mae']:.6g}" in out

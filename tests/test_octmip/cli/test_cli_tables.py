@@ -42,7 +42,7 @@ def test_text_and_gaps_are_solved_certified_and_predicted(survey, run, tmp_path)
     assert "if colour is not red" in out
     assert "if age <= 40" in out
     assert out.splitlines()[-1] == (
-        "Proven optimal: 0 of 80 samples wrong (0 %); no tree of depth 2 or less makes fewer errors."
+        "In training, proven optimal: 0 of 80 samples wrong (0 %); no tree of depth 2 or less makes fewer errors."
     )
     file = read_tree_file(tree)
     assert file.preparation is not None

@@ -1,12 +1,16 @@
 """The top of the page: what the tree decides, how good it is, whether that is proven, what the greedy tree loses."""
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from octmip.formats.tree_file import TreeFile
+from octmip.interfaces.report.new_rows import choice_of
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
+from octmip.trees.losses import ClassCosts
 from octmip.trees.tree import depth, features_used
 
 
@@ -46,7 +50,29 @@ def trees_meant(file: TreeFile) -> str:
 def verdict(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
     """Return the answer in two or three sentences."""
     good = measure.training_sentence(evidence)
-    return " ".join(filter(None, [good, _proof_sentence(file, measure), _greedy_sentence(evidence, measure, file)]))
+    proof, greedy = _proof_sentence(file, measure), _greedy_sentence(evidence, measure, file)
+    return " ".join(filter(None, [_new_samples(file, evidence, measure), good, proof, greedy]))
+
+
+def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
+    """Return what holds on new samples: counted on samples held out, or expected by cross-validation."""
+    if evidence is not None and (held := evidence.held_out) is not None:
+        own, greedy = (measure.line(evidence, one, held) for one in (held.tree, held.greedy))
+        return f"On new samples: {own}; the greedy tree: {greedy}."
+    expected = _expected(file)
+    if expected is None:
+        return ""
+    beside = (
+        "" if expected["cart"] is None else f", of CART pruned by the same folds {percent(expected['cart']['mean'])}"
+    )
+    return f"On new samples {percent(expected['tree']['mean'])} are expected to be wrong{beside} (cross-validation)."
+
+
+def _expected(file: TreeFile) -> Mapping[str, Any] | None:
+    """Return what a chosen tree costs on new samples, where that is a share of errors; None without a choice."""
+    choice = choice_of(file.solution) or {}
+    is_share = isinstance(file.loss, ClassCosts) and file.loss.is_zero_one and file.weights_column is None
+    return choice.get("expected") if is_share else None
 
 
 def _proof_sentence(file: TreeFile, measure: Measure) -> str:
@@ -81,8 +107,18 @@ def figures(file: TreeFile, evidence: Evidence | None, measure: Measure, wording
     """Return the key figures."""
     cards = measure.cards(evidence)
     if evidence is not None:
-        cards += [measure.held_card(evidence), _greedy_card(file, evidence, measure)]
+        held = measure.held_card(evidence) if evidence.held_out is not None else _expected_card(file)
+        cards = [held or measure.held_card(evidence), *cards, _greedy_card(file, evidence, measure)]
     return [*cards, _proof_card(file, measure), _reads_card(file, wording)]
+
+
+def _expected_card(file: TreeFile) -> Card | None:
+    """Return what cross-validation expects on new samples; None where no tree was chosen by it."""
+    expected = _expected(file)
+    if expected is None:
+        return None
+    low, high = percent(expected["tree"]["low"]), percent(expected["tree"]["high"])
+    return ("Wrong on new samples", percent(expected["tree"]["mean"]), f"expected; {low} to {high}")
 
 
 def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
