@@ -77,7 +77,7 @@ LEARNERS: Mapping[str, Callable[[], Any]] = {
     "CART": partial(DecisionTreeClassifier, random_state=0),
     "proven, depth 3": partial(OptimalTreeClassifier, 3, seconds=20.0),
     "forest": partial(RandomForestClassifier, 200, random_state=0),
-    "boosting": partial(HistGradientBoostingClassifier, random_state=0),
+    "boosting": partial(HistGradientBoostingClassifier, early_stopping=False, random_state=0),
     "linear": linear_model,
 }
 

@@ -2,6 +2,8 @@
 
 import json
 
+import numpy as np
+
 from octmip import Solution, Stop
 from octmip.formats.tree_file import read_tree_file
 from octmip.trees import registry, solver
