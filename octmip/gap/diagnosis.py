@@ -1,5 +1,6 @@
 """Diagnosis of a campaign: where the gap lies, which effects explain it, how far it closes, what to test next."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -20,16 +21,15 @@ from octmip.gap.causes import (
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.complete import completed
 from octmip.gap.inference.confounding import ABSURD, detectable
-from octmip.gap.inference.discrepancy import Discrepancy
-from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
+from octmip.gap.inference.linear_model import LinearModel, difference_at
 from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.states import joint_covariance, state_posterior
+from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
 from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, Stage, silent
-from octmip.gap.run_check import RunCheck, check_beside, check_of
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
@@ -41,6 +41,8 @@ CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
 INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
+SOUND_ENOUGH, LIKELY, POSSIBLE = 0.5, 0.5, 0.1
+"""Probability that nothing acts beyond which a run is not doubted; that a run was wrong from which it is, or may be."""
 NAMED = 4
 """Tests named one by one in a sentence about many."""
 BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
@@ -140,7 +142,7 @@ class Diagnosis:
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         calibration = np.zeros(len(twin.gauges))
-        calibration[list(inputs.order)] = inputs.discrepancy.mean
+        calibration[list(inputs.order)] = difference_at(inputs, inputs.reference, {}, self.posterior.model.level)[0]
         return AugmentedTwin(twin, tuple(additions), calibration, inputs.reference)
 
 
@@ -148,13 +150,14 @@ def diagnose(
     campaign: Campaign,
     twin: Twin,
     effects: Mapping[str, Effect] | None = None,
-    commissioning: Campaign | Discrepancy | None = None,
+    commissioning: Campaign | None = None,
     tree: Node | None = None,
     feature_names: Sequence[str] = (),
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
     odds: Odds = Odds(),  # noqa: B008  (frozen)
     load_limits: Limits | None = None,
+    trust_run: bool | None = None,
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -167,8 +170,8 @@ def diagnose(
     effects
         the library; None: the measuring chain's effects and the twin's own.
     commissioning
-        readings of the same asset while it was known to be sound; calibrates the twin gauge by gauge. Or
-        the discrepancy that an earlier calibration left.
+        readings of the same asset while it was known to be sound, in one test or several; measures what twin and
+        asset differ by. Tests of it that differ show by how much the campaign's may.
     tree
         a deployed tree, to rank its nodes by flipped decisions.
     feature_names
@@ -182,6 +185,9 @@ def diagnose(
         how probable causes are before any reading.
     load_limits
         lowest and highest load that the structure may be tested at: no test beyond them is proposed.
+    trust_run
+        whether the run is right, whatever it says (True), or is to be left out (False); None: it was wrong with the
+        probability `odds.wrong_run`.
 
     Raises
     ------
@@ -191,7 +197,7 @@ def diagnose(
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
         return _diagnose(
-            campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds, load_limits
+            campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds, load_limits, trust_run
         )
 
 
@@ -199,28 +205,27 @@ def _diagnose(
     campaign: Campaign,
     twin: Twin,
     effects: Mapping[str, Effect] | None,
-    commissioning: Campaign | Discrepancy | None,
+    commissioning: Campaign | None,
     tree: Node | None,
     feature_names: Sequence[str],
     noise_sd: float | Mapping[str, float] | None,
     progress: Progress,
     odds: Odds,
     load_limits: Limits | None,
+    trust_run: bool | None,
 ) -> Diagnosis:
     checked_limits(load_limits)
     progress(Stage("the noise of the readings"))
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    inputs, notes = prepare(campaign, asked, chosen, commissioning, noise_sd, progress, odds)
-    checked = RunCheck()
-    if isinstance(commissioning, Campaign):
-        checked = check_of(commissioning, asked, chosen, inputs.discrepancy, noise_sd, odds)
-    posterior = attribute(inputs) if checked.is_usable else None
-    if posterior is not None and isinstance(commissioning, Campaign) and not checked.sentences:
-        checked = check_beside(posterior, commissioning, chosen, noise_sd, odds)
-    if posterior is None or not checked.is_usable:
-        inputs, notes = prepare(campaign, asked, chosen, None, noise_sd, progress, odds)
-        posterior = attribute(inputs)
+    run = commissioning if trust_run is not False else None
+    inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, progress, odds)
+    if run is not commissioning:
+        notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
+    posterior = attribute(inputs)
+    doubts, remarks = (), ()
+    if inputs.run is not None and trust_run is None:
+        posterior, doubts, remarks = _beside_doubt(inputs, posterior)
     progress(Stage("how far the best cause closes the gap"))
     which, closing, unknown_probability = _which(posterior)
     progress(Stage("which test to run next"))
@@ -238,10 +243,30 @@ def _diagnose(
         detectable=sizes,
         refused=_refused(which, model, sizes),
         states=_states(which[0].judged) if which else (),
-        notes=(*checked.sentences, *checked.remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
+        notes=(*doubts, *remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
         posterior=posterior,
-        doubts=checked.sentences,
+        doubts=doubts,
     )
+
+
+_NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."
+
+
+def _beside_doubt(inputs: Inputs, posterior: Posterior) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
+    """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
+    sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown and not h.doubted)
+    if sound > SOUND_ENOUGH:
+        return posterior, (), ()
+    wrong = weigh_wrong_run(posterior.model)
+    probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total - wrong.log_weight)))
+    if probability > LIKELY:
+        left = "that is taken off it" if wrong.correction is not None else "it is left out"
+        sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."
+        return attribute(corrected(inputs, wrong)), (sentence,), ()
+    if probability > POSSIBLE:
+        sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."
+        return posterior, (), (sentence,)
+    return posterior, (), ()
 
 
 def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
@@ -343,22 +368,29 @@ def rounds(
 ) -> list[Diagnosis]:
     """Diagnose, add what was found, diagnose again; stop when nothing more is found or the gap stops closing.
 
-    The commissioning run calibrates the first round; the augmented twin carries the calibration on, and later rounds
-    know only how uncertain it is. An effect that depends on time ends the loop: a twin predicts states, not moments.
-    The other arguments are those of `diagnose`.
+    What the effects found change is taken off the readings, so the commissioning run, which is of the sound asset,
+    serves every round. The other arguments are those of `diagnose`.
     """
     found: list[Diagnosis] = []
-    current: Twin = twin
-    known: Campaign | Discrepancy | None = commissioning
+    left = campaign
     for _ in range(most):
-        found.append(diagnose(campaign, current, effects, known, tree, feature_names, noise_sd))
+        found.append(diagnose(left, twin, effects, commissioning, tree, feature_names, noise_sd))
         last = found[-1]
         if last.is_sound or last.shrinkage is None or not last.shrinkage.closed > 0.05:
             break
-        augmented = last.augmented(current)
-        if any(getattr(addition.effect, "uses_time", False) for addition in augmented.additions):
-            break
-        discrepancy = last.posterior.model.inputs.discrepancy
-        known = replace(discrepancy, mean=np.zeros_like(discrepancy.mean))
-        current = augmented
+        left = _without_found(left, last, twin)
     return found
+
+
+def _without_found(campaign: Campaign, diagnosis: Diagnosis, twin: Twin) -> Campaign:
+    """Return the campaign less what the effects of the first cause change in it, states as they were estimated."""
+    inputs, augmented = diagnosis.posterior.model.inputs, diagnosis.augmented(twin)
+    plain = AugmentedTwin(twin, (), augmented.calibration, augmented.calibration_load)
+    states = diagnosis.which[0].judged.model.states
+    columns = [twin.gauges.index(name) for name in campaign.gauges]
+    readings = campaign.readings.copy()
+    for cell, state in zip(inputs.campaign.cells, states, strict=True):
+        named = inputs.named(state)
+        change = augmented.predict(named, cell.load, cell.time) - plain.predict(named, cell.load, cell.time)
+        readings[cell.rows] -= change[columns]
+    return replace(campaign, readings=readings)

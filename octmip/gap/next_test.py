@@ -21,7 +21,7 @@ from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.linear_model import LinearModel, difference_at
 from octmip.gap.inference.posterior import Judged
 from octmip.twin import Load, amounts_of
 
@@ -204,8 +204,8 @@ def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats,
     inputs = model.inputs
     rows = _signatures_at(model, load)
     repeats = np.full(len(inputs.order), REPEATS)
-    share = inputs.share_of_reference(load)
-    noise = inputs.noise.of_mean(repeats, load) + share**2 * inputs.discrepancy.covariance
+    difference = difference_at(inputs, load, inputs.named(model.states[0]), model.level)[1]
+    noise = inputs.noise.of_mean(repeats, load) + difference
     means = [rows[list(f.members)].T @ f.size for f in fits]
     spreads = [noise + rows[list(f.members)].T @ f.covariance @ rows[list(f.members)] for f in fits]
     logs = [np.linalg.slogdet(s)[1] for s in spreads]

@@ -16,8 +16,8 @@ UNKNOWN_BESIDE = 3
 class Differences:
     """How far two honest models of one structure lie apart before any effect: relative standard deviations.
 
-    They are those of level 1; how far twin and asset lie apart is learnt as a factor of 0.5 to 4 on all of them
-    (`octmip.gap.inference.discrepancy`). The defaults were measured between models of a wing (docs/gap/sealed.md).
+    They are those of level 1; how far twin and asset lie apart is learnt, kind of reading by kind of reading
+    (`octmip.gap.inference.difference`). The defaults were measured between models of a wing (docs/gap/sealed.md).
 
     Attributes
     ----------
@@ -31,33 +31,31 @@ class Differences:
         of each gauge, over the rms of its unit's readings: gauges of little strain differ by more.
     damage
         of the change that damage makes.
-    wide_share
-        share of gauges that are wide: at the edge of a damage two models' fields have unlike slopes.
-    wide_damage, wide_own
-        what damage changes and the healthy reading differ by at a wide gauge, beside the others.
+    constant, bend, cell
+        of each gauge at all loads alike, as the load squared, and at each load by itself, over the rms of its unit's
+        readings.
 
     Raises
     ------
     DataError
-        a negative number, or a share that is not below 1.
+        no positive number.
     """
 
     common: float = 0.010
     smooth: float = 0.007
     own: float = 0.007
     floor: float = 0.003
-    damage: float = 0.04
-    wide_share: float = 0.05
-    wide_damage: float = 0.16
-    wide_own: float = 0.03
+    damage: float = 0.08
+    constant: float = 0.001
+    bend: float = 0.001
+    cell: float = 0.001
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
-            value, most = getattr(self, name), 1.0 if name == "wide_share" else float("inf")
-            if not (isfinite(value) and 0.0 < value < most):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0.0):
                 raise DataError(
-                    f"differences {name} is {value}; expected a number above 0{' and below 1' if most == 1.0 else ''}: "
-                    "a share of the readings, 0.01 for 1 %"
+                    f"differences {name} is {value}; expected a number above 0: a share of the readings, 0.01 for 1 %"
                 )
 
     @property

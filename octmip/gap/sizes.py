@@ -67,7 +67,7 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     candidate = head.model.inputs.candidates[member]
     effect, place = candidate.effect, candidate.place
     mean, variance = _mixture(head, member, same)
-    whole = COMMON_PART * candidate.signature_error * head.model.inputs.discrepancy.level
+    whole = COMMON_PART * candidate.signature_error
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)

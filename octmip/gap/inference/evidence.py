@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
@@ -130,30 +131,33 @@ def _between(size: Floats, spread: Floats, bounds: Floats) -> tuple[Floats, Floa
     return np.clip(size + spread * shift, bounds[0], bounds[1]), spread * np.sqrt(variance)
 
 
-def extensions(model: LinearModel, members: Members) -> Floats:
-    """Return log_factor (n_candidates,) of `members` with each candidate added in turn; -inf for those already in it.
+def extensions(model: LinearModel, members: Members, root: Floats | None = None) -> tuple[Floats, Floats]:
+    """Return log_factor (n_candidates,) of `members` with each candidate added, and what is new in each.
 
-    The sizes of `members` keep the prior of scale 1; the added one sums over the mixture. Good for choosing, not for
-    reporting: `Inference.fit` is exact.
+    The members, with the prior of scale 1, and the errors `root` (n, r) of their signatures are columns B of a
+    covariance I + B B'; the added candidate sums over the scale mixture. What is new is the share of its squared length
+    that B leaves. Good for choosing, not for reporting: `Inference.judge` is exact. The log factor is -inf for the
+    members themselves.
     """
-    prior, white = model.inputs.priors, model.whitened
-    index = list(members)
-    start, variance, gain = 0.0, white.lengths.copy(), white.projection.copy()
+    prior, white, index = model.inputs.priors, model.whitened, list(members)
+    variance, gain, start = white.lengths, white.projection, 0.0
     if index:
-        cross = white.gram_rows(index)
-        eta = prior.mean[index] / prior.sd[index] ** 2 + white.projection[index]
-        within = cross[:, index] + np.diag(prior.sd[index] ** -2)
-        inverse = np.linalg.inv(within)
-        variance -= np.einsum("ij,ik,kj->j", cross, inverse, cross)
-        gain -= cross.T @ inverse @ eta
-        log_det = np.linalg.slogdet(within)[1] + 2.0 * np.log(prior.sd[index]).sum()
-        start = 0.5 * float(eta @ inverse @ eta - (prior.mean[index] ** 2 / prior.sd[index] ** 2).sum() - log_det)
-    total = start + np.logaddexp.reduce(_single_logs(prior, variance, gain), axis=0) - np.log(len(SCALES))
+        own = white.signatures[:, index]
+        columns = own * prior.sd[index] if root is None else np.hstack([own * prior.sd[index], root])
+        left = white.residual - own @ prior.mean[index]
+        factor = linalg.cholesky(np.eye(columns.shape[1]) + columns.T @ columns, lower=True, check_finite=False)
+        across = columns.T @ np.column_stack([white.signatures, left])
+        solved = linalg.solve_triangular(factor, across, lower=True, check_finite=False)
+        variance = variance - np.einsum("ij,ij->j", solved[:, :-1], solved[:, :-1])
+        gain = white.signatures.T @ left - solved[:, :-1].T @ solved[:, -1]
+        fit = float(white.residual @ white.residual) - float(left @ left) + float(solved[:, -1] @ solved[:, -1])
+        start = 0.5 * fit - float(np.log(np.diag(factor)).sum())
+    total = start + np.logaddexp.reduce(single_logs(prior, variance, gain), axis=0) - np.log(len(SCALES))
     total[index] = -np.inf
-    return np.asarray(total)
+    return np.asarray(total), np.asarray(variance / np.maximum(white.lengths, 1e-300))
 
 
-def _single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:
+def single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:
     """Return the log evidence (n_scales, n_candidates) that each adds alone, its prior sd scaled."""
     sd = np.where(prior.is_discrete, prior.sd, np.outer(SCALES, prior.sd))
     precision = np.maximum(variance, 0.0) + sd**-2

@@ -1,33 +1,37 @@
-"""Sets of effects as hypotheses: which exist, how probable before the data, and which survive a beam search.
+"""Sets of effects as hypotheses: which exist, how probable before the data, and which survive a search.
 
-A set of k candidates has prior P(k) / C(n_effects, k) * product of their shares (`octmip.gap.odds`). The beam starts
-from no effect, adds one candidate at a time and keeps the sets of greatest posterior weight. Sets with a member that
-the others already imitate are the same explanation twice and are left out.
+A set of k candidates has prior P(k) / C(n_effects, k) * product of their shares (`octmip.gap.odds`). Every single
+candidate is weighed; the best of them are extended by every other, the best pairs again where the pairs gained enough.
+Sets with a member that the others already imitate are the same explanation twice and are left out.
 """
 
 from dataclasses import dataclass
 from math import comb, inf, log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.progress import Stage
 
-BEAM = (48, 24)
+HEADS = (20, 8)
 """Sets of one and of two candidates that are extended."""
+KEPT = 60
+"""Larger sets that are kept of each size."""
+OF_ONE_NAME = 4
+"""Sets of the same effects that are extended: one gauge's places must not fill the search."""
 FAINT = 0.1
 """Standard deviations that an effect must be able to move all readings together; others are no explanation."""
-UNEXPLAINED = 0.02
-"""A candidate is imitated by others when they leave less than this share of its squared length unexplained."""
+IMITATED = 0.02
+"""A candidate is imitated by others when they leave less than this share of its squared length."""
+TRIPLES = 2.0
+"""Log units that the best pair must weigh beyond the best single for triples to be looked at."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """A set of candidates, and the log of prior times evidence."""
+    """A set of candidates, and the log of prior times evidence over that of no effect."""
 
     members: Members
     log_weight: float
@@ -47,65 +51,53 @@ def log_count(inputs: Inputs, k: int) -> float:
 
 
 def likely_sets(inference: Inference) -> list[Hypothesis]:
-    """Return no effect, every single candidate and the best larger sets, with approximate weights."""
+    """Return no effect, every single candidate and the best larger sets, with approximate weights, best first."""
     inputs = inference.model.inputs
     most = len(inputs.odds.count) - 1
     found: dict[Members, float] = {(): log_prior(inputs, ())}
-    beam: list[Members] = [()]
+    heads: list[Members] = [()]
+    best = -inf
     for size in range(1, most + 1):
         longer: dict[Members, float] = {}
         inputs.progress(Stage("hypotheses, number of effects", size, most))
-        inference.judge(beam)  # all at once: one by one costs several times as much
-        for members in beam:
+        inference.judge(heads)  # all at once: one by one costs several times as much
+        for members in heads:
             longer |= _extended(inference, members)
-        found |= longer if size == 1 else _best(longer, 4 * BEAM[1])
-        if size < most:
-            beam = list(_diverse(inputs, longer, BEAM[size - 1]))
-    return [Hypothesis(members, weight) for members, weight in found.items()]
+        ordered = sorted(longer.items(), key=lambda item: -item[1])
+        found |= dict(ordered if size == 1 else ordered[:KEPT])
+        if not ordered or (size > 1 and ordered[0][1] < best + TRIPLES) or size == most:
+            break
+        best = ordered[0][1]
+        heads = _diverse(inputs, ordered, HEADS[size - 1])
+    ranked = sorted(found.items(), key=lambda item: -item[1])
+    return [Hypothesis(members, weight) for members, weight in ranked]
 
 
 def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     """Return the sets of one more candidate with their weights, each judged under the errors of `members`."""
-    inputs, model = inference.model.inputs, inference.allowing(members).model
-    logs = extensions(model, members) + model.log_none - inference.model.log_none
+    model = inference.model
+    inputs, prior = model.inputs, model.inputs.priors
+    logs, new = extensions(model, members, inference.judge([members])[0].root if members else None)
+    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.whitened.lengths) > FAINT
+    keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
-        logs = np.where(unexplained_share(model, members) < UNEXPLAINED, -np.inf, logs)
-    prior = inputs.priors
-    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(inference.model.whitened.lengths) > FAINT
-    keep = np.flatnonzero(np.isfinite(logs) & can_be_seen)
-    if members:
-        keep = keep[np.argsort(-logs[keep], kind="stable")[: 2 * BEAM[0]]]
-    shares = prior.log_weight
-    weights = logs[keep] + shares[keep] + shares[list(members)].sum() + log_count(inputs, len(members) + 1)
+        keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:KEPT]]
+    weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members)
+    weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
     joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
     return dict(zip(joined, weights.tolist(), strict=True))
 
 
-def unexplained_share(model: LinearModel, members: Members) -> NDArray[np.float64]:
-    """Return the share (n_candidates,) of each one's squared whitened length that `members` cannot imitate."""
-    index = list(members)
-    cross = model.whitened.gram_rows(index)
-    within = cross[:, index]
-    length = np.maximum(model.whitened.lengths, 1e-300)
-    imitated = np.einsum("ij,ij->j", cross, np.linalg.lstsq(within, cross, rcond=None)[0])
-    return np.asarray(1.0 - imitated / length)
-
-
-def _best(weights: dict[Members, float], most: int) -> dict[Members, float]:
-    ordered = sorted(weights.items(), key=lambda item: -item[1])
-    return dict(ordered[:most])
-
-
-def _diverse(inputs: Inputs, weights: dict[Members, float], most: int) -> dict[Members, float]:
-    """Return the best sets, at most four of the same effects: one gauge's places must not fill the beam."""
+def _diverse(inputs: Inputs, ordered: list[tuple[Members, float]], most: int) -> list[Members]:
+    """Return the first sets, at most a few of the same effects."""
     taken: dict[tuple[int, ...], int] = {}
     name = inputs.priors.name.tolist()
-    kept = {}
-    for members, weight in sorted(weights.items(), key=lambda item: -item[1]):
+    kept: list[Members] = []
+    for members, _ in ordered:
         names = tuple(sorted(name[j] for j in members))
         taken[names] = taken.get(names, 0) + 1
-        if taken[names] <= 4:
-            kept[members] = weight
+        if taken[names] <= OF_ONE_NAME:
+            kept.append(members)
         if len(kept) == most:
             break
     return kept

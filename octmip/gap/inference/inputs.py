@@ -13,14 +13,12 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import Noise
-from octmip.gap.campaign.wandering import Wander, transition, wanders_of
 from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
-from octmip.gap.commissioning import read_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
-from octmip.gap.inference.discrepancy import Discrepancy, uncalibrated
+from octmip.gap.inference.difference import Difference, learnt, poor_readings, scale_of, usual_difference, wander_of
+from octmip.gap.inference.rows import Frame, Means
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
@@ -29,22 +27,32 @@ from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units
 Floats = NDArray[np.float64]
 Groups = tuple[tuple[int, ...], ...]
 
-UNLIKELY = 25.0
-"""Log units behind the best variant, after repeats and commissioning run, beyond which one is not looked at."""
-
+FIRST_OF_RUN = 1_000_000
+"""Number of the first test of a commissioning run: no test of a campaign has it."""
+NAMED = 4
+"""Readings named one by one in a sentence about many."""
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Variant:
-    """The noise if the readings wander so far, the discrepancy with it, the log of its probability."""
+class Run:
+    """A commissioning run beside the twin.
 
-    noise: Noise
-    discrepancy: Discrepancy
-    log_share: float
+    Attributes
+    ----------
+    campaign, averages, means
+        its readings.
+    noise
+        (n, n) covariance of the noise of the means.
+    """
+
+    campaign: Campaign
+    averages: tuple[AveragedCell, ...]
+    means: Means
+    noise: Floats
 
     @property
-    def wanders(self) -> bool:
-        """Whether anything wanders."""
-        return self.noise.walk_sd > 0.0
+    def residual(self) -> Floats:
+        """(n,) readings less the twin's predictions."""
+        return self.means.measured - self.means.predicted
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +61,8 @@ class Inputs:
 
     Attributes
     ----------
-    campaign, twin, noise, discrepancy, candidates
-        as named.
+    campaign, twin, noise, difference, candidates
+        as named; the difference is that of twin and asset before any effect.
     priors
         of the candidates.
     order
@@ -69,24 +77,26 @@ class Inputs:
         told at every stage of what is made of these inputs.
     odds
         how probable causes are before any reading.
-    variants
-        noise and discrepancy for every size of a walk of the readings that repeats and commissioning run leave open,
-        the most probable first; `noise` and `discrepancy` are those of one of them.
+    frame
+        what rows are measured by.
+    run
+        the commissioning run, if there is one that counts.
     """
 
     campaign: Campaign
     twin: CachedTwin
     noise: Noise
-    discrepancy: Discrepancy
+    difference: Difference
     candidates: tuple[Candidate, ...]
     priors: Priors
     order: tuple[int, ...]
     averages: tuple[AveragedCell, ...]
     reference: Load
     groups: Groups
+    frame: Frame
+    run: Run | None = None
     progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
-    variants: tuple[Variant, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -125,10 +135,6 @@ class Inputs:
         sd, units = np.sqrt(np.diag(self.noise.covariance)), np.array(self.units)
         return np.array([float(np.median(sd[units == unit])) for unit in self.units])
 
-    def under(self, variant: Variant) -> "Inputs":
-        """Return the inputs with the noise and the discrepancy of a variant."""
-        return replace(self, noise=variant.noise, discrepancy=variant.discrepancy)
-
     def healthy(self, load: Load) -> Floats:
         """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
         return self.twin.predict({}, load)[list(self.order)]
@@ -140,7 +146,7 @@ class Inputs:
         """
         if isinstance(load, float) and isinstance(self.reference, float):
             return load / self.reference
-        return self.discrepancy.share(self.healthy(load), self.healthy(self.reference))
+        return self.frame.share(self.healthy(load))
 
     def effects(self) -> list[tuple[Effect, tuple[str, ...]]]:
         """Return every effect with its places, in the order of `candidates`."""
@@ -160,7 +166,7 @@ def prepare(
     campaign: Campaign,
     twin: Twin,
     effects: Mapping[str, Effect],
-    commissioning: Campaign | Discrepancy | None = None,
+    commissioning: Campaign | None = None,
     noise_sd: float | Mapping[str, float] | None = None,
     progress: Progress = silent,
     odds: Odds = Odds(),  # noqa: B008  (frozen)
@@ -179,81 +185,98 @@ def prepare(
     campaign = replace(campaign, units=tuple(units_of(asked)[asked.gauges.index(name)] for name in campaign.gauges))
     checks = checked(campaign)
     campaign = checks.campaign
-    run = calm(commissioning) if isinstance(commissioning, Campaign) else None
+    run = calm(commissioning) if commissioning is not None else None
     noise, of_noise = noise_of(checks, run, noise_sd)
     _refuse_other_loads(campaign, run, asked)
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     _refuse_nothing_predicted(campaign, asked, reference)
-    known = commissioning if isinstance(commissioning, Discrepancy) else run
-    averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
-    variants, of_discrepancy = _variants(known, asked, noise, averages, reference, odds)
-    typical = int(np.median([len(cell.rows) for cell in campaign.cells]))
-    variants = tuple(own for variant in variants for own in _of_memory(variant, typical))
+    frame = _frame(campaign, run, asked, reference)
+    difference = usual_difference(asked, campaign.gauges, reference, odds.differences)
+    known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
-        noise=variants[0].noise,
-        discrepancy=variants[0].discrepancy,
+        noise=noise,
+        difference=difference,
         candidates=candidates,
         priors=priors_of(candidates),
-        order=tuple(asked.gauges.index(name) for name in campaign.gauges),
-        averages=averages,
+        order=frame.order,
+        averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
         reference=reference,
         groups=_open_groups(campaign),
+        frame=frame,
+        run=known,
         odds=odds,
         progress=progress,
-        variants=variants,
     )
-    return inputs, [*checks.notes, *of_noise, *of_discrepancy]
+    inputs = relearnt(inputs, known) if known is not None else inputs
+    return inputs, [*checks.notes, *of_noise, *of_run, *_of_difference(inputs)]
 
 
-def _variants(
-    known: Campaign | Discrepancy | None,
-    twin: CachedTwin,
-    noise: Noise,
-    averages: Sequence[AveragedCell],
-    reference: Load,
-    odds: Odds,
-) -> tuple[tuple[Variant, ...], list[str]]:
-    """Return what twin and asset differ by before any effect, and the noise, for every size of a walk.
+def relearnt(inputs: Inputs, run: Run) -> Inputs:
+    """Return the inputs beside a run, the difference with what that alone says of it."""
+    rows, residual = run.means.rows, run.residual
+    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
+    wander = wander_of(usual, rows, residual, run.noise)
+    found = learnt(replace(usual, wander=wander), rows, residual, run.noise)
+    return replace(inputs, run=run, difference=found)
 
-    The difference is known, from a commissioning run, or what is usual.
+
+def _of_difference(inputs: Inputs) -> list[str]:
+    """Return notes on what a run says of the difference."""
+    poor = poor_readings(inputs.difference, inputs.campaign.gauges)
+    notes = []
+    if poor:
+        named = ", ".join(poor[:NAMED]) + (f" and {len(poor) - NAMED} more" if len(poor) > NAMED else "")
+        notes.append(
+            f"The twin is poor at {named}: the difference there is several times the usual one. It is learnt from the "
+            "commissioning run and used."
+        )
+    if inputs.difference.wander.any():
+        notes.append(
+            "The tests of the commissioning run differ by more than their repeats: the campaign's are taken to differ "
+            "by as much."
+        )
+    return notes
+
+
+def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference: Load) -> Frame:
+    order = tuple(twin.gauges.index(name) for name in campaign.gauges)
+    every = dict.fromkeys([*campaign.loads, *(run.loads if run is not None else ())])
+    return Frame(
+        twin=twin,
+        order=order,
+        scale=scale_of(twin, campaign.gauges, reference),
+        reference=twin.predict({}, reference)[list(order)],
+        loads={load: k for k, load in enumerate(every)},
+    )
+
+
+def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
+    """Return a commissioning run as rows, and notes on its noise.
+
+    Raises
+    ------
+    DataError
+        it lacks a gauge of the campaign, or holds an unknown state.
     """
-    wanders = wanders_of(noise, averages)
-    if isinstance(known, Campaign):
-        return _beside_run(known, twin, noise, wanders, reference, odds)
-    usual = uncalibrated(twin, noise.gauges, reference, odds.differences) if known is None else known
-    found = tuple(Variant(wander.noise, usual, float(np.log(wander.share))) for wander in wanders)
-    return found, [_WITHOUT_RUN] if known is None else []
-
-
-def _beside_run(
-    run: Campaign, twin: CachedTwin, noise: Noise, wanders: Sequence[Wander], reference: Load, odds: Odds
-) -> tuple[tuple[Variant, ...], list[str]]:
-    """Return a variant for every size of the campaign's walk; the run wanders likewise, or as far as it does itself."""
+    unknown = [cell for cell in run.cells if not cell.is_known]
+    if unknown:
+        raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
     of_run, notes = noise_of_run(run, noise)
-    own = wanders_of(of_run, averages_of(run, split=False))
-    evidence = read_run(run, twin, own, reference, odds.differences)
-    repeats = np.array([one.log_likelihood if run.has_repeats else 0.0 for one in own])
-    found = []
-    for wander in wanders:
-        log_own = np.log([transition(wander, one) for one in own]) + repeats
-        discrepancy, log_run = evidence.calibrated(log_own)
-        found.append(Variant(wander.noise, discrepancy, float(np.log(wander.share)) + log_run))
-    highest = max(variant.log_share for variant in found)
-    kept = [replace(v, log_share=v.log_share - highest) for v in found if v.log_share > highest - UNLIKELY]
-    return tuple(sorted(kept, key=lambda variant: -variant.log_share)), notes
+    columns = [run.gauges.index(name) for name in noise.gauges]
+    averages = tuple(part.of_gauges(columns) for part in averages_of(run, split=False))
+    parameters = [run.parameters.index(name) for name in frame.twin.parameters]
+    states = np.array([cell.state for cell in run.cells])[:, parameters]
+    means = frame.means(run, averages, states, FIRST_OF_RUN)
+    loads = [run.cells[part.cell].load for part in averages]
+    covariance = of_run.of_averages(averages, loads, means.average, means.gauge)
+    return Run(run, averages, means, covariance), notes
 
 
-def _of_memory(variant: Variant, n: int) -> list[Variant]:
-    """Return a variant for every size of the variance of a mean of n readings that the repeats leave open."""
-    found = memories_of(variant.noise, n)
-    return [replace(variant, noise=one.noise, log_share=variant.log_share + float(np.log(one.share))) for one in found]
-
-
-_WITHOUT_RUN = (
+WITHOUT_RUN = (
     "No commissioning run: twin and asset may differ by 1 % and more in common and per gauge before any effect; "
     "effects that scale all readings by less than about 3 % are invisible."
 )

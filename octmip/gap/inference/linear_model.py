@@ -12,28 +12,26 @@ Source: Woodbury's identity applied to C0 + S P S'; Rasmussen and Williams (2006
 Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
+from octmip.gap.inference.difference import Rows
 from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.rows import Means
 from octmip.gap.inference.signatures import signatures_of
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 OPEN_STATE = 0.5
 """Sd of an unknown damage about its point of linearisation: wide, so that the readings decide."""
 STEP = 0.01
 """Step of the damage tangents."""
-OWN_STATE = 0.7
-"""Share of the damage nugget's sd that is common to all states of one gauge; the rest is each state's own."""
-ALL_GAUGES = 0.3
-"""Share of the damage nugget's variance that is common to all gauges: a damage that acts more, or less, as a whole."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Whitened:
@@ -105,8 +103,8 @@ class LinearModel:
         what it was made of.
     states
         (n_cells, n_parameters), all known.
-    average, gauge
-        (n,) indices of every row: averaged cell and gauge of the campaign.
+    means
+        the rows.
     predicted
         (n,) twin and discrepancy [microstrain].
     residual
@@ -125,14 +123,15 @@ class LinearModel:
         signatures and residual in units of `factor`.
     open_states
         what the readings say of the unknown states.
-    share, change
-        (n,) size of the healthy prediction relative to the reference load's, and what damage changes in the prediction.
+    level
+        of the difference of twin and asset.
+    log_run
+        log evidence of the commissioning run at that level.
     """
 
     inputs: Inputs
     states: Floats
-    average: NDArray[np.int64]
-    gauge: NDArray[np.int64]
+    means: Means
     predicted: Floats
     residual: Floats
     noise: Floats
@@ -142,14 +141,24 @@ class LinearModel:
     tangents: Floats
     whitened: Whitened
     open_states: OpenStates
-    share: Floats
-    change: Floats
+    level: float
+    log_run: float
 
     def __post_init__(self) -> None:
-        own = (self.states, self.average, self.gauge, self.predicted, self.residual, self.covariance, self.factor)
+        own = (self.states, self.predicted, self.residual, self.covariance, self.factor)
         kept = (self.whitened.signatures, self.whitened.residual, self.whitened.lengths, self.whitened.projection)
         for array in (*own, self.noise, self.signatures, self.tangents, *kept):
             array.flags.writeable = False
+
+    @property
+    def average(self) -> Ints:
+        """(n,) averaged cell of every row."""
+        return self.means.average
+
+    @property
+    def gauge(self) -> Ints:
+        """(n,) gauge of the campaign of every row."""
+        return self.means.gauge
 
     @property
     def n(self) -> int:
@@ -158,8 +167,8 @@ class LinearModel:
 
     @property
     def log_none(self) -> float:
-        """The log evidence of no effect."""
-        return self.whitened.log_none
+        """The log evidence of no effect, that of the commissioning run included."""
+        return self.whitened.log_none + self.log_run
 
     @property
     def cells(self) -> NDArray[np.int64]:
@@ -187,29 +196,47 @@ class LinearModel:
         return np.asarray(self.whitened.residual - self.whitened.signatures[:, list(members)] @ size)
 
 
-def linearise(inputs: Inputs, states: Floats) -> LinearModel:
-    """Return the linear model about states (n_cells, n_parameters)."""
+def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
+    """Return the linear model about states (n_cells, n_parameters) at a level of the difference."""
     states = np.array(states)
     _ask_together(inputs, states)
-    average, gauge = _recorded(inputs)
-    flat = average * len(inputs.order) + gauge
-    strain, healthy = _predictions(inputs, states)
-    share = _healthy_shares(inputs, healthy)
-    expected = strain + share[:, None] * inputs.discrepancy.mean
-    predicted = expected.ravel()[flat]
-    residual = np.array([part.mean for part in inputs.averages]).ravel()[flat] - predicted
-    tangents = _tangents(inputs, states, flat)
-    rows, change = (average, gauge), (strain - healthy).ravel()[flat]
-    noise = inputs.noise.of_averages(inputs.averages, inputs.loads, average, gauge)
-    covariance = _covariance(inputs, states, rows, share[average], change, tangents, noise)
-    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
+    means = inputs.frame.means(inputs.campaign, inputs.averages, states, 0)
+    flat = means.average * len(inputs.order) + means.gauge
+    noise = inputs.noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
+    given = _given_run(inputs, level, means.rows)
+    expected = means.expected + _on_grid(given.mean, means)
     signatures = signatures_of(inputs, states, expected)[:, flat].T
+    return _assembled(inputs, states, means, level, given, noise, signatures, _tangents(inputs, states, flat))
+
+
+def at_level(model: LinearModel, level: float) -> LinearModel:
+    """Return the model at another level of the difference."""
+    if level == model.level:
+        return model
+    given = _given_run(model.inputs, level, model.means.rows)
+    rest = (model.noise, model.signatures, model.tangents)
+    return _assembled(model.inputs, model.states, model.means, level, given, *rest)
+
+
+def _assembled(
+    inputs: Inputs,
+    states: Floats,
+    means: Means,
+    level: float,
+    given: "Given",
+    noise: Floats,
+    signatures: Floats,
+    tangents: Floats,
+) -> LinearModel:
+    covariance = given.covariance + noise + OPEN_STATE**2 * tangents @ tangents.T
+    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
+    predicted = means.predicted + given.mean
+    residual = means.measured - predicted
     whitened, open_ = _whitened(factor, signatures, residual, tangents)
     return LinearModel(
         inputs=inputs,
         states=states,
-        average=average,
-        gauge=gauge,
+        means=means,
         predicted=predicted,
         residual=residual,
         noise=noise,
@@ -219,48 +246,44 @@ def linearise(inputs: Inputs, states: Floats) -> LinearModel:
         tangents=tangents,
         whitened=whitened,
         open_states=open_states_of(open_, whitened),
-        share=share[average],
-        change=change,
+        level=level,
+        log_run=given.log_run,
     )
 
 
-def at_level(model: LinearModel, level: float, wide: tuple[int, ...] = ()) -> LinearModel:
-    """Return the model at another level of differences between models, some gauges wide: another covariance."""
-    inputs = replace(model.inputs, discrepancy=model.inputs.discrepancy.at(level, wide))
-    rows = (model.average, model.gauge)
-    covariance = _covariance(inputs, model.states, rows, model.share, model.change, model.tangents, model.noise)
-    if np.array_equal(covariance, model.covariance):
-        return replace(model, inputs=inputs)
-    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
-    whitened, open_ = _whitened(factor, model.signatures, model.residual, model.tangents)
-    return replace(
-        model,
-        inputs=inputs,
-        covariance=covariance,
-        factor=factor,
-        whitened=whitened,
-        open_states=open_states_of(open_, whitened),
-    )
+@dataclass(frozen=True, slots=True, eq=False)
+class Given:
+    """The difference at some rows (n,), given the run: mean, covariance, and the log evidence of the run."""
+
+    mean: Floats
+    covariance: Floats
+    log_run: float
 
 
-def log_none_at(model: LinearModel, level: float) -> float:
-    """Return the log evidence of no effect at another level: a small part of what `at_level` makes."""
-    discrepancy = model.inputs.discrepancy.at(level, ())
-    rows = (model.average, model.gauge)
-    own = replace(model.inputs, discrepancy=discrepancy)
-    covariance = _covariance(own, model.states, rows, model.share, model.change, model.tangents, model.noise)
-    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
-    return _log_density(factor, linalg.solve_triangular(factor, model.residual, lower=True, check_finite=False))
+def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
+    """Return the difference at some rows given what the run measured of it."""
+    difference, run = inputs.difference.at(level), inputs.run
+    own = difference.covariance(rows, rows)
+    if run is None:
+        return Given(np.zeros(len(own)), own, 0.0)
+    of_run = run.means.rows
+    factor = linalg.cholesky(run.noise + difference.covariance(of_run, of_run), lower=True, check_finite=False)
+    stacked = np.column_stack([difference.covariance(of_run, rows), run.residual])
+    white = linalg.solve_triangular(factor, stacked, lower=True, check_finite=False)
+    across, left = white[:, :-1], white[:, -1]
+    return Given(across.T @ left, own - across.T @ across, _log_density(factor, left))
 
 
-def tail_of(model: LinearModel, gauge: int) -> Floats:
-    """Return a whitened root (n, r) of what the covariance gains where a gauge is wide, or nearly so: one state's."""
-    known = model.inputs.discrepancy
-    here = model.gauge == gauge
-    columns = [np.where(here, known.usual.wide_damage * known.level * model.change, 0.0)]
-    if not known.is_calibrated:
-        columns.append(np.where(here, known.usual.wide_own * known.healthy[gauge] * model.share, 0.0))
-    return model.whiten(np.column_stack(columns))
+def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level: float = 1.0) -> tuple[Floats, Floats]:
+    """Return mean (n_gauges,) and covariance of the difference at a load and a state, given the run."""
+    given = _given_run(inputs, level, inputs.frame.row_of_each_gauge(load, dict(state)))
+    return given.mean, given.covariance
+
+
+def _on_grid(values: Floats, means: Means) -> Floats:
+    found = np.zeros(means.expected.shape)
+    found[means.average, means.gauge] = values
+    return found
 
 
 def open_states_of(open_: Floats, whitened: Whitened) -> OpenStates:
@@ -291,67 +314,6 @@ def _ask_together(inputs: Inputs, states: Floats) -> None:
         ahead = state + STEP * np.eye(len(state))
         for load in dict.fromkeys(inputs.campaign.cells[k].load for k in group):
             inputs.twin.predict_states(np.vstack([state, ahead]), load)
-
-
-def _recorded(inputs: Inputs) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return averaged cell and gauge (n,) of every mean that was recorded."""
-    average, gauge = np.nonzero(np.array([part.count > 0 for part in inputs.averages]))
-    return average.astype(np.int64), gauge.astype(np.int64)
-
-
-def _predictions(inputs: Inputs, states: Floats) -> tuple[Floats, Floats]:
-    """Return the twin's strains (n_averages, n_gauges) in the given states and in the healthy state."""
-    order, twin = list(inputs.order), inputs.twin
-    parts = [(part.cell, inputs.cell_of(part).load) for part in inputs.averages]
-    now = [twin.predict(inputs.named(states[cell]), load) for cell, load in parts]
-    healthy = [twin.predict({}, load) for _, load in parts]
-    return np.array(now)[:, order], np.array(healthy)[:, order]
-
-
-def _healthy_shares(inputs: Inputs, healthy: Floats) -> Floats:
-    """Return phi (n_averages,): the healthy strains relative to those at the reference load."""
-    reference = inputs.twin.predict({}, inputs.reference)[list(inputs.order)]
-    return np.array([inputs.discrepancy.share(row, reference) for row in healthy])
-
-
-def _covariance(
-    inputs: Inputs,
-    states: Floats,
-    rows: tuple[NDArray[np.int64], NDArray[np.int64]],
-    share: Floats,
-    change: Floats,
-    tangents: Floats,
-    noise: Floats,
-) -> Floats:
-    """Return C0 (n, n); `rows` are averaged cell and gauge, the others as in the model."""
-    average, gauge = rows
-    covariance = noise + np.outer(share, share) * inputs.discrepancy.covariance[np.ix_(gauge, gauge)]
-    cell = np.array([part.cell for part in inputs.averages])[average]
-    tails = inputs.discrepancy.damage_tails(gauge)
-    covariance += _damage_nugget(inputs.discrepancy.damage * change, tails * change, gauge, states, cell)
-    covariance += OPEN_STATE**2 * tangents @ tangents.T
-    return covariance
-
-
-def _damage_nugget(
-    sd: Floats, tails: Floats, gauge: NDArray[np.int64], states: Floats, cell: NDArray[np.int64]
-) -> Floats:
-    """Return the covariance of errors of these sd (n,) in what damage changes: in common, per gauge, partly per state.
-
-    The states (n_cells, n_parameters) are those of the cells, `cell` (n,) is that of each row; a `sd` has the sign of
-    the change. `tails` (n,) are the sd of wide gauges' own part.
-    """
-    same_state = (states[:, None, :] == states[None, :, :]).all(axis=2)
-    shared = OWN_STATE**2 + (1.0 - OWN_STATE**2) * same_state
-    nugget = np.outer(sd, sd) * alike_gauges(gauge)
-    if tails.any():
-        nugget += np.outer(tails, tails) * (gauge[:, None] == gauge[None, :])
-    return np.asarray(nugget * shared[np.ix_(cell, cell)])
-
-
-def alike_gauges(gauge: NDArray[np.int64]) -> Floats:
-    """Return the correlation (n, n) of errors of what damage changes at the gauges of some rows, in one state."""
-    return np.asarray(np.where(gauge[:, None] == gauge[None, :], 1.0, ALL_GAUGES))
 
 
 def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats:

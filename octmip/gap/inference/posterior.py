@@ -1,10 +1,8 @@
 """The posterior over sets of candidates: how probable each set is as the explanation of the readings.
 
-It is normalised over no effect, sets of candidates, and the unknown, each under every **variant** of the inputs: levels
-of differences between two models (`octmip.gap.inference.search`), tests of unknown state that may share one, a test
-whose stated state is wrong. What one hypothesis weighs under several variants adds up; it is shown in the one that
-bears it most. Sets whose members imitate each other beyond what these readings can tell apart (d' < 3) are one
-explanation, reported under the name of its most probable member.
+It is normalised over no effect, sets of candidates, and the unknown, each at every **level** of the difference between
+twin and asset and with every test of a stated state doubted in turn; tests of unknown state may share one. What one
+hypothesis weighs in several ways adds up; it is shown in the one that bears it most.
 """
 
 import math
@@ -27,9 +25,6 @@ HOPELESS = 10.0
 """Log units behind which another state of a test is no explanation."""
 OPEN = 0.2
 """Probability of the unknown from which another state of a test is looked at beside an effect."""
-USUAL = 2.0
-"""Level of differences between models from which "nothing is wrong" may hide a state that is not as stated."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
@@ -89,14 +84,17 @@ class Posterior:
     judged
         ordered hypotheses; probabilities sum to 1.
     inference
-        the main one: of the most probable hypothesis without the unknown, under the noise of the leading one.
+        the main one: of the most probable hypothesis without the unknown.
     same_state
         probability that tests with unknown states of one load each are one state; None where nothing suggests it.
+    log_total
+        log of the sum of prior times evidence.
     """
 
     judged: tuple[Judged, ...]
     inference: Inference
     same_state: float | None = None
+    log_total: float = 0.0
 
     @property
     def model(self) -> LinearModel:
@@ -147,9 +145,9 @@ def attribute(inputs: Inputs, *, is_quick: bool = False) -> Posterior:
 
 
 def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
-    """Return whether some stated state may be wrong: there is more to explain than models usually differ by."""
+    """Return whether some stated state may be wrong: there is more to explain than no effect does."""
     known = any(cell.is_known for cell in inputs.campaign.cells)
-    none = [w.log_weight for w in weighed if not w.members and not w.has_unknown and w.level < USUAL]
+    none = [w.log_weight for w in weighed if not w.members and not w.has_unknown]
     sound = float(logsumexp(none)) if none else -np.inf
     is_sought = bool(inputs.names) and bool((highest(inputs) > 0.0).all())
     return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
@@ -190,16 +188,9 @@ def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Po
     total = float(logsumexp([w.log_weight for same in by_key.values() for w in same]))
     judged = [_judged(key, same, total) for key, same in by_key.items()]
     judged.sort(key=lambda h: -h.probability)
-    return Posterior(tuple(judged), _main(judged[0], found), same_state)
-
-
-def _main(leader: Judged, found: dict[str, list[Weighed]]) -> Inference:
-    """Return the inference of the most probable hypothesis without the unknown, under the noise of the leading one."""
-    walk = leader.model.inputs.noise.walk_sd
     known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
-    inferences = {id(w.inference): w.inference for w in known}  # few: each holds many hypotheses
-    alike = {key for key, inference in inferences.items() if inference.model.inputs.noise.walk_sd == walk}
-    return max((w for w in known if id(w.inference) in alike), key=lambda w: w.log_weight).inference
+    main = max(known, key=lambda w: w.log_weight).inference
+    return Posterior(tuple(judged), main, same_state, total)
 
 
 def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:

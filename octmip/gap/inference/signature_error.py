@@ -102,7 +102,7 @@ def error_of(model: LinearModel, candidate: int) -> SignatureError:
     """Return the error of a candidate's signature: gauge by gauge, and between its places."""
     chosen = model.inputs.candidates[candidate]
     parts = [np.zeros((model.n, 0))]
-    error = chosen.signature_error * model.inputs.discrepancy.level
+    error = chosen.signature_error
     if error > 0.0:
         own = model.signatures[:, candidate][:, None] * (model.gauge[:, None] == np.unique(model.gauge)[None, :])
         parts.append(error * model.whiten(own[:, np.abs(own).max(axis=0) > 0.0]))

@@ -15,7 +15,8 @@ from scipy.special import ndtr
 
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, alike_gauges, linearise
+from octmip.gap.inference.difference import ALL_GAUGES
+from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, linearise
 from octmip.gap.progress import Stage
 from octmip.twin import state_limits_of
 
@@ -140,7 +141,7 @@ def _node_logs(inputs: Inputs, group: tuple[int, ...], nodes: Floats) -> Floats:
     healthy = model.predicted[rows]
     y = healthy + model.residual[rows]
     gauge = model.gauge[rows]
-    same = (inputs.discrepancy.typical_level * inputs.discrepancy.usual.damage) ** 2 * alike_gauges(gauge)
+    same = inputs.difference.usual.damage**2 * np.where(gauge[:, None] == gauge[None, :], 1.0, ALL_GAUGES)
     diagonal = np.diag_indices(len(rows))
     logs = []
     for row in _changes(model, rows, nodes):

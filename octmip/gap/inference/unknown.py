@@ -1,6 +1,6 @@
 """The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
-The asset shows an extra field tau * s * u over the gauges, s their scales (`Discrepancy.scale`), u ~ N(0, kernel), with
+The asset shows an extra field tau * s * u over the gauges, s their scales (`Difference.scale`), u ~ N(0, kernel), with
 the load as L^0, L^1 or L^2, or with the time of reading in one of three courses. The kernel is white over the gauges or
 smooth along the structure, one field in all tests, or white with a field of its own in each test. With the whitened
 field's singular values s and the residual's components c,
@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.inference.discrepancy import along
+from octmip.gap.inference.difference import along
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signature_error import with_errors
@@ -126,7 +126,7 @@ def weigh_unknown(model: LinearModel) -> Unknown:
 def _roots(model: LinearModel) -> dict[str, Floats]:
     """Return by kind of field a root (n, r) of its covariance over all rows, at unit size and load power 0."""
     inputs, gauge = model.inputs, model.gauge
-    scale = inputs.discrepancy.scale[gauge][:, None]
+    scale = (inputs.difference.scale * inputs.difference.factor)[gauge][:, None]
     smooth = along(inputs.twin, inputs.campaign.gauges, SMOOTH) + 1e-6 * np.eye(len(inputs.order))
     rough = np.eye(len(inputs.order))
     found = {

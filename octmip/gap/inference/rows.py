@@ -1,0 +1,106 @@
+"""Mean readings as rows: what a campaign or a commissioning run says, gauge by gauge, beside what the twin predicts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.campaign.averages import AveragedCell
+from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.inference.difference import Rows
+from octmip.gap.twins.cached import CachedTwin
+from octmip.twin import Load
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Means:
+    """The averages of a campaign in given states, a row for each that was recorded.
+
+    Attributes
+    ----------
+    average, gauge
+        (n,) which average and which gauge of the campaign.
+    measured, predicted
+        (n,) mean reading and the twin's.
+    expected
+        (n_averages, n_gauges) the twin's predictions, recorded or not.
+    rows
+        what the difference of twin and asset depends on.
+    """
+
+    average: Ints
+    gauge: Ints
+    measured: Floats
+    predicted: Floats
+    expected: Floats
+    rows: Rows
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """What rows of run and campaign are numbered and measured by.
+
+    Attributes
+    ----------
+    twin
+        the model.
+    order
+        position in the twin's gauges of each of the campaign's.
+    scale
+        (n_gauges,) size of a reading.
+    reference
+        (n_gauges,) healthy prediction at the reference load.
+    loads
+        number of each load.
+    """
+
+    twin: CachedTwin
+    order: tuple[int, ...]
+    scale: Floats
+    reference: Floats
+    loads: dict[Load, int]
+
+    def share(self, healthy: Floats) -> float:
+        """Return phi: the signed size of a healthy prediction (n_gauges,) beside that at the reference load."""
+        relative = self.reference / self.scale
+        return float((healthy / self.scale) @ relative / (relative @ relative))
+
+    def means(self, campaign: Campaign, averages: Sequence[AveragedCell], states: Floats, first_test: int) -> Means:
+        """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
+        order = list(self.order)
+        cells = [campaign.cells[part.cell] for part in averages]
+        named = [dict(zip(self.twin.parameters, states[part.cell].tolist(), strict=True)) for part in averages]
+        pairs = list(zip(named, cells, strict=True))
+        now = np.array([self.twin.predict(state, cell.load) for state, cell in pairs])[:, order]
+        healthy = np.array([self.twin.predict({}, cell.load) for cell in cells])[:, order]
+        average, gauge = (k.astype(np.int64) for k in np.nonzero([part.count > 0 for part in averages]))
+        tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(cell.test for cell in cells))}
+        rows = Rows(
+            gauge=gauge,
+            load=np.array([self.loads[cell.load] for cell in cells])[average],
+            test=np.array([tests[cell.test] for cell in cells])[average],
+            state=np.array([_number(states[part.cell]) for part in averages])[average],
+            healthy=healthy[average, gauge],
+            change=(now - healthy)[average, gauge],
+            share=np.array([self.share(row) for row in healthy])[average],
+        )
+        measured = np.array([part.mean for part in averages])[average, gauge]
+        return Means(average, gauge, measured, now[average, gauge], now, rows)
+
+    def row_of_each_gauge(self, load: Load, state: dict[str, float]) -> Rows:
+        """Return a row (n_gauges,) for every gauge at a load, in a test of its own."""
+        order, n = list(self.order), len(self.order)
+        healthy = self.twin.predict({}, load)[order]
+        now = self.twin.predict(state, load)[order]
+        number = self.loads.get(load, -1)
+        whole = [np.full(n, k, dtype=np.int64) for k in (number, -1, _number(np.array(list(state.values()))))]
+        return Rows(np.arange(n), *whole, healthy, now - healthy, np.full(n, self.share(healthy)))
+
+
+def _number(state: Floats) -> int:
+    """Return a number that equal states share."""
+    return hash(tuple(np.round(state, 9).tolist())) if state.any() else 0

@@ -1,0 +1,165 @@
+"""The one hypothesis under which something acts in the commissioning run: the run was wrong, the asset is sound.
+
+A calibration hides whatever was wrong on its day, and accuses the sound asset of the opposite. Three things may have
+been wrong: an effect of the library acted, the state was not as stated, or the readings are of another asset. The first
+two are columns s over the run's rows; with X = L_r^-1 K_rc, a = L_r^-1 s and L_r, L_c the factors of the run's
+covariance and of the campaign's given the run, the column of the stack of both is [a, -L_c^-1 X' a], and its evidence
+that of any candidate. Of another asset nothing is known but that it differs more; the campaign is judged without it.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg as linalg
+from numpy.typing import NDArray
+from scipy.special import logsumexp
+
+from octmip.gap.campaign.campaign import Cell
+from octmip.gap.effects.words import words_at
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.difference import log_normal, usual_difference
+from octmip.gap.inference.evidence import single_logs
+from octmip.gap.inference.inputs import Inputs, Run, relearnt
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.search import nothing_else
+from octmip.gap.inference.signatures import signatures_of
+from octmip.gap.inference.states import grid, highest
+from octmip.twin import Effect
+
+Floats = NDArray[np.float64]
+
+OTHER_LEVELS = (4.0, 8.0)
+"""Levels of the difference of another asset."""
+SHARES = {"effect": 0.5, "state": 0.25, "asset": 0.25}
+"""Of the probability that a run was wrong, by what was wrong with it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WrongRun:
+    """What was wrong with a run, if it was.
+
+    Attributes
+    ----------
+    log_weight
+        log of prior times evidence of a sound asset beside a wrong run, all three kinds together.
+    words
+        the most probable of them.
+    correction, spread
+        (n,) what it added to the run's readings, and one standard deviation of it; None of another asset.
+    """
+
+    log_weight: float
+    words: str
+    correction: Floats | None
+    spread: Floats | None
+
+
+def weigh_wrong_run(model: LinearModel) -> WrongRun:
+    """Return the hypothesis that the run was wrong, about the model of a campaign beside it."""
+    inputs, run = model.inputs, model.inputs.run
+    assert run is not None
+    stack = _Stack.of(model, run)
+    prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
+    parts = [_by_effect(model, run, stack), _by_state(model, run, stack), _by_asset(model, run)]
+    found = [replace(p, log_weight=p.log_weight + prior + float(np.log(SHARES[k]))) for k, p in zip(SHARES, parts)]
+    best = max(found, key=lambda p: p.log_weight)
+    return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])))
+
+
+def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
+    """Return the inputs with what was wrong taken off the run, or without the run where it is of another asset."""
+    run = inputs.run
+    if wrong.correction is None or wrong.spread is None or run is None:
+        usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
+        return replace(inputs, run=None, difference=usual)
+    means = replace(run.means, measured=run.means.measured - wrong.correction)
+    noise = run.noise + np.outer(wrong.spread, wrong.spread)
+    return relearnt(inputs, replace(run, means=means, noise=noise))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stack:
+    """The run's residual whitened, and what turns a column over the run's rows into one of run and campaign."""
+
+    factor: Floats
+    across: Floats
+    model: LinearModel
+    run: Run
+
+    @classmethod
+    def of(cls, model: LinearModel, run: Run) -> "_Stack":
+        difference, rows = model.inputs.difference.at(model.level), run.means.rows
+        factor = linalg.cholesky(run.noise + difference.covariance(rows, rows), lower=True, check_finite=False)
+        across = linalg.solve_triangular(factor, difference.covariance(rows, model.means.rows), lower=True)
+        return cls(factor, across, model, run)
+
+    def weighed(self, columns: Floats) -> tuple[Floats, Floats]:
+        """Return squared lengths and projections (k,) of columns (n_run, k) in run and campaign together."""
+        white = linalg.solve_triangular(self.factor, np.column_stack([columns, self.run.residual]), lower=True)
+        a, left = white[:, :-1], white[:, -1]
+        b = -self.model.whiten(self.across.T @ a)
+        lengths = np.einsum("ij,ij->j", a, a) + np.einsum("ij,ij->j", b, b)
+        return lengths, a.T @ left + b.T @ self.model.whitened.residual
+
+
+def _by_effect(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
+    """Return the run with an effect of the library in it."""
+    inputs = model.inputs
+    as_campaign = replace(inputs, campaign=run.campaign, averages=run.averages, groups=(), run=None)
+    flat = run.means.average * len(inputs.order) + run.means.gauge
+    columns = signatures_of(as_campaign, _states(run, inputs), run.means.expected)[:, flat].T
+    lengths, projection = stack.weighed(columns)
+    logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
+    logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
+    if not len(logs):
+        return WrongRun(-np.inf, "", None, None)
+    best = int(np.argmax(logs))
+    prior_sd = inputs.priors.sd[best]
+    precision = lengths[best] + (3.0 * prior_sd) ** -2
+    size = projection[best] / precision if not inputs.priors.is_discrete[best] else inputs.priors.mean[best]
+    chosen = inputs.candidates[best]
+    effect: Effect = chosen.effect
+    words = f"{words_at(effect, inputs.twin, chosen.place).name}, {size:.3g} {effect.unit}, acted while it was taken"
+    total = model.log_none + float(logsumexp(logs))
+    return WrongRun(total, words, size * columns[:, best], precision**-0.5 * columns[:, best])
+
+
+def _by_state(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
+    """Return the run with another state than it says, the same in all its cells."""
+    inputs = model.inputs
+    if not inputs.names or not (highest(inputs) > 0.0).any():
+        return WrongRun(-np.inf, "", None, None)
+    nodes = grid(len(inputs.names))
+    nodes = nodes[(nodes <= highest(inputs)).all(axis=1) & (nodes > 0.0).any(axis=1)]
+    cells = [run.campaign.cells[part.cell] for part in run.averages]
+    columns = np.array([_changed(inputs, cells, node) for node in nodes])
+    columns = (columns - run.means.expected)[:, run.means.average, run.means.gauge].T
+    lengths, projection = stack.weighed(columns)
+    logs = projection - 0.5 * lengths - np.log(len(nodes))
+    best = int(np.argmax(logs))
+    shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, nodes[best], strict=True))
+    total = model.log_none + float(logsumexp(logs))
+    spread = inputs.difference.usual.damage * columns[:, best]
+    return WrongRun(total, f"its readings are those of the state {shown}", columns[:, best], spread)
+
+
+def _changed(inputs: Inputs, cells: list[Cell], node: Floats) -> Floats:
+    named = inputs.named(node)
+    return np.array([inputs.twin.predict(named, cell.load)[list(inputs.order)] for cell in cells])
+
+
+def _by_asset(model: LinearModel, run: Run) -> WrongRun:
+    """Return the run of another asset, beside a campaign that is judged without it."""
+    inputs = model.inputs
+    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
+    rows = run.means.rows
+    logs = [log_normal(run.noise + usual.at(l).covariance(rows, rows), run.residual) for l in OTHER_LEVELS]
+    log_run = float(logsumexp(logs)) - float(np.log(len(logs))) - 0.5 * len(run.residual) * float(np.log(2 * np.pi))
+    alone = nothing_else(replace(inputs, run=None, difference=usual), model.states)
+    log_alone = alone.inference.model.log_none
+    return WrongRun(log_alone + log_run, "it differs from the asset of today as another asset would", None, None)
+
+
+def _states(run: Run, inputs: Inputs) -> Floats:
+    columns = [run.campaign.parameters.index(name) for name in inputs.names]
+    return np.array([cell.state for cell in run.campaign.cells])[:, columns]
