@@ -20,7 +20,7 @@ from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.linear_model import LinearModel, at_level, linearise
 from octmip.gap.inference.search import nothing_else
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
@@ -58,10 +58,16 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     """Return the hypothesis that the run was wrong, about the model of a campaign beside it."""
     inputs, run = model.inputs, model.inputs.run
     assert run is not None
-    stack = _Stack.of(model, run)
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
-    parts = [_by_effect(model, run, stack), _by_state(model, run, stack), _by_asset(model, run)]
-    found = [replace(p, log_weight=p.log_weight + prior + float(np.log(SHARES[k]))) for k, p in zip(SHARES, parts)]
+    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
+    plain = linearise(replace(inputs, difference=usual), model.states)  # beside a wrong run the twin may well be good
+    models = [model, plain, at_level(plain, 2.0)]
+    stacks = [_Stack.of(one, run) for one in models]
+    found = [part(one, run, stack) for part in (_by_effect, _by_state) for one, stack in zip(models, stacks)]
+    shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
+    found.append(_by_asset(model, run))
+    shares.append(SHARES["asset"])
+    found = [replace(p, log_weight=p.log_weight + prior + float(np.log(s))) for p, s in zip(found, shares, strict=True)]
     best = max(found, key=lambda p: p.log_weight)
     return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])))
 
