@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk
+from octmip.gap.effects.families import Family, families_of
 from octmip.gap.effects.load_factor_error import LoadFactorError, error_of_load
 from octmip.gap.effects.per_gauge import (
     DEAD_GAUGE,
@@ -60,12 +61,12 @@ def chain_of(twin: Twin, typical: Mapping[str, float] | None = None) -> dict[str
         if unit != MICROSTRAIN:
             own = offsets_of(unit, (typical or {}).get(unit, 1.0), is_only=len(units) == 1)
             kept |= {effect.name: effect for effect in own}
-    return kept
+    return kept | {effect.name: effect for effect in families_of(twin, typical or {})}
 
 
 def in_chain(effect: Effect) -> bool:
     """Return whether an effect is one of the measuring chain's."""
-    return effect.name in CHAIN or isinstance(effect, (PerGauge, LoadFactorError))
+    return effect.name in CHAIN or isinstance(effect, (PerGauge, LoadFactorError, Family))
 
 
 __all__ = ["CHAIN", "chain_of", "in_chain"]

@@ -155,7 +155,8 @@ def _factors(effects: Mapping[str, Effect], odds: Odds) -> dict[str, float]:
         raise DataError(
             f"odds name the effect {strangers[0]!r}, which the library lacks; expected among {names[:5]}..."
         )
-    factors = {name: odds.effects.get(name, 1.0) for name in names}
+    usual = {effect.name: float(getattr(effect, "commonness", 1.0)) for effect in effects.values()}
+    factors = {name: odds.effects.get(name, usual[name]) for name in names}
     mean = float(np.mean([*factors.values()])) if factors else 1.0
     return {name: factor / max(mean, 1e-300) for name, factor in factors.items()}
 
