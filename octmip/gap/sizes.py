@@ -24,6 +24,8 @@ from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
 
 WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
+NEGLIGIBLE = 1e-3
+"""Share of a cause's probability below which one of its hypotheses does not move the size."""
 COMMON_PART = 0.6
 """Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
 
@@ -59,6 +61,8 @@ class Parameter:
 def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
     """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""
     own = head.fit
+    least = NEGLIGIBLE * sum(h.probability for h in same)
+    same = [h for h in same if h is head or (h.probability > least and not h.has_unknown)]
     fit_together(same)
     return tuple(_parameter(head, j, float(own.size[k]), same) for k, j in enumerate(own.members))
 
