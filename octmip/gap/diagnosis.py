@@ -197,7 +197,17 @@ def diagnose(
     """
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
         return _diagnose(
-            campaign, twin, effects, commissioning, tree, feature_names, noise_sd, progress, odds, load_limits, trust_run
+            campaign,
+            twin,
+            effects,
+            commissioning,
+            tree,
+            feature_names,
+            noise_sd,
+            progress,
+            odds,
+            load_limits,
+            trust_run,
         )
 
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.inference.candidates import Candidate, Forward, bounds_of
+from octmip.gap.inference.candidates import Candidate, bounds_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged
-from octmip.twin import Load
+from octmip.gap.inference.signatures import exact_change
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ def exact_size(head: Judged, member: int, size: float) -> ExactSize:
     others = [(j, float(s)) for j, s in zip(own.members, own.size, strict=True) if j != member]
     moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
     left = model.residual - moved - sum((s * model.signatures[:, j] for j, s in others), np.zeros(model.n))
-    return _fitted(_Map(head.allowing, candidate, candidate.forward), member, model.whiten(left), size)
+    return _fitted(_Map(head.allowing, candidate), member, model.whiten(left), size)
 
 
 def _fitted(exact: "_Map", member: int, target: Floats, size: float) -> ExactSize:
@@ -103,21 +103,9 @@ class _Map:
 
     model: LinearModel
     candidate: Candidate
-    forward: Forward
 
     def change(self, size: float) -> Floats:
         """Return what it changes in all rows (n,), whitened."""
-        model, inputs = self.model, self.model.inputs
-        uses_time = bool(getattr(self.candidate.effect, "uses_time", False))
-        known: dict[tuple[bytes, Load, float], Floats] = {}
-        rows = []
-        for average in inputs.averages:
-            state, load = model.states[average.cell], inputs.cell_of(average).load
-            time = average.time if uses_time else 0.0
-            key = (state.tobytes(), load, time)
-            if key not in known:
-                named = inputs.named(state)
-                there = self.forward(inputs.twin, named, load, size, self.candidate.place, time)
-                known[key] = (np.asarray(there) - inputs.twin.predict(named, load))[list(inputs.order)]
-            rows.append(known[key])
-        return model.whiten(np.array(rows)[model.average, model.gauge])
+        model = self.model
+        rows = exact_change(model.inputs, model.states, self.candidate, size)
+        return model.whiten(rows[model.average, model.gauge])

@@ -36,8 +36,8 @@ def some_rows(campaign, wanted):
 @pytest.mark.parametrize(
     ("run", "words"),
     [
-        (stated_sound(measured(1001, states=((0.3, 0.0),))), "those of mu1 0.3"),
-        (measured(1002, HOT), "does not grow with the load"),
+        (stated_sound(measured(1001, states=((0.3, 0.0),))), "those of the state mu1 0.3"),
+        (measured(1002, HOT), "temperature uniform, 10.2 K, acted while it was taken"),
     ],
     ids=["damaged", "warm"],
 )

@@ -118,16 +118,37 @@ def test_evidence_equals_the_dense_gaussian_density(seed):
                 covariance = model.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
                 logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
     dense = float(np.logaddexp.reduce(logs)) - np.log(27)
-    assert model.log_none + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
+    assert model.whitened.log_none + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
     none = multivariate_normal.logpdf(model.residual, cov=model.covariance)
-    assert model.log_none == pytest.approx(none, abs=1e-6)
+    assert model.whitened.log_none == pytest.approx(none, abs=1e-6)
 
 
 def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_candidate():
     inference = inference_of(1)
-    quick = extensions(inference.model, ())
+    quick, new = extensions(inference.model, ())
+    assert np.allclose(new, 1.0)
     exact = [inference.fit([j]).log_factor for j in range(len(quick))]
     assert np.allclose(quick, exact, atol=1e-8)
+
+
+def test_the_quick_extension_of_a_set_is_the_evidence_of_one_more_column_of_a_covariance():
+    inference = inference_of(1)
+    model = inference.model
+    held, more = candidate(inference, "temperature_uniform"), candidate(inference, "gauge_gain", "g02")
+    effects = [model.inputs.candidates[j].effect for j in (held, more)]
+    rng = np.random.default_rng(0)
+    root = rng.standard_normal((model.n, 3))
+    held_columns = np.outer(*[effects[0].prior_sd * model.whitened.signatures[:, held]] * 2) + root @ root.T
+    logs = []
+    for scale in SCALES:
+        own = np.outer(*[scale * effects[1].prior_sd * model.whitened.signatures[:, more]] * 2)
+        logs.append(multivariate_normal.logpdf(model.whitened.residual, cov=np.eye(model.n) + held_columns + own))
+    none = multivariate_normal.logpdf(model.whitened.residual, cov=np.eye(model.n))
+    dense = float(np.logaddexp.reduce(logs)) - np.log(3) - none
+    quick, new = extensions(model, (held,), root)
+    assert quick[more] == pytest.approx(dense, abs=1e-6)
+    assert quick[held] == -np.inf
+    assert 0.0 < new[more] <= 1.0
 
 
 def test_the_order_of_a_set_does_not_matter():

@@ -26,8 +26,8 @@ def crossed(campaign, one, other):
 @pytest.mark.parametrize(
     ("run", "words"),
     [
-        (measured(31000, stiffer(0.05)), "effect of that day"),
-        (crossed(measured(31001), 0, 15), "differs from the twin"),
+        (measured(31000, stiffer(0.05)), "modulus, -5 %, acted while it was taken"),
+        (crossed(measured(31001), 0, 15), "exchanged wires of gauges g01 and g16"),
     ],
     ids=["another load cell", "crossed wires"],
 )
@@ -41,13 +41,23 @@ def test_a_run_of_a_wrong_load_cell_or_of_crossed_wires_is_doubted(run, words):
 def test_a_run_that_may_be_wrong_is_mentioned():
     diagnosis = diagnose(measured(21001), TWIN, commissioning=measured(31002, stiffer(0.03)))
     assert not diagnosis.doubts
-    assert any("may also be the commissioning run" in note for note in diagnosis.notes)
+    assert any("commissioning run may have been wrong" in note for note in diagnosis.notes)
 
 
 def test_an_asset_that_has_become_softer_has_a_right_run():
     diagnosis = diagnose(measured(21002, stiffer(-0.05)), TWIN, commissioning=measured(31003))
     assert not diagnosis.doubts
     assert any("modulus" in part for part in diagnosis.which[0].names)
+
+
+def test_a_run_is_trusted_or_left_out_as_told():
+    campaign, run = measured(21000), measured(31000, stiffer(0.05))
+    trusted = diagnose(campaign, TWIN, commissioning=run, trust_run=True)
+    assert not trusted.doubts
+    assert any("modulus" in part for part in trusted.which[0].names)
+    left = diagnose(campaign, TWIN, commissioning=run, trust_run=False)
+    assert left.is_sound
+    assert "left out, as it is not to be trusted" in left.notes[0]
 
 
 def test_the_odds_of_a_wrong_run_are_an_argument():

@@ -12,12 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.gap.effects import in_chain
 from octmip.gap.odds import Odds
 from octmip.twin import Effect, State, Twin
 
 Forward = Callable[[Twin, State, Any, float, str, float], NDArray[np.float64]]
 """Twin, state, load, size, place and time -> readings (n_gauges,) with an effect of that size."""
 
+SIGNATURE_ERROR = 0.04
+"""Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred."""
 SCALES = (1 / 3, 1.0, 3.0)
 """Factors on the sd of every prior, equally likely: no result may hang on one guess of the size."""
 
@@ -58,7 +61,8 @@ class Candidate:
     @property
     def signature_error(self) -> float:
         """Relative sd of the signature at each gauge: how well the model knows what the effect does."""
-        return float(getattr(self.effect, "signature_error", 0.0))
+        usual = 0.0 if in_chain(self.effect) else SIGNATURE_ERROR
+        return float(getattr(self.effect, "signature_error", usual))
 
     @property
     def n_between(self) -> int:

@@ -2,18 +2,18 @@ r"""What twin and asset differ by before any effect: one Gaussian process, share
 
     r(g, L, z) = f(z, L) + delta(g, L, z) + wander(test, g, L) + noise,      delta ~ N(0, l^2 K)
 
-    K(i, j) = (common^2 + smooth^2 k(g_i, g_j)) h_i h_j                      readings of one kind: proportional, in common
-            + [g_i = g_j] t_g^2 (own^2 h_i h_j + floor^2 p_i p_j             proportional, each reading its own
-                               + constant^2 s_g^2 + bend^2 b_i b_j           constant, square
-                               + cell^2 [L_i = L_j] p_i p_j)                 free in every cell
-            + damage^2 c_i c_j (.3 + .7 [g_i = g_j]) (.5 + .5 [z_i = z_j])   what damage changes
+    K(i, j) = (common^2 + smooth^2 k(g_i, g_j)) h_i h_j              readings of one kind: proportional, in common
+            + [g_i = g_j] t_g^2 (own^2 h_i h_j + floor^2 p_i p_j     proportional, each reading its own
+                               + constant^2 s_g^2 + bend^2 b_i b_j   constant, square
+                               + cell^2 [L_i = L_j] p_i p_j)         free in every cell
+            + damage^2 c_i c_j (0.3 + 0.7 [g_i = g_j]) (0.5 + 0.5 [z_i = z_j])   what damage changes
 
 with h the healthy prediction times the level of its kind, s the scale of a reading, p = s phi(L), phi the size of the
-healthy prediction beside that at the reference load, b = s phi |phi|, c what the state changes in the prediction, l the
-level of the whole and t the tail of one reading. A run of the same cells measures delta: it cancels, up to the noise of
-both. Level of a kind and tail of a reading are learnt from the run alone, by its evidence (`learnt`), so a reading that
-is poor in the twin is known to be, and still used. Tests of a run that differ by more than their repeats wander: that
-covariance is learnt from them (`wander_of`) and holds for the campaign's tests too.
+healthy predictions of its kind beside those at the reference load, b = s phi |phi|, c what the state changes in the
+prediction, l the level of the whole and t the tail of one reading. A run of the same cells measures delta: it cancels,
+up to the noise of both. Level of a kind and tail of a reading are learnt from the run alone, by its evidence
+(`learnt`), so a reading that is poor in the twin is known to be, and still used. Tests of a run that differ by more
+than their repeats wander: that covariance is learnt from them (`wander_of`) and holds for the campaign's tests too.
 
 Source: Kennedy and O'Hagan (2001), "Bayesian calibration of computer models", J. R. Statist. Soc. B 63 (delta as a
 Gaussian process); Rasmussen and Williams (2006), "Gaussian Processes for Machine Learning", eq. 2.23 and 2.24.
@@ -150,19 +150,23 @@ class Difference:
 
 def usual_difference(twin: CachedTwin, gauges: Sequence[str], load: Load, usual: Differences) -> Difference:
     """Return the difference to expect at the reference load from the twin alone."""
-    columns = [twin.gauges.index(name) for name in gauges]
-    kinds = list(twin.units) if twin.units is not None else [""] * len(twin.gauges)
-    named = list(dict.fromkeys(kinds))
     n = len(gauges)
     return Difference(
         usual=usual,
         scale=scale_of(twin, gauges, load),
-        kind=np.array([named.index(kinds[k]) for k in columns], dtype=np.int64),
+        kind=kinds_of(twin, gauges),
         smooth=along(twin, gauges, LENGTH),
         factor=np.ones(n),
         tail=np.ones(n),
         wander=np.zeros((2, n, n)),
     )
+
+
+def kinds_of(twin: CachedTwin, gauges: Sequence[str]) -> Ints:
+    """Return the number (n_gauges,) of each reading's kind: its unit, one for all where the twin does not say."""
+    kinds = list(twin.units) if twin.units is not None else [""] * len(twin.gauges)
+    named = list(dict.fromkeys(kinds))
+    return np.array([named.index(kinds[twin.gauges.index(name)]) for name in gauges], dtype=np.int64)
 
 
 def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:

@@ -3,7 +3,7 @@
 All of them hold whatever the states of the asset are; what depends on the states is the linear model's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -17,7 +17,15 @@ from octmip.gap.campaign.noise import Noise
 from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
-from octmip.gap.inference.difference import Difference, learnt, poor_readings, scale_of, usual_difference, wander_of
+from octmip.gap.inference.difference import (
+    Difference,
+    kinds_of,
+    learnt,
+    poor_readings,
+    scale_of,
+    usual_difference,
+    wander_of,
+)
 from octmip.gap.inference.rows import Frame, Means
 from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
@@ -31,6 +39,7 @@ FIRST_OF_RUN = 1_000_000
 """Number of the first test of a commissioning run: no test of a campaign has it."""
 NAMED = 4
 """Readings named one by one in a sentence about many."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
@@ -250,6 +259,7 @@ def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference
         order=order,
         scale=scale_of(twin, campaign.gauges, reference),
         reference=twin.predict({}, reference)[list(order)],
+        kind=kinds_of(twin, campaign.gauges),
         loads={load: k for k, load in enumerate(every)},
     )
 

@@ -13,7 +13,7 @@ Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.linalg as linalg
@@ -32,6 +32,7 @@ OPEN_STATE = 0.5
 """Sd of an unknown damage about its point of linearisation: wide, so that the readings decide."""
 STEP = 0.01
 """Step of the damage tangents."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Whitened:
@@ -216,6 +217,15 @@ def at_level(model: LinearModel, level: float) -> LinearModel:
     given = _given_run(model.inputs, level, model.means.rows)
     rest = (model.noise, model.signatures, model.tangents)
     return _assembled(model.inputs, model.states, model.means, level, given, *rest)
+
+
+def with_columns(model: LinearModel, members: Sequence[int], columns: Floats) -> LinearModel:
+    """Return the model with other signatures (n, n_members) of some candidates."""
+    signatures, white = model.signatures.copy(), model.whitened.signatures.copy()
+    signatures[:, list(members)], white[:, list(members)] = columns, model.whiten(columns)
+    whitened = Whitened(white, model.whitened.residual, model.whitened.log_none)
+    open_ = OPEN_STATE**2 * model.whiten(model.tangents)
+    return replace(model, signatures=signatures, whitened=whitened, open_states=open_states_of(open_, whitened))
 
 
 def _assembled(

@@ -28,6 +28,7 @@ NEGLIGIBLE = 1e-7
 OPEN = 0.2
 """Probability of the unknown from which another state of a test is looked at beside an effect."""
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
     """A hypothesis with its posterior probability and where it was judged.

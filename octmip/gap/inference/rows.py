@@ -54,6 +54,8 @@ class Frame:
         (n_gauges,) size of a reading.
     reference
         (n_gauges,) healthy prediction at the reference load.
+    kind
+        (n_gauges,) number of each reading's kind.
     loads
         number of each load.
     """
@@ -62,12 +64,19 @@ class Frame:
     order: tuple[int, ...]
     scale: Floats
     reference: Floats
+    kind: Ints
     loads: dict[Load, int]
 
     def share(self, healthy: Floats) -> float:
         """Return phi: the signed size of a healthy prediction (n_gauges,) beside that at the reference load."""
         relative = self.reference / self.scale
         return float((healthy / self.scale) @ relative / (relative @ relative))
+
+    def shares(self, healthy: Floats) -> Floats:
+        """Return phi (n_gauges,) of each reading's kind: a frequency may stay where a strain vanishes."""
+        relative, own = self.reference / self.scale, healthy / self.scale
+        squares = np.bincount(self.kind, relative**2)
+        return np.asarray((np.bincount(self.kind, relative * own) / np.maximum(squares, 1e-300))[self.kind])
 
     def means(self, campaign: Campaign, averages: Sequence[AveragedCell], states: Floats, first_test: int) -> Means:
         """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
@@ -86,7 +95,7 @@ class Frame:
             state=np.array([_number(states[part.cell]) for part in averages])[average],
             healthy=healthy[average, gauge],
             change=(now - healthy)[average, gauge],
-            share=np.array([self.share(row) for row in healthy])[average],
+            share=np.array([self.shares(row) for row in healthy])[average, gauge],
         )
         measured = np.array([part.mean for part in averages])[average, gauge]
         return Means(average, gauge, measured, now[average, gauge], now, rows)
@@ -98,7 +107,7 @@ class Frame:
         now = self.twin.predict(state, load)[order]
         number = self.loads.get(load, -1)
         whole = [np.full(n, k, dtype=np.int64) for k in (number, -1, _number(np.array(list(state.values()))))]
-        return Rows(np.arange(n), *whole, healthy, now - healthy, np.full(n, self.share(healthy)))
+        return Rows(np.arange(n), *whole, healthy, now - healthy, self.shares(healthy))
 
 
 def _number(state: Floats) -> int:

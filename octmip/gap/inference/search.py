@@ -18,7 +18,8 @@ from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, at_level, linearise
+from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, with_columns
+from octmip.gap.inference.signatures import exact_change
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.progress import Stage
@@ -47,6 +48,10 @@ BEHIND = 15.0
 """Log units behind the first starting state beyond which another one is not looked at."""
 WITH_UNKNOWN = 10
 """Best pairs that are weighed with the unknown beside them."""
+SECANTS, BENT = 2, 12
+"""Times that signatures of effects that are not linear are taken again, and the best sets whose sizes are used."""
+FAINT, LINEAR = 0.05, 0.01
+"""Prior standard deviations of a size below which its effect is linear, and what a signature may bend by unnoticed."""
 FAR = STATE_RESOLUTION / 2
 """Distance of states beyond which a set must be judged about its own."""
 NEAR = STATE_RESOLUTION / 5
@@ -86,6 +91,11 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
         if _best_single(other.model) > _best_single(inferences[0].model) - BEHIND:
             inferences.append(other)
     by_start = [likely_sets(one) for one in inferences]
+    for _ in range(SECANTS if not inputs.groups else 0):
+        bent = _with_secants(inferences[0], [h.members for h in by_start[0][:BENT]])
+        if bent is inferences[0]:
+            break
+        inferences, by_start = [bent], [likely_sets(bent)]
     found = {h.members: h.log_weight for hypotheses in by_start for h in hypotheses}
     ordered = sorted(found, key=lambda members: -found[members])
     if inputs.groups:
@@ -97,6 +107,27 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
         own = _at_another_level(weighed, model.level)
         result += [*own, *_with_unknown(own)]
     return result
+
+
+def _with_secants(inference: Inference, sets: Sequence[Members]) -> Inference:
+    """Return the inference with the signatures of effects that are not linear taken between none and the size found.
+
+    Itself where no such effect is among the sets, or none bends.
+    """
+    model = inference.model
+    columns: dict[int, Floats] = {}
+    for fit in inference.fits(sets):
+        for j, size in zip(fit.members, fit.size.tolist(), strict=True):
+            candidate = model.inputs.candidates[j]
+            if j not in columns and candidate.forward is not None and abs(size) > FAINT * candidate.effect.prior_sd:
+                change = exact_change(model.inputs, model.states, candidate, size)
+                columns[j] = change[model.average, model.gauge] / size
+    if not columns:
+        return inference
+    index, new = list(columns), np.column_stack(list(columns.values()))
+    if not np.isfinite(new).all() or np.allclose(new, model.signatures[:, index], rtol=LINEAR, atol=0.0):
+        return inference
+    return Inference(with_columns(model, index, new))
 
 
 def promise(inputs: Inputs, states: Floats) -> float:

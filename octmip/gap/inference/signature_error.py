@@ -190,7 +190,7 @@ def with_propagated(model: LinearModel, members: Members) -> LinearModel:
         return model
     white, signatures = model.whitened.signatures.copy(), model.signatures.copy()
     white[:, index], signatures[:, index] = own, model.factor @ own
-    whitened = Whitened(white, model.whitened.residual, model.log_none)
+    whitened = Whitened(white, model.whitened.residual, model.whitened.log_none)
     return replace(model, whitened=whitened, signatures=signatures)
 
 
@@ -204,6 +204,6 @@ def with_errors(model: LinearModel, root: Floats) -> LinearModel:
         for x in (model.whitened.signatures, model.whitened.residual, open_)
     )
     found = model.whitened.residual @ model.whitened.residual - residual @ residual
-    log_none = model.log_none + 0.5 * float(found) - 0.5 * float(np.log1p(s**2).sum())
+    log_none = model.whitened.log_none + 0.5 * float(found) - 0.5 * float(np.log1p(s**2).sum())
     whitened = Whitened(white, residual, log_none)
     return replace(model, whitened=whitened, open_states=open_states_of(open_, whitened))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from octmip.gap.campaign.averages import AveragedCell
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.effects.words import effect_words
+from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.progress import Stage
 from octmip.twin import Effect, Load, State, state_limits_of
@@ -50,6 +51,27 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
             rows = [_of_twin(inputs, effect, places, part, state, history) for part, state in parts]
         columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(places), -1))
     return np.concatenate(columns)
+
+
+def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: float) -> Floats:
+    """Return what a candidate of a size changes in all averages (n_averages, n_gauges) by its exact forward map.
+
+    The states (n_cells, n_parameters) are taken as they are.
+    """
+    assert candidate.forward is not None
+    uses_time = bool(getattr(candidate.effect, "uses_time", False))
+    known: dict[tuple[bytes, Load, float], Floats] = {}
+    rows = []
+    for average in inputs.averages:
+        state, load = states[average.cell], inputs.cell_of(average).load
+        time = average.time if uses_time else 0.0
+        key = (state.tobytes(), load, time)
+        if key not in known:
+            named = inputs.named(state)
+            there = candidate.forward(inputs.twin, named, load, size, candidate.place, time)
+            known[key] = (np.asarray(there) - inputs.twin.predict(named, load))[list(inputs.order)]
+        rows.append(known[key])
+    return np.array(rows)
 
 
 def load_steps(campaign: Campaign) -> Steps:

@@ -13,9 +13,9 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, linearise
 from octmip.gap.progress import Stage
 from octmip.twin import state_limits_of

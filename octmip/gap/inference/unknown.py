@@ -126,7 +126,7 @@ def weigh_unknown(model: LinearModel) -> Unknown:
 def _roots(model: LinearModel) -> dict[str, Floats]:
     """Return by kind of field a root (n, r) of its covariance over all rows, at unit size and load power 0."""
     inputs, gauge = model.inputs, model.gauge
-    scale = (inputs.difference.scale * inputs.difference.factor)[gauge][:, None]
+    scale = inputs.difference.scale[gauge][:, None]
     smooth = along(inputs.twin, inputs.campaign.gauges, SMOOTH) + 1e-6 * np.eye(len(inputs.order))
     rough = np.eye(len(inputs.order))
     found = {
@@ -151,9 +151,8 @@ def _fields(model: LinearModel, root: Floats, courses: Mapping[str, Floats]) -> 
 def _courses(model: LinearModel) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """Return the factor (n,) of every course at the model's rows: over the load, and over time if there is enough."""
     inputs = model.inputs
-    share = np.array([inputs.share_of_reference(load) for load in inputs.loads])
     moments = np.array([average.moments.mean() for average in inputs.averages])
-    over_load = {name: course(share)[model.average] for name, course in LOADS.items()}
+    over_load = {name: course(model.means.rows.share) for name, course in LOADS.items()}
     if len(np.unique(moments)) < MOMENTS:
         return over_load, {}
     at = (moments - moments.min()) / np.ptp(moments)

@@ -4,7 +4,7 @@ A calibration hides whatever was wrong on its day, and accuses the sound asset o
 been wrong: an effect of the library acted, the state was not as stated, or the readings are of another asset. The first
 two are columns s over the run's rows; with X = L_r^-1 K_rc, a = L_r^-1 s and L_r, L_c the factors of the run's
 covariance and of the campaign's given the run, the column of the stack of both is [a, -L_c^-1 X' a], and its evidence
-that of any candidate. Of another asset nothing is known but that it differs more; the campaign is judged without it.
+that of any candidate. Another asset differs by `OTHER_LEVELS`, while the campaign is as the twin says.
 """
 
 from dataclasses import dataclass, replace
@@ -21,7 +21,6 @@ from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
 from octmip.gap.inference.linear_model import LinearModel, at_level, linearise
-from octmip.gap.inference.search import nothing_else
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.twin import Effect
@@ -63,7 +62,9 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     plain = linearise(replace(inputs, difference=usual), model.states)  # beside a wrong run the twin may well be good
     models = [model, plain, at_level(plain, 2.0)]
     stacks = [_Stack.of(one, run) for one in models]
-    found = [part(one, run, stack) for part in (_by_effect, _by_state) for one, stack in zip(models, stacks)]
+    found = [
+        part(one, run, stack) for part in (_by_effect, _by_state) for one, stack in zip(models, stacks, strict=True)
+    ]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
     found.append(_by_asset(model, run))
     shares.append(SHARES["asset"])
@@ -159,11 +160,10 @@ def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     inputs = model.inputs
     usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
     rows = run.means.rows
-    logs = [log_normal(run.noise + usual.at(l).covariance(rows, rows), run.residual) for l in OTHER_LEVELS]
+    logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     log_run = float(logsumexp(logs)) - float(np.log(len(logs))) - 0.5 * len(run.residual) * float(np.log(2 * np.pi))
-    alone = nothing_else(replace(inputs, run=None, difference=usual), model.states)
-    log_alone = alone.inference.model.log_none
-    return WrongRun(log_alone + log_run, "it differs from the asset of today as another asset would", None, None)
+    alone = linearise(replace(inputs, run=None, difference=usual), model.states)
+    return WrongRun(alone.log_none + log_run, "it differs from the asset of today as another asset would", None, None)
 
 
 def _states(run: Run, inputs: Inputs) -> Floats:

@@ -1,0 +1,126 @@
+"""What twin and asset differ by: one Gaussian process over run and campaign, learnt from the run, used in both."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from octmip.gap import CHAIN, Campaign, diagnose
+from octmip.gap.inference.difference import Difference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import OPEN_STATE, difference_at, linearise
+from tests.test_octmip.beam_twin import HEALTHY, Beam, measured
+
+TWIN = Beam()
+RUN = measured(1000)
+
+
+def prepared(campaign, run=RUN):
+    return prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, run)[0]
+
+
+def states_of(campaign):
+    return np.array([cell.state for cell in campaign.cells])
+
+
+@pytest.mark.parametrize("level", [1.0, 2.0])
+@pytest.mark.parametrize("states", [((0.0, 0.0),), ((0.0, 0.0), (0.3, 0.2))])
+def test_the_evidence_is_the_dense_density_of_run_and_campaign_together(states, level):
+    campaign = measured(3, states=states)
+    inputs = prepared(campaign)
+    model = linearise(inputs, states_of(campaign), level)
+    difference, run = inputs.difference.at(level), inputs.run
+    own, of_run = model.means.rows, run.means.rows
+    covariance = np.block(
+        [
+            [run.noise + difference.covariance(of_run, of_run), difference.covariance(of_run, own)],
+            [difference.covariance(own, of_run), model.noise + difference.covariance(own, own)],
+        ]
+    )
+    residual = np.concatenate([run.residual, model.means.measured - model.means.predicted])
+    assert model.log_none == pytest.approx(multivariate_normal.logpdf(residual, cov=covariance), abs=1e-6)
+
+
+def test_without_a_run_the_difference_is_what_is_usual():
+    campaign = measured(3)
+    inputs = prepared(campaign, None)
+    model = linearise(inputs, states_of(campaign))
+    expected = model.noise + inputs.difference.covariance(model.means.rows, model.means.rows)
+    assert np.allclose(model.covariance, expected + OPEN_STATE**2 * model.tangents @ model.tangents.T)
+    assert model.log_run == 0.0
+
+
+def test_a_difference_is_a_covariance_and_same_cells_share_all_of_it():
+    inputs = prepared(measured(3))
+    rows = inputs.run.means.rows
+    covariance = inputs.difference.covariance(rows, rows)
+    assert np.linalg.eigvalsh(covariance).min() > -1e-9 * np.linalg.eigvalsh(covariance).max()
+    once = rows.at(np.arange(1))
+    assert inputs.difference.covariance(once, once)[0, 0] == pytest.approx(covariance[0, 0])
+
+
+def test_what_a_run_measures_is_taken_off_the_campaign():
+    mean, covariance = difference_at(prepared(measured(3)), 3.0, {"mu1": 0.0, "mu2": 0.0})
+    truth = 3.0 * HEALTHY * (0.01 * (0.9 + np.random.default_rng(12345).standard_normal(20)))
+    assert np.abs((mean - truth) / np.sqrt(np.diag(covariance))).max() < 4.0
+    assert np.sqrt(np.diag(covariance)).max() < 6.0
+
+
+def poor_at(gauge, share):
+    """Return a change of what one gauge reads at all times: the twin is poor there."""
+    here = np.arange(20) == gauge
+    return lambda state, load, time: share * here * TWIN.predict(state, load) * (1.0 + 0.2 * load)
+
+
+def test_a_reading_that_is_poor_in_the_twin_is_learnt_from_the_run_said_and_used():
+    run = measured(1001, poor_at(4, 0.12))
+    assert diagnose(measured(5, poor_at(4, 0.12)), TWIN, commissioning=run).is_sound
+    both = lambda state, load, time: (  # noqa: E731
+        poor_at(4, 0.12)(state, load, time) + 0.04 * (np.arange(20) == 4) * TWIN.predict(state, load)
+    )
+    diagnosis = diagnose(measured(6, both), TWIN, commissioning=run)
+    assert any("poor at g05" in note and "learnt from the commissioning run" in note for note in diagnosis.notes)
+    assert not diagnosis.doubts
+    assert "gauge_gain" in diagnosis.which[0].effects
+
+
+def joined(campaigns):
+    """Return campaigns as one, the tests of each named by its number."""
+    names = tuple(f"day {k}" for k, one in enumerate(campaigns) for _ in one.test)
+    parts = {
+        name: np.concatenate([getattr(one, name) for one in campaigns])
+        for name in ("load_factor", "states", "readings", "time", "temperature")
+    }
+    return Campaign(gauges=TWIN.gauges, parameters=TWIN.parameters, test=names, **parts)
+
+
+def day(seed, sd):
+    """Return a change that is another at each gauge on each day."""
+    offset = sd * np.random.default_rng([seed, 7]).standard_normal(20)
+    return lambda state, load, time: offset
+
+
+def test_tests_of_a_run_that_differ_show_by_how_much_the_campaign_may():
+    days = joined([measured(1100 + k, day(k, 40.0)) for k in range(8)])
+    wander = prepared(measured(5), days).difference.wander
+    scale = np.sqrt(np.mean((3.0 * HEALTHY) ** 2))
+    assert np.sqrt(np.median(np.diag(wander[0]))) * scale == pytest.approx(40.0, rel=0.4)
+    alone = diagnose(measured(5, day(99, 40.0)), TWIN, commissioning=RUN)
+    assert not alone.is_sound
+    beside = diagnose(measured(5, day(99, 40.0)), TWIN, commissioning=days)
+    assert beside.is_sound
+    assert any("differ by more than their repeats" in note for note in beside.notes)
+
+
+def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():
+    days = joined([measured(1200 + k) for k in range(4)])
+    scale = np.sqrt(np.mean((3.0 * HEALTHY) ** 2))
+    wander = prepared(measured(5), days).difference.wander
+    assert np.sqrt(np.median(np.diag(wander[0]))) * scale < 5.0
+
+
+def test_a_difference_without_level_is_wander_alone():
+    difference: Difference = prepared(measured(3)).difference
+    rows = prepared(measured(3)).run.means.rows
+    assert not replace(difference, level=0.0).covariance(rows, rows).any()
