@@ -8,7 +8,6 @@ diagnosis has repeats to estimate it from. Four states are diagnosed, five other
 
 import csv
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -22,7 +21,7 @@ from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from femlib.wing import WingTwin, reduced_twin, tapered_wing, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.inference.discrepancy import Discrepancy
+from octmip.gap.inference.linear_model import difference_at
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect, Twin
 
@@ -100,10 +99,10 @@ def rounds_of(
 ) -> Iterator[tuple[Diagnosis, tuple[Addition, ...], AugmentedTwin]]:
     """Diagnose, add the best of the library, diagnose again; yield diagnosis, additions and the twin with all of them.
 
-    A commissioning run calibrates the first round; later ones know how uncertain that is.
+    A commissioning run calibrates the first round; the augmented twin carries the calibration on.
     """
     current: Twin = twin
-    known: Campaign | Discrepancy | None = run
+    known = run
     for _ in range(N_ROUNDS):
         found = diagnose(readings, CachedTwin(current), library, commissioning=known)
         additions = best_of_library(found)
@@ -111,9 +110,8 @@ def rounds_of(
             return
         inputs = found.posterior.model.inputs
         calibration = np.zeros(len(twin.gauges))
-        calibration[list(inputs.order)] = inputs.discrepancy.mean
-        current = AugmentedTwin(current, additions, calibration, inputs.reference)
-        known = replace(inputs.discrepancy, mean=np.zeros(len(readings.gauges))) if run is not None else None
+        calibration[list(inputs.order)] = difference_at(inputs, inputs.reference, {})[0]
+        current, known = AugmentedTwin(current, additions, calibration, inputs.reference), None
         yield found, additions, current
 
 

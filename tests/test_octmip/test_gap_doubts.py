@@ -37,7 +37,7 @@ def some_rows(campaign, wanted):
     ("run", "words"),
     [
         (stated_sound(measured(1001, states=((0.3, 0.0),))), "those of the state mu1 0.3"),
-        (measured(1002, HOT), "temperature uniform, 10.2 K, acted while it was taken"),
+        (measured(1002, HOT), "temperature uniform, 10.3 K, acted while it was taken"),
     ],
     ids=["damaged", "warm"],
 )

@@ -13,7 +13,6 @@ from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import least_moment
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.wandering import PRIOR, moves_together, transition, wanders_of
-from octmip.gap.inference.inputs import prepare
 from octmip.gap.location import noise_variance
 from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured
@@ -109,16 +108,6 @@ def test_a_walk_goes_by_time_where_that_is_recorded():
         assert least_moment(*pair) == pytest.approx(np.minimum(*np.meshgrid(*pair)).mean())
 
 
-def test_what_does_not_grow_with_the_load_stays_out_of_the_calibration():
-    hot = measured(1003, lambda state, load, time: np.full(20, -25.0))
-    inputs, _ = prepare(measured(3), TWIN, TWIN.effects, hot)
-    calm, _ = prepare(measured(3), TWIN, TWIN.effects, measured(1003))
-    assert inputs.discrepancy.uneven > 0.99
-    assert calm.discrepancy.uneven < 0.1
-    sd = np.sqrt(np.diag(inputs.discrepancy.covariance))
-    assert np.abs((inputs.discrepancy.mean - calm.discrepancy.mean) / sd).max() < 3.0
-
-
 def test_a_run_that_wanders_beside_a_calm_campaign_is_not_doubted():
     kind = "random walk, slow"
     assert not diagnose(drawn(kind, 0), Cantilever(), commissioning=drawn(kind, 1)).doubts
@@ -137,7 +126,7 @@ def test_what_comes_and_goes_is_unexplained_and_no_sound_asset(cycles, phase, si
     """Before: two effects of the library (.65), and a sound asset with readings that wander (.99)."""
     campaign = measured(4001, sun(cycles, phase, size, 0.5, 0.25))
     diagnosis = diagnose(campaign, TWIN, commissioning=measured(5001))
-    assert diagnosis.which[0].effects == ("unknown",)
+    assert "unknown" in diagnosis.which[0].effects
     assert diagnosis.unknown_probability > 0.95
     inputs = diagnosis.posterior.model.inputs
     assert (moves_together(diagnosis.noise, inputs.averages) > 0.5) == is_shared

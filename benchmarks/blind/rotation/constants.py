@@ -3,9 +3,8 @@
 `python -m benchmarks.blind.rotation.constants --family springs --family beam [--keys FILE]` prints them. Rules:
 
 * common, and smooth and own in equal parts: the root mean square over the families of what the sound strains show;
-* damage: the robust standard deviation (1.48 times the median amount) of what a damage changes at a gauge, relatively;
-  wide gauges are those beyond three of these, one more counted than seen, half of all at most; their error is the rms
-  of what was seen, four of these where none was;
+* damage: the standard deviation of what a damage changes at a gauge, relatively, amounts beyond three robust ones
+  (1.48 times the median amount) taken as three;
 * the error of an effect's own trace: the sine of the angle between the family's trace and the twin's most alike one.
 """
 
@@ -36,10 +35,8 @@ SEEN = 0.05
 """Share of the greatest change by a damage below which a gauge says nothing of its relative error."""
 ROBUST = 1.4826
 """Standard deviation of a normal number over the median of its amount."""
-MOST_WIDE, UNSEEN = 0.5, 4.0
-"""Largest share of wide gauges, and their error over the usual one where none was seen."""
 FAR = 3.0
-"""Robust standard deviations beyond which a gauge is wide."""
+"""Robust standard deviations beyond which a gauge counts no more."""
 
 
 def main() -> None:
@@ -63,16 +60,12 @@ def settled(assets: Sequence[Asset], model: CachedTwin) -> Constants:
     common = _rms([float(ratio.mean()) - 1.0 for ratio in healthy])
     own = float(_rms([float(ratio.std()) for ratio in healthy]) / np.sqrt(2.0))
     damage = np.concatenate([_damage(asset, ratio, model) for asset, ratio in zip(assets, healthy, strict=True)])
-    usual = max(ROBUST * float(np.median(np.abs(damage))), LEAST)
-    far = np.abs(damage)[np.abs(damage) > FAR * usual]
+    most = FAR * ROBUST * float(np.median(np.abs(damage)))
     differences = Differences(
         common=max(common, LEAST),
         smooth=max(own, LEAST),
         own=max(own, LEAST),
-        damage=usual,
-        wide_share=min((len(far) + 1) / (len(damage) + 2), MOST_WIDE),
-        wide_damage=_rms(far.tolist()) if len(far) else UNSEEN * usual,
-        wide_own=FAR * max(own, LEAST),
+        damage=max(_rms(np.clip(damage, -most, most).tolist()), LEAST),
     )
     errors = [_trace_errors(asset, model) for asset in assets]
     names = sorted({name for found in errors for name in found})

@@ -1,4 +1,4 @@
-"""Effects as families: who it acts on x its course of time x its law over the load, each with name, size and words.
+r"""Effects as families: who it acts on x its course of time x its law over the load, each with name, size and words.
 
 The change of a reading r of typical size s, at the time t from the start, per unit of size is weight x course x law:
 
@@ -16,8 +16,8 @@ The change of a reading r of typical size s, at the time t from the start, per u
 | power | (t / 1 h)^(1/3) | square | r abs(r) / 100 s |
 | settling | 1 - exp(-t / 20 min) | threshold | sign(r) max(0, abs(r) - s / 2) / 100 |
 
-The commonest cells have names of their own (gain, offset, drift); all others are `rare`, of which each is a tenth as
-probable as one of these.
+The commonest cells have names of their own (gain, offset and drift of one gauge, gain common to all). Each of the
+others is `RARE` times as probable as one of these.
 """
 
 import re
@@ -51,7 +51,7 @@ WHO_WORDS = {
     "unit": "common to all gauges",
     "along": "that varies along the structure",
 }
-RARE = 0.1
+RARE = 0.04
 """How probable a cell of the library without a name of its own is beside one that has it."""
 PRIOR_SHARE = {"constant": 0.03, "proportional": 2.0, "square": 2.0, "threshold": 2.0}
 """Prior sd: of an offset over the typical reading, of the others in per cent."""

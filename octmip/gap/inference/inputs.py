@@ -3,7 +3,7 @@
 All of them hold whatever the states of the asset are; what depends on the states is the linear model's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import Noise
+from octmip.gap.campaign.wandering import wanders_of
 from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
@@ -21,13 +23,14 @@ from octmip.gap.inference.difference import (
     Difference,
     kinds_of,
     learnt,
+    log_normal,
     poor_readings,
     scale_of,
     usual_difference,
     wander_of,
 )
 from octmip.gap.inference.rows import Frame, Means
-from octmip.gap.odds import Odds
+from octmip.gap.odds import Differences, Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
@@ -90,6 +93,9 @@ class Inputs:
         what rows are measured by.
     run
         the commissioning run, if there is one that counts.
+    noises
+        the noise for every size of a walk and of a memory that the repeats leave open, with the log of its probability;
+        `noise` is one of them.
     """
 
     campaign: Campaign
@@ -104,6 +110,7 @@ class Inputs:
     groups: Groups
     frame: Frame
     run: Run | None = None
+    noises: tuple[tuple[Noise, float], ...] = ()
     progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
 
@@ -202,17 +209,20 @@ def prepare(
     _refuse_nothing_predicted(campaign, asked, reference)
     frame = _frame(campaign, run, asked, reference)
     difference = usual_difference(asked, campaign.gauges, reference, odds.differences)
-    known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise)
+    known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise, reference)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
+    averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
+    noises = _noises(noise, averages)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
-        noise=noise,
+        noise=noises[0][0],
+        noises=noises,
         difference=difference,
         candidates=candidates,
         priors=priors_of(candidates),
         order=frame.order,
-        averages=averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values())),
+        averages=averages,
         reference=reference,
         groups=_open_groups(campaign),
         frame=frame,
@@ -251,6 +261,17 @@ def _of_difference(inputs: Inputs) -> list[str]:
     return notes
 
 
+def _noises(noise: Noise, averages: Sequence[AveragedCell]) -> tuple[tuple[Noise, float], ...]:
+    """Return the noise for every size of a walk and of a memory that the repeats leave open, the likeliest first."""
+    typical = int(np.median([len(part.rows) for part in averages]))
+    found = [
+        (memory.noise, float(np.log(wander.share * memory.share)))
+        for wander in wanders_of(noise, averages)
+        for memory in memories_of(wander.noise, typical)
+    ]
+    return tuple(sorted(found, key=lambda pair: -pair[1]))
+
+
 def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference: Load) -> Frame:
     order = tuple(twin.gauges.index(name) for name in campaign.gauges)
     every = dict.fromkeys([*campaign.loads, *(run.loads if run is not None else ())])
@@ -264,7 +285,7 @@ def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference
     )
 
 
-def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
+def _read(run: Campaign, frame: Frame, noise: Noise, reference: Load) -> tuple[Run, list[str]]:
     """Return a commissioning run as rows, and notes on its noise.
 
     Raises
@@ -282,8 +303,15 @@ def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
     states = np.array([cell.state for cell in run.cells])[:, parameters]
     means = frame.means(run, averages, states, FIRST_OF_RUN)
     loads = [run.cells[part.cell].load for part in averages]
-    covariance = of_run.of_averages(averages, loads, means.average, means.gauge)
-    return Run(run, averages, means, covariance), notes
+    usual = usual_difference(frame.twin, noise.gauges, reference, Differences())
+    tried = []
+    for own, log_share in _noises(of_run, averages):
+        covariance = own.of_averages(averages, loads, means.average, means.gauge)
+        residual = means.measured - means.predicted
+        known = learnt(usual, means.rows, residual, covariance)
+        value = log_normal(covariance + known.covariance(means.rows, means.rows), residual) + log_share
+        tried.append((value, covariance))
+    return Run(run, averages, means, max(tried, key=lambda pair: pair[0])[1]), notes
 
 
 WITHOUT_RUN = (

@@ -24,7 +24,7 @@ SOUND_ENOUGH = 0.5
 HOPELESS = 10.0
 """Log units behind which another state of a test is no explanation."""
 NEGLIGIBLE = 1e-7
-"""Probability below which a hypothesis is not kept."""
+"""Probability below which an effect beside the unknown is not kept."""
 OPEN = 0.2
 """Probability of the unknown from which another state of a test is looked at beside an effect."""
 
@@ -190,7 +190,7 @@ def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Po
             by_key.setdefault((w.members, w.has_unknown, doubted), []).append(w)
     total = float(logsumexp([w.log_weight for same in by_key.values() for w in same]))
     judged = [_judged(key, same, total) for key, same in by_key.items()]
-    judged = [h for h in judged if h.probability > NEGLIGIBLE or not h.members]
+    judged = [h for h in judged if h.probability > NEGLIGIBLE or not h.has_unknown]
     judged.sort(key=lambda h: -h.probability)
     known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
     main = max(known, key=lambda w: w.log_weight).inference

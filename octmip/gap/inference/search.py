@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.hypotheses import likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
@@ -74,15 +75,41 @@ class Weighed:
 
 
 def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
-    """Return the hypotheses about inputs at every level that the readings bear.
+    """Return the hypotheses about inputs, under every noise and level that the readings bear.
 
     Parameters
     ----------
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     is_quick
-        whether to look at the best level only.
+        whether to look at the best noise and level only.
     """
+    found = []
+    for noise, log_share in _noises(inputs, states[0])[: 1 if is_quick else None]:
+        own = _under(replace(inputs, noise=noise), states, is_quick=is_quick)
+        found += [w.times(log_share) for w in own]
+    return found
+
+
+def _noises(inputs: Inputs, states: Floats) -> list[tuple[Noise, float]]:
+    """Return the noises that are worth a look: that nothing wanders always is, a walk where it explains more.
+
+    Both with the best single effect beside them, so that no more is weighed where there is no sign of a walk.
+    """
+    if len(inputs.noises) < 2:
+        return list(inputs.noises) or [(inputs.noise, 0.0)]
+    found = []
+    for noise, share in inputs.noises:
+        found.append((_best_single(linearise(replace(inputs, noise=noise), states)) + share, noise, share))
+    found.sort(key=lambda item: -item[0])
+    still = [item for item in found if not item[1].walk_sd > 0.0][:1]
+    least = still[0][0] if still else -np.inf
+    walks = [item for item in found if item[1].walk_sd > 0.0 and item[0] >= least][:1]
+    return [(noise, share) for _, noise, share in sorted([*still, *walks], key=lambda item: -item[0])]
+
+
+def _under(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool) -> list[Weighed]:
+    """Return the hypotheses under one noise, at every level that the readings bear."""
     levels = _levels(inputs, states[0])
     levels = levels[:1] if is_quick else [p for p in levels if p[0] > levels[0][0] - LEVEL_BEHIND][:MOST_LEVELS]
     inferences = [Inference(levels[0][1])]

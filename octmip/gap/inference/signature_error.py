@@ -5,8 +5,7 @@ its places are samples of a continuum. Given that candidate j acts with size the
 
     theta_j (S_j + E_j xi),   xi ~ N(0, I),
 
-E_j = [l s_j diag(S_j) gauge by gauge | BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale, l the
-level of differences between models (`octmip.gap.inference.discrepancy`). So a set of
+E_j = [s_j diag(S_j) gauge by gauge | BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale. So a set of
 candidates is judged under C0 + Q Q', Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no
 reason for a second one. With A = I + Q'Q in whitened coordinates
 

@@ -118,6 +118,7 @@ def _by_effect(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
     lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
+    logs[[getattr(candidate.effect, "uses_time", False) for candidate in inputs.candidates]] = -np.inf  # it wanders
     if not len(logs):
         return WrongRun(-np.inf, "", None, None)
     best = int(np.argmax(logs))
