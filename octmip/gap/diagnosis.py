@@ -268,7 +268,7 @@ def _beside_doubt(inputs: Inputs, posterior: Posterior) -> tuple[Posterior, tupl
     if sound > SOUND_ENOUGH:
         return posterior, (), ()
     wrong = weigh_wrong_run(posterior.model)
-    probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total - wrong.log_weight)))
+    probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         left = "that is taken off it" if wrong.correction is not None else "it is left out"
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."

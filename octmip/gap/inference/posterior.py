@@ -87,7 +87,7 @@ class Posterior:
     judged
         ordered hypotheses; probabilities sum to 1.
     inference
-        the main one: of the most probable hypothesis without the unknown.
+        the main one: of the most probable hypothesis without the unknown, under the noise of the leading one.
     same_state
         probability that tests with unknown states of one load each are one state; None where nothing suggests it.
     log_total
@@ -192,8 +192,10 @@ def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Po
     judged = [_judged(key, same, total) for key, same in by_key.items()]
     judged = [h for h in judged if h.probability > NEGLIGIBLE or not h.has_unknown]
     judged.sort(key=lambda h: -h.probability)
+    walk = judged[0].model.inputs.noise.walk_sd
     known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
-    main = max(known, key=lambda w: w.log_weight).inference
+    alike = [w for w in known if w.inference.model.inputs.noise.walk_sd == walk]
+    main = max(alike or known, key=lambda w: w.log_weight).inference
     return Posterior(tuple(judged), main, same_state, total)
 
 

@@ -45,12 +45,16 @@ class WrongRun:
         the most probable of them.
     correction, spread
         (n,) what it added to the run's readings, and one standard deviation of it; None of another asset.
+    log_usual
+        what a right run gains, too, where the difference is allowed to be the usual one: logs of evidences compared
+        must be under the same alternatives.
     """
 
     log_weight: float
     words: str
     correction: Floats | None
     spread: Floats | None
+    log_usual: float = 0.0
 
 
 def weigh_wrong_run(model: LinearModel) -> WrongRun:
@@ -70,7 +74,8 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     shares.append(SHARES["asset"])
     found = [replace(p, log_weight=p.log_weight + prior + float(np.log(s))) for p, s in zip(found, shares, strict=True)]
     best = max(found, key=lambda p: p.log_weight)
-    return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])))
+    log_usual = float(logsumexp([one.log_none for one in models])) - float(np.log(len(models))) - model.log_none
+    return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])), log_usual=max(0.0, log_usual))
 
 
 def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
