@@ -3,11 +3,12 @@
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.gather import Recorded, gathered
 from octmip.gap.campaign.reader import read_campaign
-from octmip.gap.diagnosis import Diagnosis, diagnose, rounds
+from octmip.gap.diagnosis import Diagnosis, diagnose
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
 from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.odds import Differences, Odds
+from octmip.gap.repetition import rounds
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 

@@ -21,7 +21,7 @@ others is `RARE` times as probable as one of these.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import exp
 
@@ -32,7 +32,7 @@ from octmip.twin import PURE, Load, State, Twin, channels_of, positions_of, unit
 
 Floats = NDArray[np.float64]
 
-COURSES = {
+COURSES: Mapping[str, Callable[[float], float]] = {
     "steady": lambda hours: 1.0,
     "linear": lambda hours: hours,
     "power": lambda hours: max(hours, 0.0) ** (1.0 / 3.0),

@@ -74,8 +74,8 @@ class Rows:
 
     def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
         """Return some of the rows."""
-        parts = (self.gauge, self.load, self.test, self.state, self.healthy, self.change, self.share)
-        return Rows(*(part[rows] for part in parts))
+        numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
+        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +145,7 @@ class Difference:
     @property
     def spread(self) -> Floats:
         """(n_gauges,) relative standard deviation of a healthy reading, its own part."""
-        return self.level * self.factor * self.tail * np.hypot(self.usual.own, self.usual.floor)
+        return np.asarray(self.level * self.factor * self.tail * float(np.hypot(self.usual.own, self.usual.floor)))
 
 
 def usual_difference(twin: CachedTwin, gauges: Sequence[str], load: Load, usual: Differences) -> Difference:
@@ -217,8 +217,8 @@ def _with_levels(known: Difference, rows: Rows, residual: Floats, noise: Floats)
         unit = replace(known, factor=np.ones_like(factor), wander=np.zeros_like(known.wander))
         part = unit.covariance(rows.at(here), rows.at(here))
         wander = replace(known, level=0.0).covariance(rows.at(here), rows.at(here))
-        logs = [log_normal(own + wander + level**2 * part, residual[here]) for level in KIND_LEVELS]
-        logs = np.array(logs) - 0.5 * (np.log(KIND_LEVELS) / KIND_SPREAD) ** 2
+        tried = [log_normal(own + wander + level**2 * part, residual[here]) for level in KIND_LEVELS]
+        logs = np.array(tried) - 0.5 * (np.log(KIND_LEVELS) / KIND_SPREAD) ** 2
         share = np.exp(logs - logs.max())
         factor[known.kind == kind] = np.exp(share @ np.log(KIND_LEVELS) / share.sum())
     return replace(known, factor=factor)
@@ -236,6 +236,13 @@ def _with_tails(known: Difference, rows: Rows, residual: Floats, noise: Floats) 
         share = np.exp(np.array(logs) - max(logs))
         tail[gauge] = float(np.exp(share @ np.log(TAILS) / share.sum()))
     return replace(known, tail=tail)
+
+
+def log_at_levels(difference: Difference, rows: Rows, residual: Floats, noise: Floats) -> float:
+    """Return the log evidence of a run under a noise, at the level that bears it best, readings all alike."""
+    own = difference.covariance(rows, rows)
+    levels = [log_normal(noise + level**2 * own, residual) - 0.5 * np.log(level) ** 2 for level in KIND_LEVELS]
+    return float(max(levels))
 
 
 def log_normal(covariance: Floats, residual: Floats) -> float:

@@ -23,7 +23,7 @@ from octmip.gap.inference.difference import (
     Difference,
     kinds_of,
     learnt,
-    log_normal,
+    log_at_levels,
     poor_readings,
     scale_of,
     usual_difference,
@@ -307,10 +307,8 @@ def _read(run: Campaign, frame: Frame, noise: Noise, reference: Load) -> tuple[R
     tried = []
     for own, log_share in _noises(of_run, averages):
         covariance = own.of_averages(averages, loads, means.average, means.gauge)
-        residual = means.measured - means.predicted
-        known = learnt(usual, means.rows, residual, covariance)
-        value = log_normal(covariance + known.covariance(means.rows, means.rows), residual) + log_share
-        tried.append((value, covariance))
+        value = log_at_levels(usual, means.rows, means.measured - means.predicted, covariance)
+        tried.append((value + log_share, covariance))
     return Run(run, averages, means, max(tried, key=lambda pair: pair[0])[1]), notes
 
 

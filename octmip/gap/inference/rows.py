@@ -1,6 +1,6 @@
 """Mean readings as rows: what a campaign or a commissioning run says, gauge by gauge, beside what the twin predicts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +65,7 @@ class Frame:
     scale: Floats
     reference: Floats
     kind: Ints
-    loads: dict[Load, int]
+    loads: Mapping[Load, int]
 
     def share(self, healthy: Floats) -> float:
         """Return phi: the signed size of a healthy prediction (n_gauges,) beside that at the reference load."""
@@ -105,9 +105,15 @@ class Frame:
         order, n = list(self.order), len(self.order)
         healthy = self.twin.predict({}, load)[order]
         now = self.twin.predict(state, load)[order]
-        number = self.loads.get(load, -1)
-        whole = [np.full(n, k, dtype=np.int64) for k in (number, -1, _number(np.array(list(state.values()))))]
-        return Rows(np.arange(n), *whole, healthy, now - healthy, self.shares(healthy))
+        return Rows(
+            gauge=np.arange(n, dtype=np.int64),
+            load=np.full(n, self.loads.get(load, -1), dtype=np.int64),
+            test=np.full(n, -1, dtype=np.int64),
+            state=np.full(n, _number(np.array(list(state.values()))), dtype=np.int64),
+            healthy=healthy,
+            change=now - healthy,
+            share=self.shares(healthy),
+        )
 
 
 def _number(state: Floats) -> int:
