@@ -142,11 +142,6 @@ class Difference:
         """Return the difference at another level of the whole."""
         return replace(self, level=level)
 
-    @property
-    def spread(self) -> Floats:
-        """(n_gauges,) relative standard deviation of a healthy reading, its own part."""
-        return np.asarray(self.level * self.factor * self.tail * float(np.hypot(self.usual.own, self.usual.floor)))
-
 
 def usual_difference(twin: CachedTwin, gauges: Sequence[str], load: Load, usual: Differences) -> Difference:
     """Return the difference to expect at the reference load from the twin alone."""
