@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 
 OTHER_LEVELS = (4.0, 8.0)
 """Levels of the difference of another asset."""
+NODE_SPREAD = 0.15
+"""Relative sd of what a state changes about what the nearest node of the grid does."""
 SHARES = {"effect": 0.5, "state": 0.25, "asset": 0.25}
 """Of the probability that a run was wrong, by what was wrong with it."""
 
@@ -148,12 +150,16 @@ def _by_state(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
     columns = np.array([_changed(inputs, cells, node) for node in nodes])
     columns = (columns - run.means.expected)[:, run.means.average, run.means.gauge].T
     lengths, projection = stack.weighed(columns)
-    logs = projection - 0.5 * lengths - np.log(len(nodes))
+    precision = lengths + NODE_SPREAD**-2
+    sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter
+    logs = 0.5 * (sizes**2 * precision - NODE_SPREAD**-2 - np.log(precision * NODE_SPREAD**2)) - np.log(len(nodes))
     best = int(np.argmax(logs))
-    shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, nodes[best], strict=True))
+    there = sizes[best] * nodes[best]
+    shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, there, strict=True))
     total = model.log_none + float(logsumexp(logs))
-    spread = inputs.difference.usual.damage * columns[:, best]
-    return WrongRun(total, f"its readings are those of the state {shown}", columns[:, best], spread)
+    correction = sizes[best] * columns[:, best]
+    spread = inputs.difference.usual.damage * correction
+    return WrongRun(total, f"its readings are those of the state {shown}", correction, spread)
 
 
 def _changed(inputs: Inputs, cells: list[Cell], node: Floats) -> Floats:
