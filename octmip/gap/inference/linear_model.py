@@ -30,6 +30,8 @@ Ints = NDArray[np.int64]
 
 OPEN_STATE = 0.5
 """Sd of an unknown damage about its point of linearisation: wide, so that the readings decide."""
+ROUNDING = 1e-10
+"""Share of the difference's variance below which what a run leaves of it is lost to rounding."""
 STEP = 0.01
 """Step of the damage tangents."""
 
@@ -281,7 +283,8 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
     stacked = np.column_stack([difference.covariance(of_run, rows), run.residual])
     white = linalg.solve_triangular(factor, stacked, lower=True, check_finite=False)
     across, left = white[:, :-1], white[:, -1]
-    return Given(across.T @ left, own - across.T @ across, _log_density(factor, left))
+    covariance = own - across.T @ across + np.diag(ROUNDING * np.diag(own))  # what is left may be far below what it was
+    return Given(across.T @ left, covariance, _log_density(factor, left))
 
 
 def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level: float = 1.0) -> tuple[Floats, Floats]:
