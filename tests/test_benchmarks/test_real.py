@@ -36,7 +36,7 @@ def test_large_deflection_comes_out_of_the_pazy_wing_and_closes_the_gap():
 
 
 @needs_pazy
-@pytest.mark.parametrize("limit", [1.6, 2.0, 2.4])
+@pytest.mark.parametrize("limit", [2.0, 2.4])
 def test_heavy_masses_are_predicted_from_lighter_ones(limit):
     assert pazy.held_out(limit)[2] > 0.9
 

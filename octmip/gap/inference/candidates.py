@@ -19,7 +19,7 @@ from octmip.twin import Effect, State, Twin
 Forward = Callable[[Twin, State, Any, float, str, float], NDArray[np.float64]]
 """Twin, state, load, size, place and time -> readings (n_gauges,) with an effect of that size."""
 
-SIGNATURE_ERROR = 0.04
+SIGNATURE_ERROR = 0.1
 """Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred."""
 SCALES = (1 / 3, 1.0, 3.0)
 """Factors on the sd of every prior, equally likely: no result may hang on one guess of the size."""
