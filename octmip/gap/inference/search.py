@@ -37,8 +37,6 @@ MOST_LEVELS = 2
 """Levels that are looked at."""
 EXACT = 60
 """Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
-WHOLE = 20
-"""Best sets whose subsets are judged as well: an idle member must be able to leave."""
 POLISHED = 6
 """Distinct hypotheses about whose own states the model is linearised before any is weighed."""
 LEADERS = 10.0
@@ -262,8 +260,8 @@ def _away(inference: Inference, members: Members) -> float:
 
 
 def _with_parts(sets: list[Members]) -> list[Members]:
-    """Return the sets, and what is left of the first `WHOLE` of them when members are taken out: never unjudged."""
-    parts = {part for members in sets[:WHOLE] for k in range(len(members)) for part in combinations(members, k)}
+    """Return the sets, and what is left of them when members are taken out: never unjudged."""
+    parts = {part for members in sets for k in range(len(members)) for part in combinations(members, k)}
     return [*sets, *sorted(parts - set(sets))]
 
 
