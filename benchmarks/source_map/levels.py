@@ -99,6 +99,8 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     },
     "native": {
         "check": 0,
+        "effort": 0,
+        "interval": 0,
         "ranks": 0,
         "tree": 0,
         "costs": 1,

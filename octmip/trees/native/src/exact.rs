@@ -8,7 +8,6 @@
 //! subtree, proof   the same search for local search, and for a log
 //! ```
 
-pub(crate) mod effort;
 pub(crate) mod node;
 pub(crate) mod proof;
 pub(crate) mod root_search;
@@ -18,7 +17,6 @@ pub(crate) mod subtree;
 pub(crate) mod switches;
 pub(crate) mod view;
 
-pub use effort::Control;
 pub use proof::write as write_proof;
 pub use root_search::{Options, one_level_deeper, solve};
 pub use switches::Switches;

@@ -8,7 +8,9 @@
 pub mod control;
 mod costs;
 pub mod drift;
+pub mod effort;
 pub mod exact;
+mod interval;
 mod log;
 pub mod near_optimal;
 pub mod ranks;

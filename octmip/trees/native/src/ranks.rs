@@ -41,6 +41,24 @@ fn value(key: u64) -> f64 {
     f64::from_bits(key ^ ((!(key as i64 >> 63) as u64) | 1 << 63))
 }
 
+/// The ids of samples in the order of their ranks, ties by id; ranks are below `n_ranks`.
+pub(crate) fn sorted_by_rank(ranks: &[u32], n_ranks: u32) -> Vec<u32> {
+    let mut start = vec![0u32; n_ranks as usize + 1];
+    for &rank in ranks {
+        start[rank as usize + 1] += 1;
+    }
+    for r in 0..n_ranks as usize {
+        start[r + 1] += start[r];
+    }
+    let mut order = vec![0; ranks.len()];
+    for (i, &rank) in ranks.iter().enumerate() {
+        let place = &mut start[rank as usize];
+        order[*place as usize] = i as u32;
+        *place += 1;
+    }
+    order
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 mod oracle;
 
 use _native::control::Limits;
+use _native::effort;
 use _native::exact;
 use _native::problem::Problem;
 use _native::search;
@@ -31,7 +32,7 @@ fn log_of(question: &Question, claim: i64, body: &str) -> String {
 fn assert_proves(problem: &Problem, question: &Question, best: i64, switches: exact::Switches, seed: u64) {
     let name = format!("depth {}, seed {seed}", problem.depth);
     let [body, by_three] = [1, 3].map(|n_threads| {
-        exact::write_proof(problem, best, switches, &exact::Control::new(), n_threads).expect("a proof")
+        exact::write_proof(problem, best, switches, &effort::Control::new(), n_threads).expect("a proof")
     });
     assert_eq!(body, by_three, "{name}");
     for n_threads in [1, 2] {

@@ -4,7 +4,7 @@
 //! searched without the bounds of their neighbours (`floor` 0), as a record must stand by itself; the checker carries
 //! bounds from cut to cut on its own.
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::log::Log;
 use crate::exact::node::search::Search;
 use crate::exact::root_search::elsewhere::Elsewhere;

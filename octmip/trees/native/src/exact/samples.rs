@@ -23,6 +23,7 @@ use crate::exact::samples::merging::{Merged, merged};
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
+use crate::ranks::sorted_by_rank;
 
 use directions::doubled_spans;
 use label_sets::{LabelSets, few_sets};
@@ -320,22 +321,4 @@ impl Samples {
             }
         }
     }
-}
-
-/// Sample ids by rank, ties by id: a counting sort.
-fn sorted_by_rank(ranks: &[u32], n_ranks: u32) -> Vec<u32> {
-    let mut start = vec![0u32; n_ranks as usize + 1];
-    for &rank in ranks {
-        start[rank as usize + 1] += 1;
-    }
-    for r in 0..n_ranks as usize {
-        start[r + 1] += start[r];
-    }
-    let mut order = vec![0; ranks.len()];
-    for (i, &rank) in ranks.iter().enumerate() {
-        let place = &mut start[rank as usize];
-        order[*place as usize] = i as u32;
-        *place += 1;
-    }
-    order
 }

@@ -1,6 +1,6 @@
 //! Exact subtrees on a subset of the samples, for the local search.
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::exact::samples::Samples;
 use crate::exact::samples::lists::ListsOnDemand;
+use crate::interval::part;
 
 /// Samples of a node. The cut at position `k` of feature `f` sends the first `k` samples of list `f` left.
 #[derive(Debug, Clone, Default)]
@@ -119,23 +120,8 @@ impl View {
             marks[i as usize] = position >= k;
         }
         let sizes = [k, self.len - k];
-        let [left, right] = sides.each_mut().map(|view| Arc::make_mut(&mut view.lists));
-        for (lists, size) in [&mut *left, &mut *right].into_iter().zip(sizes) {
-            lists.resize(samples.p * size + 1, 0); // one more: the branchless partition writes ahead
-        }
-        for g in 0..samples.p {
-            let (mut to_left, mut to_right) = (g * k, g * (self.len - k));
-            for &i in self.list(g) {
-                let is_right = marks[i as usize];
-                left[to_left] = i;
-                right[to_right] = i;
-                to_left += usize::from(!is_right);
-                to_right += usize::from(is_right);
-            }
-        }
-        for (lists, size) in [left, right].into_iter().zip(sizes) {
-            lists.truncate(samples.p * size);
-        }
+        let lists = sides.each_mut().map(|view| Arc::make_mut(&mut view.lists));
+        part(samples.p, (self.len, k), |g| self.list(g), marks, lists);
         for (side, view) in sides.iter_mut().enumerate() {
             view.len = sizes[side];
             let ids = if side == 0 { &self.list(f)[..k] } else { &self.list(f)[k..] };

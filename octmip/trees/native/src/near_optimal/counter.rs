@@ -3,7 +3,7 @@
 //! Every tree with a split at the root of a node is one cut, one tree of each side, and not two leaves of one label:
 //! the sum over the cuts counts each tree once. A child may cost what the limit leaves beside the least of the other.
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::result::Solved;
 use crate::exact::node::search::Search;
 use crate::exact::switches::Switches;

@@ -7,7 +7,7 @@
 use std::sync::Mutex;
 
 use crate::control::{KeepGoing, Limits, Stop};
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::result::Solved;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;

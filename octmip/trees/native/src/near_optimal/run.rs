@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::control::{KeepGoing, Limits, Progress, Stop};
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::result::Solved;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::control::{Limits, Progress};
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Cut;
 use crate::exact::proof::{Helpers, write_by};

@@ -4,7 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::control::KeepGoing;
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::result::Solved;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;

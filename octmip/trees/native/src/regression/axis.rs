@@ -12,6 +12,7 @@
 //!   best tree of the smaller set is feasible on the larger. Its constants lie between the least and the greatest
 //!   target, so a new sample costs at most its range, its error under the worse of the two.
 
+use crate::interval::Interval;
 use crate::regression::clusters::{Histogram, N_BINS, Sums};
 use crate::regression::quantiles::Quantiles;
 use crate::regression::samples::Samples;
@@ -41,30 +42,6 @@ impl Pair {
     pub(crate) fn raise(&mut self, side: usize, bound: f64) {
         let own = if side == 0 { &mut self.left } else { &mut self.right };
         *own = own.max(bound);
-    }
-}
-
-/// Cuts `low..=high` between the solved cuts `a` and `b` are open.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Interval {
-    /// Solved cut before.
-    pub(crate) a: usize,
-    /// Solved cut after.
-    pub(crate) b: usize,
-    /// First open cut.
-    pub(crate) low: usize,
-    /// Last open cut.
-    pub(crate) high: usize,
-}
-
-impl Interval {
-    /// The open cuts on both sides of one that was solved.
-    pub(crate) fn halves(&self, k: usize) -> [Option<Interval>; 2] {
-        let Interval { a, b, low, high } = *self;
-        [
-            (low < k).then(|| Interval { a, b: k, low, high: k - 1 }),
-            (high > k).then(|| Interval { a: k, b, low: k + 1, high }),
-        ]
     }
 }
 
@@ -191,8 +168,7 @@ impl Axis {
 
     /// All the cuts that split, None when there are none.
     pub(crate) fn whole(&self) -> Option<Interval> {
-        let last = self.last();
-        (last > 1).then(|| Interval { a: 0, b: last, low: 1, high: last - 1 })
+        Interval::between(0, self.last())
     }
 
     /// Least error of as many constants as a child has leaves (`times` children), for the samples between two cuts.
@@ -269,41 +245,10 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, samples: &Samples, interval: &Interval, target: f64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        let [bounds, _] = self.bounds(samples, interval, middle);
-        if bounds.left + bounds.right < target {
-            return Some(middle);
-        }
-        let right = self.survivor(samples, interval, (middle, interval.high), target, false);
-        // Only what is nearer to the middle than that.
-        let nearest = right.map_or(interval.low, |k| (2 * middle + 1).saturating_sub(k).max(interval.low));
-        let ends = (nearest, middle.saturating_sub(1));
-        let left = (nearest < middle).then(|| self.survivor(samples, interval, ends, target, true)).flatten();
-        left.or(right)
-    }
-
-    /// The first cut of `first..=last` (or the last one) whose children's bounds stay below `target`.
-    ///
-    /// Left bounds grow with the cut and right ones shrink, so that both ends together bound all cuts between.
-    fn survivor(
-        &self,
-        samples: &Samples,
-        interval: &Interval,
-        (first, last): (usize, usize),
-        target: f64,
-        from_end: bool,
-    ) -> Option<usize> {
-        let left = self.bounds(samples, interval, first)[0].left;
-        let right = if first == last { first } else { last };
-        if left + self.bounds(samples, interval, right)[0].right >= target {
-            return None;
-        }
-        if first == last {
-            return Some(first);
-        }
-        let middle = first + (last - first) / 2;
-        let halves = [(first, middle), (middle + 1, last)];
-        let order = if from_end { [1, 0] } else { [0, 1] };
-        order.iter().find_map(|&half| self.survivor(samples, interval, halves[half], target, from_end))
+        interval.nearest(middle, target, |k| {
+            let [bounds, _] = self.bounds(samples, interval, k);
+            (bounds.left, bounds.right)
+        })
     }
 
     /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.

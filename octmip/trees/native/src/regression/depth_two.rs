@@ -4,10 +4,12 @@
 //! for the best stump (see `axis`) hold for the best cut of each feature, so that most features need no scan at a cut
 //! between two others.
 
-use crate::regression::axis::{Axis, Interval, Pair};
+use crate::effort::Control;
+use crate::interval::Interval;
+use crate::regression::axis::{Axis, Pair};
 use crate::regression::buckets::Buckets;
 use crate::regression::quantiles::Quantiles;
-use crate::regression::result::{Effort, NodeResult};
+use crate::regression::result::NodeResult;
 use crate::regression::samples::Samples;
 use crate::regression::scan::Scanner;
 use crate::regression::sides::Sides;
@@ -18,7 +20,7 @@ use crate::tree::Tree;
 #[derive(Debug)]
 pub(crate) struct TwoLevels<'a> {
     samples: &'a Samples,
-    effort: &'a Effort,
+    control: &'a Control,
     /// Best cost seen with each feature at the root, of the last node.
     pub(crate) incumbents: Vec<f64>,
     sides: Sides,
@@ -35,10 +37,10 @@ pub(crate) struct TwoLevels<'a> {
 
 impl<'a> TwoLevels<'a> {
     /// A search of these samples.
-    pub(crate) fn new(samples: &'a Samples, effort: &'a Effort) -> Self {
+    pub(crate) fn new(samples: &'a Samples, control: &'a Control) -> Self {
         Self {
             samples,
-            effort,
+            control,
             incumbents: Vec::new(),
             sides: Sides::new(samples.n),
             scanner: Scanner::default(),
@@ -75,7 +77,7 @@ impl TwoLevels<'_> {
         let leaf = view.leaf(samples);
         self.sides.load(samples, view);
         let (stump, whole) = self.whole(view, leaf);
-        self.effort.count();
+        self.control.add(1);
         let mut best = NodeResult::cheapest(stump.cost, self.stump_tree(view, 1, &stump), upper);
         if depth == 1 {
             return best;
@@ -87,7 +89,7 @@ impl TwoLevels<'_> {
         order.sort_by(|&f, &g| whole[f].total_cmp(&whole[g]));
         for f in order {
             let current = best.cost(upper);
-            if current <= floor || self.effort.is_stopped() {
+            if current <= floor || self.control.is_stopped() {
                 break;
             }
             if let Some(found) = self.feature(view, f, &whole, (stump.cost, relaxed), current) {
@@ -185,7 +187,7 @@ impl TwoLevels<'_> {
             let target = current - samples.penalty;
             let Some(interval) = axis.narrow(samples, interval, target) else { continue };
             let Some(k) = axis.pick(samples, &interval, target) else { continue };
-            if self.effort.is_stopped() {
+            if self.control.is_stopped() {
                 break;
             }
             if std::mem::take(&mut is_fresh) {
@@ -230,7 +232,7 @@ impl TwoLevels<'_> {
     ) -> [Stump; 2] {
         let (samples, penalty) = (self.samples, self.samples.penalty);
         let p = samples.p;
-        self.effort.count();
+        self.control.add(1);
         let Self { sides, buckets, kept, now, is_known, .. } = self;
         sides.move_to(samples, view, f, axis.positions[k] as usize, |i, to| {
             if let Some(buckets) = buckets {

@@ -169,10 +169,14 @@ impl Inside {
                 (0..MOST_VALUES).for_each(|v| left[v] += weight * steps[v]);
             };
             let start = below(&piles.before(*bucket)); // of most buckets nobody asks
-            piles.walk(*bucket, sides, start, add, |left| {
-                let error = split_error(slopes, left, &all, &samples.gaps);
-                best = if error < best { error } else { best };
-            });
+            let mut see = |error: f64| best = if error < best { error } else { best };
+            if slopes.are_even() {
+                let error = |left: &Below| split_error::<true>(slopes, left, &all, &samples.gaps);
+                piles.walk(*bucket, sides, start, add, |left| see(error(left)));
+            } else {
+                let error = |left: &Below| split_error::<false>(slopes, left, &all, &samples.gaps);
+                piles.walk(*bucket, sides, start, add, |left| see(error(left)));
+            }
         }
         (best, lower.min(best))
     }
@@ -205,25 +209,26 @@ fn below(weights: &Weights) -> Below {
 #[inline(always)]
 pub(crate) fn sloped_error(slopes: Slopes, weights: &Weights, gaps: &Weights) -> f64 {
     let below = below(weights);
-    let terms: Weights = std::array::from_fn(|v| gaps[v] * less(slopes, below[v], below[MOST_VALUES - 1] - below[v]));
+    let terms: Weights =
+        std::array::from_fn(|v| gaps[v] * less::<false>(slopes, below[v], below[MOST_VALUES - 1] - below[v]));
     sum(&terms)
 }
 
 /// Least sloped error of two constants, one left of a cut and one right of it.
 #[inline(always)]
-fn split_error(slopes: Slopes, left: &Below, all: &Below, gaps: &Weights) -> f64 {
+fn split_error<const EVEN: bool>(slopes: Slopes, left: &Below, all: &Below, gaps: &Weights) -> f64 {
     let (total, rest) = (left[MOST_VALUES - 1], all[MOST_VALUES - 1] - left[MOST_VALUES - 1]);
     let terms: Weights = std::array::from_fn(|v| {
         let right = all[v] - left[v];
-        gaps[v] * (less(slopes, left[v], total - left[v]) + less(slopes, right, rest - right))
+        gaps[v] * (less::<EVEN>(slopes, left[v], total - left[v]) + less::<EVEN>(slopes, right, rest - right))
     });
     sum(&terms)
 }
 
 /// The lesser of what weights below and above a gap cost; not NaN: one instruction, where `f64::min` is several.
 #[inline(always)]
-fn less(slopes: Slopes, below: f64, above: f64) -> f64 {
-    let (a, b) = (slopes.down * below, slopes.up * above);
+fn less<const EVEN: bool>(slopes: Slopes, below: f64, above: f64) -> f64 {
+    let (a, b) = if EVEN { (below, above) } else { (slopes.down * below, slopes.up * above) };
     if a < b { a } else { b }
 }
 

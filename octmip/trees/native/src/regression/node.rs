@@ -2,9 +2,11 @@
 
 use std::collections::VecDeque;
 
-use crate::regression::axis::{Axis, Interval, Pair};
+use crate::effort::Control;
+use crate::interval::Interval;
+use crate::regression::axis::{Axis, Pair};
 use crate::regression::depth_two::TwoLevels;
-use crate::regression::result::{Effort, NodeResult};
+use crate::regression::result::NodeResult;
 use crate::regression::samples::Samples;
 use crate::regression::view::View;
 use crate::tree::Tree;
@@ -21,7 +23,7 @@ struct Level {
 #[derive(Debug)]
 pub(crate) struct Search<'a> {
     pub(crate) samples: &'a Samples,
-    effort: &'a Effort,
+    control: &'a Control,
     /// Best cost seen with each feature at the root, of the last node.
     incumbents: Vec<f64>,
     two_levels: TwoLevels<'a>,
@@ -57,12 +59,12 @@ pub(crate) struct Children {
 
 impl<'a> Search<'a> {
     /// A search of at most `depth` levels.
-    pub(crate) fn new(samples: &'a Samples, effort: &'a Effort, depth: usize) -> Self {
+    pub(crate) fn new(samples: &'a Samples, control: &'a Control, depth: usize) -> Self {
         Self {
             samples,
-            effort,
+            control,
             incumbents: Vec::new(),
-            two_levels: TwoLevels::new(samples, effort),
+            two_levels: TwoLevels::new(samples, control),
             levels: (0..=depth).map(|_| Level::default()).collect(),
             marks: vec![false; samples.n],
         }
@@ -70,7 +72,7 @@ impl<'a> Search<'a> {
 
     /// Whether the search is stopped.
     pub(crate) fn is_stopped(&self) -> bool {
-        self.effort.is_stopped()
+        self.control.is_stopped()
     }
 
     /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
@@ -176,7 +178,7 @@ impl<'a> Search<'a> {
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
     pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
         view.split(self.samples, cut.feature, cut.position, &mut self.marks, sides);
-        self.effort.count();
+        self.control.add(1);
         let mut bounds = [cut.bounds.left.max(0.0), cut.bounds.right.max(0.0)];
         let mut relaxed = [0.0; 2];
         let mut trees = [None, None];

@@ -1,6 +1,4 @@
-//! What the search of a node returns, and what it shares with who supervises it.
-
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+//! What the search of a node returns.
 
 use crate::regression::samples::Samples;
 use crate::tree::Tree;
@@ -37,26 +35,5 @@ impl NodeResult {
         self.lower = self.cost(upper).max(clusters);
         self.relaxed = if samples.leaf_size == 1 { self.lower } else { clusters };
         self
-    }
-}
-
-/// What a search shares with who supervises it.
-#[derive(Debug, Default)]
-pub(crate) struct Effort {
-    /// Set from outside: what is returned after that proves nothing.
-    pub(crate) stop: std::sync::Arc<AtomicBool>,
-    /// Cuts evaluated.
-    pub(crate) n_cuts: AtomicU64,
-}
-
-impl Effort {
-    /// Whether the search is stopped.
-    pub(crate) fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-
-    /// Count an evaluated cut.
-    pub(crate) fn count(&self) {
-        self.n_cuts.fetch_add(1, Ordering::Relaxed);
     }
 }

@@ -1,6 +1,6 @@
 //! The whole search: the cuts of all features at the root, those with the least bound first.
 
-use std::cmp::Ordering;
+use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
@@ -8,9 +8,11 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::control::{KeepGoing, Limits, Progress, Stop};
-use crate::regression::axis::{Axis, Interval};
+use crate::effort::Control;
+use crate::interval::{Interval, Open};
+use crate::regression::axis::Axis;
 use crate::regression::node::{Children, Cut, Search, next_cut};
-use crate::regression::result::{Effort, NodeResult};
+use crate::regression::result::NodeResult;
 use crate::regression::samples::{Question, Samples};
 use crate::regression::view::View;
 use crate::supervise::Supervision;
@@ -36,33 +38,21 @@ pub struct Found {
     pub n_cuts: u64,
 }
 
-/// Open cuts of a feature, ordered by the bound of their trees.
-#[derive(Debug, Clone, Copy)]
-struct Open {
-    bound: f64,
-    feature: usize,
-    interval: Interval,
-}
+/// A bound; no two are equal but those of the same digits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bound(f64);
 
-impl PartialEq for Open {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
+impl Eq for Bound {}
 
-impl Eq for Open {}
-
-impl PartialOrd for Open {
+impl PartialOrd for Bound {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Open {
-    /// The least bound is the greatest, as heaps give the greatest first; then the first feature and cut.
+impl Ord for Bound {
     fn cmp(&self, other: &Self) -> Ordering {
-        let by_bound = other.bound.total_cmp(&self.bound);
-        by_bound.then(other.feature.cmp(&self.feature)).then(other.interval.low.cmp(&self.interval.low))
+        self.0.total_cmp(&other.0)
     }
 }
 
@@ -86,7 +76,7 @@ pub fn solve(
 ) -> Found {
     let samples = Samples::new(question);
     let supervision = Supervision::new(limits);
-    let effort = Effort { stop: supervision.flag().clone(), ..Effort::default() };
+    let control = Control::reading(supervision.flag());
     let view = View::root(&samples);
     let leaf = view.leaf(&samples);
     let upper = upper.unwrap_or(f64::INFINITY);
@@ -94,7 +84,7 @@ pub fn solve(
     let state = Mutex::new(State { cost: upper, bound: clusters });
     let unit = if leaf > 0.0 { leaf / PARTS } else { 1.0 };
     let poll = || {
-        let n_cuts = effort.n_cuts.load(Relaxed);
+        let n_cuts = control.n_evaluated();
         if let Some(stop) = supervision.spent(n_cuts, 0.0) {
             supervision.stop(stop);
         }
@@ -104,13 +94,13 @@ pub fn solve(
         supervision.poll(&mut *keep_going, now);
     };
     let n_workers = if question.depth > 2 { n_threads.clamp(1, BATCH) } else { 1 };
-    let worker = |_| Worker { search: Search::new(&samples, &effort, question.depth), sides: Default::default() };
+    let worker = |_| Worker { search: Search::new(&samples, &control, question.depth), sides: Default::default() };
     let workers = (0..n_workers).map(worker).collect();
     let mut root = Root { samples: &samples, workers, supervision: &supervision, state: &state };
     let result = supervision.run(|| root.solve(&view, question.depth, upper, clusters), poll);
     let stop = supervision.reason().unwrap_or(Stop::Optimal);
     let tree = result.best.map(|(_, tree)| tree);
-    Found { tree, bound: result.lower, stop, n_cuts: effort.n_cuts.load(Relaxed) }
+    Found { tree, bound: result.lower, stop, n_cuts: control.n_evaluated() }
 }
 
 /// One thread's search and buffers.
@@ -161,7 +151,7 @@ impl Root<'_> {
         for (place, &f) in order.iter().enumerate() {
             axes[place].lay(samples, view, f, 1 << (depth - 1).min(20), whole);
             let bound = best.lower;
-            open.extend(axes[place].whole().map(|interval| Open { bound, feature: place, interval }));
+            open.extend(axes[place].whole().map(|interval| Reverse(Open { bound: Bound(bound), place, interval })));
         }
         loop {
             let current = best.cost(upper);
@@ -181,7 +171,7 @@ impl Root<'_> {
                 }
                 for half in interval.halves(k).into_iter().flatten() {
                     let bound = bound.max(axis.least(samples, &half) + samples.penalty);
-                    open.push(Open { bound, feature: place, interval: half });
+                    open.push(Reverse(Open { bound: Bound(bound), place, interval: half }));
                 }
             }
         }
@@ -193,7 +183,7 @@ impl Root<'_> {
     /// The cuts to solve next, those of the least bounds; none where no open one may hold a better tree.
     fn next_cuts(
         &self,
-        open: &mut BinaryHeap<Open>,
+        open: &mut BinaryHeap<Reverse<Open<Bound>>>,
         axes: &[Axis],
         order: &[usize],
         current: f64,
@@ -201,7 +191,7 @@ impl Root<'_> {
     ) -> (Vec<Job>, Vec<Cut>) {
         let (mut jobs, mut cuts) = (Vec::new(), Vec::new());
         while jobs.len() < BATCH
-            && let Some(Open { bound, feature, interval }) = open.pop()
+            && let Some(Reverse(Open { bound: Bound(bound), place, interval })) = open.pop()
         {
             if jobs.is_empty() {
                 best.lower = bound.min(current);
@@ -211,9 +201,8 @@ impl Root<'_> {
                 break;
             }
             let target = current - self.samples.penalty;
-            if let Some((interval, (k, cut))) = next_cut(self.samples, &axes[feature], interval, target, order[feature])
-            {
-                jobs.push((feature, interval, k, bound));
+            if let Some((interval, (k, cut))) = next_cut(self.samples, &axes[place], interval, target, order[place]) {
+                jobs.push((place, interval, k, bound));
                 cuts.push(cut);
             }
         }

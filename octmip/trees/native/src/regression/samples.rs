@@ -1,5 +1,6 @@
 //! The problem as the regression core counts it.
 
+use crate::ranks::sorted_by_rank;
 use crate::regression::clusters::{Bins, Sums};
 use crate::regression::slopes::Slopes;
 use crate::regression::sweep::MOST_VALUES;
@@ -175,21 +176,4 @@ fn dense_ranks(values: &[f64]) -> (Vec<u32>, Vec<f64>) {
     distinct.dedup();
     let rank = |value: &f64| distinct.partition_point(|other| other < value) as u32;
     (values.iter().map(rank).collect(), distinct)
-}
-
-fn sorted_by_rank(ranks: &[u32], n_ranks: u32) -> Vec<u32> {
-    let mut start = vec![0u32; n_ranks as usize + 1];
-    for &rank in ranks {
-        start[rank as usize + 1] += 1;
-    }
-    for r in 0..n_ranks as usize {
-        start[r + 1] += start[r];
-    }
-    let mut order = vec![0; ranks.len()];
-    for (i, &rank) in ranks.iter().enumerate() {
-        let place = &mut start[rank as usize];
-        order[*place as usize] = i as u32;
-        *place += 1;
-    }
-    order
 }

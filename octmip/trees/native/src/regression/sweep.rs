@@ -241,7 +241,7 @@ impl Sloped<'_> {
         reached: &mut Reached,
     ) {
         let (zero, infinite) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
-        let (above, below) = (simd.splat_f64s(self.slopes.up), simd.splat_f64s(self.slopes.down));
+        let (minus_up, down) = (simd.splat_f64s(-self.slopes.up), simd.splat_f64s(self.slopes.down));
         let gaps: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(self.gaps[j]));
         let (base, halves) = self.start::<V>(m);
         let least: [S::f64s; V] = std::array::from_fn(|j| simd.splat_f64s(halves[j].abs()));
@@ -262,14 +262,15 @@ impl Sloped<'_> {
             let (mut low, mut saved, mut most) = (zero, zero, zero);
             for j in 0..V - 1 {
                 low = simd.add_f64s(low, own[j]);
-                let high = simd.mul_f64s(above, simd.sub_f64s(weight, low));
-                let up = simd.add_f64s(places[j], simd.mul_f64s(below, low));
+                let high = simd.sub_f64s(weight, low);
+                let up = simd.mul_add_f64s(down, low, places[j]);
                 if INSIDE {
                     // The place inside the bucket lies between the two ends, and what is saved is convex in it.
-                    let ends = simd.max_f64s(simd.abs_f64s(up), simd.abs_f64s(simd.sub_f64s(places[j], high)));
+                    let ends =
+                        simd.max_f64s(simd.abs_f64s(up), simd.abs_f64s(simd.mul_add_f64s(minus_up, high, places[j])));
                     most = simd.add_f64s(most, simd.mul_f64s(gaps[j], simd.max_f64s(least[j], ends)));
                 }
-                places[j] = simd.sub_f64s(up, high);
+                places[j] = simd.mul_add_f64s(minus_up, high, up);
                 let own = simd.max_f64s(least[j], simd.abs_f64s(places[j]));
                 saved = simd.add_f64s(saved, simd.mul_f64s(gaps[j], own));
             }

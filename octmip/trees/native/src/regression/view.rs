@@ -1,5 +1,6 @@
 //! The samples that reach a node: one list of ids per feature, each in its order, and one in the order of the targets.
 
+use crate::interval::part;
 use crate::regression::clusters::{Histogram, N_BINS, Sums};
 use crate::regression::samples::Samples;
 
@@ -33,26 +34,9 @@ impl View {
         for (position, &i) in self.list(f).iter().enumerate() {
             marks[i as usize] = position >= k;
         }
-        let sizes = [k, self.len - k];
-        for (side, view) in sides.iter_mut().enumerate() {
-            view.len = sizes[side];
-            // One more: the branchless partition writes ahead.
-            view.lists.resize((samples.p + 1) * sizes[side] + 1, 0);
-        }
-        let [left, right] = sides;
-        for g in 0..=samples.p {
-            let (mut to_left, mut to_right) = (g * k, g * (self.len - k));
-            for &i in self.list(g) {
-                let is_right = marks[i as usize];
-                left.lists[to_left] = i;
-                right.lists[to_right] = i;
-                to_left += usize::from(!is_right);
-                to_right += usize::from(is_right);
-            }
-        }
-        for (side, view) in sides.iter_mut().enumerate() {
-            view.lists.truncate((samples.p + 1) * sizes[side]);
-        }
+        let lists = sides.each_mut().map(|view| &mut view.lists);
+        part(samples.p + 1, (self.len, k), |g| self.list(g), marks, lists);
+        (sides[0].len, sides[1].len) = (k, self.len - k);
     }
 
     /// What the samples sum to.

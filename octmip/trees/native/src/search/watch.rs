@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, AtomicUsize, Ordering};
 
 use crate::control::{KeepGoing, Limits, Progress, Stop};
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::supervise::Supervision;
 
 /// The bound that needs no search: no cost is negative.

@@ -17,6 +17,7 @@ use crate::exact::samples::Samples;
 use crate::exact::samples::label_sets::WIDTH;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
+use crate::interval::Interval;
 
 /// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
 /// away, and would have to wait for a single lane.
@@ -77,19 +78,6 @@ pub(crate) struct Axis {
     counted: Counted,
     is_monotone: bool,
     has_range: bool,
-}
-
-/// Cuts `low..=high` between the solved cuts `a` and `b` are open.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Interval {
-    /// Solved cut before.
-    pub(crate) a: usize,
-    /// Solved cut after.
-    pub(crate) b: usize,
-    /// First open cut.
-    pub(crate) low: usize,
-    /// Last open cut.
-    pub(crate) high: usize,
 }
 
 impl Axis {
@@ -192,8 +180,7 @@ impl Axis {
 
     /// All the cuts that split, None when there are none.
     pub(crate) fn whole(&self) -> Option<Interval> {
-        let last = self.last();
-        (last > 1).then(|| Interval { a: 0, b: last, low: 1, high: last - 1 })
+        Interval::between(0, self.last())
     }
 
     /// Take up the bounds of cuts of feature `f` that were solved before; returns their indices, ascending.
@@ -214,8 +201,7 @@ impl Axis {
     pub(crate) fn gaps<'a>(&'a self, solved: &'a [usize]) -> impl Iterator<Item = Interval> + 'a {
         let ends = std::iter::once(0).chain(solved.iter().copied());
         let others = solved.iter().copied().chain(std::iter::once(self.last()));
-        let open = ends.zip(others).filter(|(a, b)| a + 1 < *b);
-        open.map(|(a, b)| Interval { a, b, low: a + 1, high: b - 1 })
+        ends.zip(others).filter_map(|(a, b)| Interval::between(a, b))
     }
 
     /// The cut that splits with so many samples left of it.
@@ -321,38 +307,10 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = self.middle(interval);
-        let (left, right) = self.bounds(interval, middle);
-        if self.counted == Counted::Nothing || left + right < target {
+        if self.counted == Counted::Nothing {
             return Some(middle);
         }
-        let Interval { low, high, .. } = *interval;
-        let right = self.survivor(interval, (middle, high), target, false);
-        // Only what is nearer to the middle than that.
-        let nearest = right.map_or(low, |k| (2 * middle + 1).saturating_sub(k).max(low));
-        let left = (nearest < middle).then(|| self.survivor(interval, (nearest, middle - 1), target, true)).flatten();
-        left.or(right)
-    }
-
-    /// The first cut of `first..=last` (or the last one) whose children's bounds stay below `target`.
-    ///
-    /// Left bounds grow with the cut and right ones shrink, so that both ends together bound all cuts between.
-    fn survivor(
-        &self,
-        interval: &Interval,
-        (first, last): (usize, usize),
-        target: i64,
-        from_end: bool,
-    ) -> Option<usize> {
-        if self.bounds(interval, first).0 + self.bounds(interval, last).1 >= target {
-            return None;
-        }
-        if first == last {
-            return Some(first);
-        }
-        let middle = first + (last - first) / 2;
-        let halves = [(first, middle), (middle + 1, last)];
-        let order = if from_end { [1, 0] } else { [0, 1] };
-        order.iter().find_map(|&half| self.survivor(interval, halves[half], target, from_end))
+        interval.nearest(middle, target, |k| self.bounds(interval, k))
     }
 
     /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.

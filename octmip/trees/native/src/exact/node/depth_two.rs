@@ -1,11 +1,11 @@
 //! The best tree of at most two levels: bisection over the cuts of the root, both children solved by best stumps.
 
-use crate::exact::node::axis::Interval;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::node::search::Search;
 use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
 use crate::exact::view::View;
+use crate::interval::Interval;
 
 impl Search<'_> {
     /// The best tree of at most two levels if it costs less than `upper`, else the proof that none does.
@@ -93,12 +93,7 @@ impl Search<'_> {
                 let sides = [Plan::Stump, Plan::Stump];
                 *best = NodeResult::found(cost, Plan::split(samples, view, f, place.k, sides));
             }
-            if interval.high > k {
-                open.push(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
-            }
-            if interval.low < k {
-                open.push(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
-            }
+            open.extend(interval.halves(k).into_iter().rev().flatten());
         }
         if let Some(log) = &mut self.log {
             samples.rows_left(view.list(f), &mut counted);

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::exact::effort::Control;
-use crate::exact::node::axis::{Axis, Interval};
+use crate::effort::Control;
+use crate::exact::node::axis::Axis;
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult};
@@ -12,6 +12,7 @@ use crate::exact::stumps::place::StumpSolver;
 use crate::exact::stumps::{solver, width};
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
+use crate::interval::Interval;
 
 /// A cut to be solved.
 #[derive(Debug, Clone, Copy)]
@@ -236,12 +237,7 @@ impl<'a> Search<'a> {
                     }
                 }
             }
-            if interval.low < k {
-                level.queue.push_back(Interval { a: interval.a, b: k, low: interval.low, high: k - 1 });
-            }
-            if interval.high > k {
-                level.queue.push_back(Interval { a: k, b: interval.b, low: k + 1, high: interval.high });
-            }
+            level.queue.extend(interval.halves(k).into_iter().flatten());
         }
         self.levels[depth] = level;
         best.closed(upper)

@@ -5,11 +5,12 @@
 
 use std::collections::VecDeque;
 
-use crate::exact::node::axis::{Axis, Interval};
+use crate::exact::node::axis::Axis;
 use crate::exact::node::result::Solved;
 use crate::exact::node::search::{Cut, Search};
 use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
 use crate::exact::view::View;
+use crate::interval::Interval;
 
 impl Search<'_> {
     /// Lower bound, up to `upper`, of the trees of one level less than `depth` on all samples of a node.
@@ -106,7 +107,7 @@ impl Search<'_> {
             if bounds[0] + bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds });
             }
-            open.extend(halves(&interval, k));
+            open.extend(interval.halves(k).into_iter().flatten());
         }
         self.axis = axis;
         self.positions = positions;
@@ -132,7 +133,7 @@ impl Search<'_> {
             if children.bounds[0] + children.bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds: children.bounds });
             }
-            queue.extend(halves(&interval, k));
+            queue.extend(interval.halves(k).into_iter().flatten());
         }
         self.report_effort();
     }
@@ -142,12 +143,4 @@ impl Search<'_> {
 fn next(axis: &Axis, interval: Interval, target: i64) -> (Option<Interval>, Option<usize>) {
     let narrowed = axis.narrow(interval, target);
     (narrowed, narrowed.and_then(|interval| axis.pick(&interval, target)))
-}
-
-/// What is open of an interval when its cut `k` is solved.
-fn halves(interval: &Interval, k: usize) -> impl Iterator<Item = Interval> + use<> {
-    let Interval { a, b, low, high } = *interval;
-    let left = (low < k).then(|| Interval { a, b: k, low, high: k - 1 });
-    let right = (high > k).then(|| Interval { a: k, b, low: k + 1, high });
-    left.into_iter().chain(right)
 }

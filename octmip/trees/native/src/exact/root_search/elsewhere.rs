@@ -4,7 +4,7 @@
 //! order after it. So tree, bound and evaluated cuts are the same wherever the cuts are solved, and a cut that is lost
 //! with its process is asked for again.
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::search::{Children, Cut, Search};

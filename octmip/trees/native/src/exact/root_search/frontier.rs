@@ -13,8 +13,8 @@ use std::collections::{BinaryHeap, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::exact::effort::Control;
-use crate::exact::node::axis::{Axis, Interval};
+use crate::effort::Control;
+use crate::exact::node::axis::Axis;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::{Children, Cut, Search};
@@ -22,28 +22,7 @@ use crate::exact::root_search::known::Known;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
-
-/// An open interval of a feature; ordered by bound, then by the order of features, then by place.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Open {
-    bound: i64,
-    place: usize,
-    low: usize,
-    high: usize,
-    a: usize,
-    b: usize,
-}
-
-impl Open {
-    fn new(bound: i64, place: usize, interval: Interval) -> Self {
-        let Interval { a, b, low, high } = interval;
-        Self { bound, place, low, high, a, b }
-    }
-
-    fn interval(&self) -> Interval {
-        Interval { a: self.a, b: self.b, low: self.low, high: self.high }
-    }
-}
+use crate::interval::{Interval, Open};
 
 /// Cuts that are chosen and not yet entered: enough to keep a few threads busy, few enough that little is searched for
 /// want of what they will show.
@@ -54,7 +33,7 @@ const N_FIRST: usize = 3;
 
 struct State {
     axes: Vec<Axis>,
-    heap: BinaryHeap<Reverse<Open>>,
+    heap: BinaryHeap<Reverse<Open<i64>>>,
     /// The cuts that are chosen and not yet entered, in order, and how many were entered before them.
     window: VecDeque<Task>,
     n_entered: usize,
@@ -120,12 +99,13 @@ impl<'a> Frontier<'a> {
             let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
             if !cuts.is_empty() {
                 heap.extend(
-                    axis.gaps(&cuts).map(|gap| Reverse(Open::new(samples.penalty + axis.least(&gap), place, gap))),
+                    axis.gaps(&cuts)
+                        .map(|gap| Reverse(Open { bound: samples.penalty + axis.least(&gap), place, interval: gap })),
                 );
                 solved.extend(cuts.iter().map(|&k| (place, k)));
             } else if let Some(interval) = axis.whole() {
                 let bound = samples.penalty + axis.least(&interval);
-                let open = Open::new(bound, place, interval);
+                let open = Open { bound, place, interval };
                 let best = incumbents.get(f).filter(|_| place < N_FIRST && known.is_none());
                 match best.and_then(|incumbent| axis.cut_at(incumbent.position)) {
                     Some(k) => window.push_back(Task {
@@ -186,7 +166,7 @@ impl<'a> Frontier<'a> {
 
     /// Bytes of the queue.
     pub(crate) fn bytes(&self) -> usize {
-        self.lock().heap.capacity() * size_of::<Reverse<Open>>()
+        self.lock().heap.capacity() * size_of::<Reverse<Open<i64>>>()
     }
 
     /// The best tree below the budget, of the cuts that are back and not yet entered included.
@@ -297,7 +277,7 @@ impl<'a> Frontier<'a> {
         let target = state.cost - self.samples.penalty;
         while let Some(Reverse(open)) = state.heap.pop() {
             let axis = &state.axes[open.place];
-            let Some(interval) = axis.narrow(open.interval(), target) else {
+            let Some(interval) = axis.narrow(open.interval, target) else {
                 continue;
             };
             let Some(k) = axis.pick(&interval, target) else {
@@ -323,15 +303,11 @@ impl<'a> Frontier<'a> {
         }
         let axis = &mut state.axes[task.place];
         [axis.left[task.k], axis.right[task.k]] = children.bounds;
-        let Interval { a, b, low, high } = task.interval;
-        let halves =
-            [Interval { a, b: task.k, low, high: task.k - 1 }, Interval { a: task.k, b, low: task.k + 1, high }];
-        let opened: Vec<Open> = halves
-            .into_iter()
-            .filter(|half| half.low <= half.high)
-            .map(|half| {
-                let bound = (axis.least(&half) + self.samples.penalty).max(task.bound);
-                Open::new(bound, task.place, half)
+        let halves = task.interval.halves(task.k).into_iter().flatten();
+        let opened: Vec<Open<i64>> = halves
+            .map(|interval| {
+                let bound = (axis.least(&interval) + self.samples.penalty).max(task.bound);
+                Open { bound, place: task.place, interval }
             })
             .collect();
         state.heap.extend(opened.into_iter().map(Reverse));

@@ -1,7 +1,7 @@
 //! State of the whole search, and its levels one after the other.
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::FeatureIncumbent;
 use crate::exact::node::search::Search;

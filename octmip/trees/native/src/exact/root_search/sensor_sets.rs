@@ -16,7 +16,7 @@
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::node::search::Search;
 use crate::exact::root_search::known::Held;
 use crate::exact::samples::Samples;

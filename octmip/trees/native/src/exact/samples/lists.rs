@@ -5,7 +5,8 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::exact::samples::{Samples, sorted_by_rank};
+use crate::exact::samples::Samples;
+use crate::ranks::sorted_by_rank;
 
 /// The lists of all samples of a problem.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::samples::Samples;
 use crate::exact::subtree::best_subtree;
 use crate::search::prepared::Prepared;

@@ -1,6 +1,6 @@
 //! The most promising cuts of the root, each judged by the exact trees of two levels on both of its sides.
 
-use crate::exact::effort::Control;
+use crate::effort::Control;
 use crate::exact::samples::Samples;
 use crate::exact::subtree::best_subtree;
 use crate::search::prepared::Prepared;
