@@ -1,1 +1,0 @@
-"""A friction damper on a test machine: whose tension readings cannot be right, and what its simplest model lacks."""
