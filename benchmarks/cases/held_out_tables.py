@@ -34,8 +34,10 @@ from octmip import OptimalTreeClassifier
 from octmip.formats.columns import Columns
 
 CSV = Path(__file__).parents[2] / "docs" / "results" / "data" / "tables" / "held-out.csv"
-FIELDS = ("table", "half", "repeat", "fold", "learner", "rows", "columns", "classes", "errors", "tested", "leaves")
-FIELDS += ("cpu_seconds", "kind", "expected", "expected_low", "expected_high")
+FIELDS = (
+    *("table", "half", "repeat", "fold", "learner", "rows", "columns", "classes", "errors", "tested", "leaves"),
+    *("cpu_seconds", "kind", "expected", "expected_low", "expected_high"),
+)
 MOST_TEXTS = 50
 """A column of text with more values names its rows, and is left out."""
 MOST_ALPHAS = 25

@@ -140,7 +140,7 @@ def _overview() -> str:
             "",
             *lines,
             "",
-            "Begin with:  octmip solve TABLE.csv --label COLUMN --depth 2",
+            "Begin with:  octmip solve TABLE.csv --label COLUMN",
             "octmip COMMAND --help describes a command with examples; octmip --version prints the version.",
         ]
     )

@@ -104,18 +104,12 @@ def test_compare_runs_the_method_that_proves_splits_over_two_features(data, run)
         assert all(seconds is None or seconds <= row["seconds"] for seconds in row["seconds_to_gap"].values())
 
 
-def test_compare_starts_the_methods_by_highs_from_the_tree_of_cart(data, run, monkeypatch):
-    starts = {}
-
-    def noted(problem, method, limits=solver.Limits(), incumbent=None, **settings):  # noqa: B008 - frozen
-        starts[method] = incumbent
-        return solver.solve(problem, method, limits, incumbent, **settings)
-
-    monkeypatch.setattr("octmip.interfaces.cli.compare.solve", noted)
+def test_compare_says_who_found_each_tree(data, run):
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
-    assert run(*words)[0] == 0
-    assert starts["search"] is starts["exact"] is None
-    assert starts["oct"] == starts["flow"] != None  # noqa: E711 - a tree
+    code, out, _ = run(*words, "--json")
+    assert code == 0
+    found = {row["method"]: row["tree_by"] for row in json.loads(out)["rows"]}
+    assert found == {"search": "search", "exact": "exact", "oct": "cart", "flow": "cart"}
 
 
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
