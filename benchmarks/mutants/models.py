@@ -71,7 +71,12 @@ MODELS = (
         "covariance = second",
         EVIDENCE,
     ),
-    Mutant("octmip/gap/inference/evidence.py", "gain -= cross.T @ inverse @ eta", "gain -= 0.0", EVIDENCE),
+    Mutant(
+        "octmip/gap/inference/evidence.py",
+        "gain = white.signatures.T @ left - solved[:, :-1].T @ solved[:, -1]",
+        "gain = white.signatures.T @ left",
+        EVIDENCE,
+    ),
     Mutant(
         "octmip/gap/inference/evidence.py",
         "share = log_between(size, spread, bounds) - log_between(mean, sd, bounds)",

@@ -101,8 +101,8 @@ PROOFS = (
     ),
     Mutant(
         "octmip/trees/regression/leaf_models.py",
-        "np.searchsorted(below, below[-1] / 2)",
-        'np.searchsorted(below, below[-1] / 2, side="right")',
+        "np.searchsorted(below, below[-1] * slopes.up / (slopes.up + slopes.down))",
+        'np.searchsorted(below, below[-1] * slopes.up / (slopes.up + slopes.down), side="right")',
         QUESTIONS,
     ),
     Mutant("octmip/trees/near_sets/counting.py", "if entry[0] <= self.units]", "if entry[0] < self.units]", SETS),
