@@ -177,7 +177,7 @@ def key(stratum, family, d_prime=9.0):
 def test_the_spread_is_the_foreign_figure_less_the_own_one():
     own = [(found(0.9, ["modulus"]), key("single", "femlib, other mesh"))] * 4
     other = [(found(0.9, [name]), key("single", "beam")) for name in ("modulus", "creep", "creep", "creep")]
-    columns = tables.spread([*own, *other], [])
+    columns = tables.spread({"diagnosis": [*own, *other]}, [])
     rows = {column: figures[0] for column, figures in columns.items() if figures}
     assert rows["own family"].value == 1.0
     assert rows["foreign families"].value == 0.25

@@ -65,7 +65,9 @@ def test_calculix_finds_the_same_motion_strains_and_frequencies(tmp_path):
     load = plate.pressure("skin", 100.0) + plate.point_load("top", (1.0, 2.0, 0.0))
     write_deck(plate, tmp_path / "own.inp", state, load, GAUGES)
     subprocess.run(["ccx", "own"], cwd=tmp_path, check=True, capture_output=True)
-    ours, theirs = plate.solve(state, load)[:, :3], read_displacements(tmp_path / "own.frd", len(plate.mesh.nodes))
+    # The mesh is coarse (3.4 % by its estimate): the same mesh is compared, not the plate.
+    ours = plate.solve(state, load, limit=0.05)[:, :3]
+    theirs = read_displacements(tmp_path / "own.frd", len(plate.mesh.nodes))
     off = np.abs(ours - theirs)[:-2].max()  # a mast turns its corner of a coarse plate as each mesh pleases
     assert off < 0.01 * np.abs(theirs).max()
     ours, theirs = plate.strain_microstrain(state, load, GAUGES), read_gauges(plate, tmp_path / "own.dat", GAUGES)

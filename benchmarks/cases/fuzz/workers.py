@@ -49,7 +49,7 @@ def kill_workers(seed: int, n_solves: int) -> dict[str, Any]:
         for k in range(n_solves):
             (solve, problem), tree = kinds[k % 2], trees[k % 2]
             cluster.client.wait_for_workers(1)
-            pids = list(cluster.client.run(os.getpid).values())[: 1 + (rng.random() < 0.2)]
+            pids = list(cluster.client.run(os.getpid, on_error="ignore").values())[: 1 + (rng.random() < 0.2)]
             running = _Solve(partial(solve, problem, options=Options(cluster=cluster)))
             if is_early := rng.random() < 0.5:
                 n_kills += sum(map(_kill, pids))

@@ -57,5 +57,7 @@ def _read(kept: Path) -> dict[str, Line]:
 def _key(cell: Cell, means: MeanStrains, recipe: Recipe, restarts: int) -> str:
     sha = hashlib.sha256(Path(_native.__file__).read_bytes())
     sha.update(means.strain_microstrain.tobytes())
-    sha.update(json.dumps([asdict(cell), asdict(recipe), effort_of(cell, restarts)], sort_keys=True).encode())
+    method, options = effort_of(cell, restarts)
+    asked = [asdict(cell), asdict(recipe), method, options.given()]
+    sha.update(json.dumps(asked, sort_keys=True).encode())
     return sha.hexdigest()

@@ -230,5 +230,5 @@ def _key(cell: Cell, is_smoke: bool) -> str:
     """Return what a line depends on: the cell, the wing, the effort, the native core that searched."""
     sha = hashlib.sha256(Path(_native.__file__).read_bytes())
     sha.update(mean_strains("wing").strain_microstrain.tobytes())
-    sha.update(json.dumps([asdict(cell), EFFORT, GREEDY_ROWS, is_smoke], sort_keys=True).encode())
+    sha.update(json.dumps([asdict(cell), EFFORT.given(), GREEDY_ROWS, is_smoke], sort_keys=True).encode())
     return sha.hexdigest()
