@@ -70,7 +70,10 @@ def test_calculix_finds_the_same_motion_strains_and_frequencies(tmp_path):
     theirs = read_displacements(tmp_path / "own.frd", len(plate.mesh.nodes))
     off = np.abs(ours - theirs)[:-2].max()  # a mast turns its corner of a coarse plate as each mesh pleases
     assert off < 0.01 * np.abs(theirs).max()
-    ours, theirs = plate.strain_microstrain(state, load, GAUGES), read_gauges(plate, tmp_path / "own.dat", GAUGES)
+    ours, theirs = (
+        plate.strain_microstrain(state, load, GAUGES, limit=0.05),
+        read_gauges(plate, tmp_path / "own.dat", GAUGES),
+    )
     assert np.abs(ours - theirs).max() < 0.02 * np.abs(theirs).max()
     write_deck(plate, tmp_path / "own.inp", state, load, analysis="frequencies", n_modes=2)
     subprocess.run(["ccx", "own"], cwd=tmp_path, check=True, capture_output=True)

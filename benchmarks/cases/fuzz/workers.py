@@ -20,7 +20,7 @@ from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.cluster import open_cluster
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import Options
+from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 
@@ -42,15 +42,18 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 def kill_workers(seed: int, n_solves: int) -> dict[str, Any]:
     """Solve so many times, each time with a kill; the number of kills, of other answers, and what these were."""
     rng = random.Random(seed)
-    kinds: list[tuple[Solve, Problem]] = [(branch_and_bound, _problem(400)), (local_search, _problem(600))]
-    trees = [solve(problem).tree for solve, problem in kinds]
+    kinds: list[tuple[Solve, type[Options], Problem]] = [
+        (branch_and_bound, ExactOptions, _problem(400)),
+        (local_search, SearchOptions, _problem(600)),
+    ]
+    trees = [solve(problem).tree for solve, _, problem in kinds]
     n_kills, bad = 0, []
     with open_cluster("local", 2) as cluster:
         for k in range(n_solves):
-            (solve, problem), tree = kinds[k % 2], trees[k % 2]
+            (solve, options, problem), tree = kinds[k % 2], trees[k % 2]
             cluster.client.wait_for_workers(1)
             pids = list(cluster.client.run(os.getpid, on_error="ignore").values())[: 1 + (rng.random() < 0.2)]
-            running = _Solve(partial(solve, problem, options=Options(cluster=cluster)))
+            running = _Solve(partial(solve, problem, options=options(cluster=cluster)))
             if is_early := rng.random() < 0.5:
                 n_kills += sum(map(_kill, pids))
                 time.sleep(0.1 * rng.random())
