@@ -17,6 +17,8 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder of the set")
     parser.add_argument("--out", type=Path, required=True, help="where the answers go")
     given = parser.parse_args()
+    if not (given.data / "tests.csv").is_file():
+        parser.error(f"--data {given.data} holds no tests.csv; expected the folder of the set {given.set}; name that")
     answers = SETS[given.set](given.data)
     write_answers(given.out, answers)
     for one in answers:

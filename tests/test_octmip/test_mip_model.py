@@ -76,6 +76,25 @@ def test_a_value_that_is_fixed_counts_as_added():
     assert "rows and fixed values: 1" in solution.details["scope"]
 
 
+def test_a_row_that_takes_the_place_of_another_is_counted_twice():
+    model = octmip.model(small())
+    model.late = pyo.Constraint(expr=model.b[1] >= 0.75)
+    model.threshold[0].deactivate()
+    solution = octmip.solution_of(model, solved(model))
+    assert "rows and fixed values: 2" in solution.details["scope"]
+
+
+def test_bounds_that_are_narrower_are_counted_and_another_objective_is_refused():
+    model = octmip.model(small())
+    model.b[1].setlb(0.75)
+    solved(model)
+    assert "rows and fixed values: 1" in octmip.solution_of(model).details["scope"]
+    model.cost.deactivate()
+    model.other = pyo.Objective(expr=model.b[1])
+    with pytest.raises(ProblemError, match="another objective"):
+        octmip.solution_of(model)
+
+
 def test_a_bound_is_lowered_by_what_tolerances_may_have_added():
     made = model_of(small(), "oct")
     values = made.start()

@@ -48,11 +48,11 @@ class _Links:
             is_left = np.isfinite(link[weakest:end])
             found[weakest:end][is_left] = highest
             link[weakest:end] = np.inf
-            fewer, dearer = self.n_splits[weakest], self.as_leaf[weakest] - self.below[weakest]
+            fewer, increase = self.n_splits[weakest], self.as_leaf[weakest] - self.below[weakest]
             node = int(self.parent[weakest])
             while node >= 0:
                 self.n_splits[node] -= fewer
-                self.below[node] += dearer
+                self.below[node] += increase
                 link[node] = (self.as_leaf[node] - self.below[node]) / max(1, self.n_splits[node])
                 node = int(self.parent[node])
         return found

@@ -141,9 +141,19 @@ def _answer_of(model: Any, results: Any) -> tuple[Model, Answer]:
     if np.isnan(values).any():
         lacks = variables[int(np.isnan(values).argmax())].name
         raise SolverError(f"the variable {lacks} has no value; expected a solution; solve the model first")
+    if [one.name for one in model.component_data_objects(pyo.Objective, active=True)] != ["cost"]:
+        raise ProblemError("the model has another objective than its own; expected 'cost' alone; rows may be added")
+    return made, Answer(values, _bound_of(results), _name_of(results), _n_changes(model, rows, variables))
+
+
+def _n_changes(model: Any, rows: Rows, variables: list[Any]) -> int:
+    """Return how many rows were added or taken away, and how many variables were fixed or bounded anew."""
+    own = {id(row) for name, _ in rows.row_families for row in model.component(name).values() if row.active}
     n_rows = sum(1 for _ in model.component_data_objects(pyo.Constraint, active=True))
-    n_added = abs(n_rows - rows.n_rows) + sum(variable.fixed for variable in variables)
-    return made, Answer(values, _bound_of(results), _name_of(results), n_added)
+    ends = zip(variables, rows.lower, rows.upper, strict=True)
+    is_bound = (v.fixed or (v.lb, v.ub) != tuple(map(_end, (low, high))) for v, low, high in ends)
+    n_bound: int = sum(is_bound)
+    return n_rows + rows.n_rows - 2 * len(own) + n_bound
 
 
 def _add_columns(M: pyo.ConcreteModel, rows: Rows) -> list[Any]:
@@ -157,12 +167,16 @@ def _add_columns(M: pyo.ConcreteModel, rows: Rows) -> list[Any]:
         for position, column in zip(keys, index.ravel().tolist(), strict=True):
             key = tuple(axis[i] for axis, i in zip(axes, position, strict=True))
             one = variable[key if len(key) > 1 else key[0]]
-            one.setlb(None if math.isinf(lower[column]) else lower[column])
-            one.setub(None if math.isinf(upper[column]) else upper[column])
+            one.setlb(_end(lower[column]))
+            one.setub(_end(upper[column]))
             if whole[column]:
                 one.domain = pyo.Binary if lower[column] >= 0 and upper[column] <= 1 else pyo.Integers
             found.append(one)
     return found
+
+
+def _end(value: float) -> float | None:
+    return None if math.isinf(value) else float(value)
 
 
 def _variables(model: Any, rows: Rows) -> list[Any]:
@@ -184,7 +198,7 @@ def _add_rows(M: pyo.ConcreteModel, rows: Rows, variables: list[Any]) -> None:
         for i, place in enumerate(places):
             begin, end = matrix.indptr[place : place + 2]
             body = _sum(matrix.data[begin:end], matrix.indices[begin:end], variables)
-            least, most = (None if math.isinf(v) else float(v) for v in (low[place], high[place]))
+            least, most = (_end(v) for v in (low[place], high[place]))
             constraint[i] = body == least if least == most else (least, body, most)
 
 

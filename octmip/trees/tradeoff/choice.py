@@ -368,7 +368,7 @@ def _judged(
 
 
 def _together(judged: Sequence[Judged], steps: Sequence[Step]) -> Judged:
-    """Return the steps of all families as one, ranked from the simplest: proven before CART, cheapest before dear."""
+    """Return the steps of all families as one, ranked from the simplest; among equals by cost, proven before CART."""
     losses = [np.concatenate(fold, axis=1) for fold in zip(*(one.losses for one in judged), strict=True)]
     before = np.cumsum([[0] * len(losses), *([fold.shape[1] for fold in one.losses] for one in judged[:-1])], axis=0)
     trees = np.concatenate([one.trees + first for one, first in zip(judged, before, strict=True)])
