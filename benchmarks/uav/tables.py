@@ -9,6 +9,7 @@ METHOD_NAMES = {
     "search": "local search",
     "exact": "exact branch and bound",
     "oct": "OCT (HiGHS)",
+    "benders": "Benders on HiGHS",
     "flow": "OCT strengthened (HiGHS)",
     "oct_h": "OCT-H (HiGHS)",
 }

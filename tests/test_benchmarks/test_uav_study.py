@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.uav import study
 from benchmarks.uav.report import write_results
+from benchmarks.uav.tables import METHOD_NAMES
 from femlib.dataset import Recipe, build_dataset, simulated_strains
 from femlib.wing import uav_wing
 
@@ -68,3 +69,7 @@ def test_pictures_and_run_record_are_written(results: Path) -> None:
 
 def _task(row: dict[str, object]) -> tuple[object, ...]:
     return row["task"], row["label"], row["depth"], row["gauge_set"]
+
+
+def test_the_table_has_a_name_for_every_method_that_the_study_asks():
+    assert {method for task in study.TASKS for method in task.methods} <= set(METHOD_NAMES)
