@@ -1,4 +1,5 @@
-"""Numbers as people write them: dates, per cent, money, digits in groups. All cells of a column have one form.
+"""Numbers as people write them: dates, per cent, money, digits in groups. All cells of a column have one form; a
+zero may stand without the sign of the others.
 
 | form | written | read as |
 |---|---|---|
@@ -158,7 +159,7 @@ def _dates(texts: Sequence[str], form: str) -> Floats | None:
 
 def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
     parts = [NUMBER_PART.fullmatch(text) for text in texts]
-    signs = {part["before"] or part["after"] for part in parts if part is not None}
+    signs = {_sign(part) for part in parts if part is not None and not _is_zero(part)} or {""}
     if None in parts or not all(sign in ("", "%") or unicodedata.category(sign) == "Sc" for sign in signs):
         return ()
     if len(signs) > 1:
@@ -167,12 +168,22 @@ def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:
     return tuple(style + sign for style in DIGITS for sign in signs)
 
 
+def _sign(part: re.Match[str]) -> str:
+    return part["before"] or part["after"]
+
+
+def _is_zero(part: re.Match[str]) -> bool:
+    """Whether a number is a zero without a sign, which is nothing in every unit: 0 beside $5."""
+    return not _sign(part) and not set(part["digits"]) - set("0.,")
+
+
 def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
     pattern = re.compile(DIGITS[style] % ("{1,2}" if sign not in ("", "%") else "+"))
     out = []
     for text in texts:
         part = NUMBER_PART.fullmatch(text)
-        if part is None or (part["before"] or part["after"]) != sign or not pattern.fullmatch(part["digits"]):
+        own_sign = part is not None and (_sign(part) == sign or _is_zero(part))
+        if part is None or not own_sign or not pattern.fullmatch(part["digits"]):
             return None
         digits = re.sub(r"[' \u00a0\u202f]", "", part["digits"])
         plain = digits.replace(",", "") if style == "1,000.5" else digits.replace(".", "").replace(",", ".")
