@@ -1,5 +1,4 @@
-"""Numbers as people write them: dates, per cent, money, digits in groups. All cells of a column have one form; a
-zero may stand without the sign of the others.
+"""Numbers as people write them: dates, per cent, money, digits in groups. All cells of a column have one form.
 
 | form | written | read as |
 |---|---|---|
@@ -9,9 +8,9 @@ zero may stand without the sign of the others.
 | `1.000,5` | 1.000,50 or 2,5 | 1000.5, 2.5 |
 | one of these two and a sign, such as `1,000.5$` or `1,000.5%` | $1,000.50, 5 % | 1000.5, 5 |
 
-A column that fits two forms with two meanings is refused: 03/04/2025 where every cell may be day/month or month/day,
-and 1,234 where every comma may group digits or begin decimals. Of money the comma before three digits groups them,
-since amounts have two decimals.
+A zero may stand without the sign of the others. A column that fits two forms with two meanings is refused:
+03/04/2025 where every cell may be day/month or month/day, and 1,234 where every comma may group digits or begin
+decimals. Of money the comma before three digits groups them, since amounts have two decimals.
 """
 
 import math
