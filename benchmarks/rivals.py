@@ -6,6 +6,7 @@ that function is measured: ranking, binarising and copying for a rival are not.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -163,10 +164,13 @@ def _oct(problem: Problem) -> Fit:
 
 def _flow(fix: int) -> Callable[[Problem], Fit]:
     def prepare(problem: Problem) -> Fit:
-        from octmip.trees.mip.flow import solve_flow
+        from octmip.trees.mip.engine import solver_of
+        from octmip.trees.mip.flow import formulate
+
+        solve_flow = solver_of("flow", partial(formulate, fix=fix))
 
         def fit(seconds: float, threads: int) -> Answer:
-            solution = solve_flow(problem, limits=Limits(seconds=seconds), n_jobs=threads, fix=fix)
+            solution = solve_flow(problem, limits=Limits(seconds=seconds), n_jobs=threads)
             return Answer(solution.objective, solution.bound, f"flow fix={fix}", solution.n_nodes)
 
         return fit

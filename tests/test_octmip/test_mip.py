@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.methods.search import local_search
-from octmip.trees.mip import engine
+from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
@@ -100,7 +101,7 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
         request = engine.Request("flow")
         solution = engine.solve_formulation(
             problem,
-            lambda known, f=fix, k=class_count: encode_flow(
+            lambda problem, known, options, f=fix, k=class_count: encode_flow(
                 problem, known.tree, fix=f, class_count=k, prices=known.prices
             ),
             request,
@@ -112,7 +113,7 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
 @pytest.mark.parametrize(("depth", "errors"), [(1, 50), (2, 6)])
 def test_strengthened_rows_prove_iris(depth, errors):
     problem = uci("iris", depth=depth)
-    solution = solve_oct(problem, strengthen=True)
+    solution = solve_flow(problem)
     assert (solution.objective, solution.bound, certify(problem, solution).errors) == (errors, errors, errors)
 
 
@@ -168,7 +169,7 @@ def outcome_of(objective: float, claimed: float) -> highs.Outcome:
 def test_what_a_leaking_model_claims_is_not_believed_and_said_with_both_numbers():
     problem = uci("iris", depth=2)
     solution = engine.solve_formulation(
-        problem, lambda _: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
+        problem, lambda *_: encode(problem, closed=False), engine.Request("oct", Limits(seconds=300))
     )
     certify(problem, solution)
     assert solution.stop is Stop.NUMERICS
@@ -314,7 +315,7 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
     problem = random_problem(np.random.default_rng(seed), max_samples=8, max_features=2, max_depth=3)
     worst = Leaf(int(problem.class_costs().argmin()))
     for fix in (1, 2):
-        solution = solve_flow(problem, incumbent=worst, fix=fix)
+        solution = engine.solver_of("flow", partial(flow.formulate, fix=fix))(problem, incumbent=worst)
         certify(problem, solution)
         assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
         assert solution.is_optimal

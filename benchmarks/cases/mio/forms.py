@@ -19,7 +19,8 @@ from benchmarks.problem_options import ProblemOptions
 from benchmarks.tables import Line
 from octmip.trees.certificate import certify
 from octmip.trees.methods.search import local_search
-from octmip.trees.mip.flow import solve_flow
+from octmip.trees.mip.engine import solver_of
+from octmip.trees.mip.flow import formulate, solve_flow
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.problem import Problem
@@ -30,11 +31,11 @@ Form = Callable[..., Solution]
 
 AXIS: dict[str, Form] = {
     "oct": solve_oct,
-    "flow 0": partial(solve_flow, fix=0),
-    "flow 1": partial(solve_flow, fix=1),
-    "flow 2": partial(solve_flow, fix=2),
+    "flow 0": solver_of("flow", partial(formulate, fix=0)),
+    "flow 1": solver_of("flow", partial(formulate, fix=1)),
+    "flow 2": solve_flow,
 }
-HYPERPLANE: dict[str, Form] = {"oct_h": solve_oct_h, "flow h": partial(solve_oct_h, strengthen=True)}
+HYPERPLANE: dict[str, Form] = {"oct_h": solve_oct_h, "flow h": solve_flow}
 
 
 @dataclass(frozen=True, slots=True)

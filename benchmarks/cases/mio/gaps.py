@@ -44,9 +44,7 @@ def methods(problem: Problem) -> dict[str, Callable[..., Solution]]:
     """Return the methods for a problem, by name."""
     if problem.split == "axis":
         return {"printed": solve_oct, "strengthened": solve_flow, "Benders": solve_benders, "exact": branch_and_bound}
-    strengthened = partial(solve_oct_h, strengthen=True)
-    exact = two_feature_branch_and_bound
-    return {"printed": solve_oct_h, "strengthened": strengthened, "exact": exact}
+    return {"printed": solve_oct_h, "strengthened": solve_flow, "exact": two_feature_branch_and_bound}
 
 
 def results(limit: float, threads: list[int]) -> Iterator[Line]:

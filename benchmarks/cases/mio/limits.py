@@ -21,7 +21,7 @@ from octmip.trees.solution import Limits, Solution
 
 SECONDS = (0.5, 1.0, 2.0, 5.0)
 AXIS: dict[str, Callable[..., Solution]] = {"oct": solve_oct, "flow": solve_flow, "benders": solve_benders}
-PLANES: dict[str, Callable[..., Solution]] = {"oct_h": solve_oct_h, "flow h": partial(solve_oct_h, strengthen=True)}
+PLANES: dict[str, Callable[..., Solution]] = {"oct_h": solve_oct_h, "flow h": solve_flow}
 CASES: tuple[tuple[str, Callable[[], Table], ProblemOptions, dict[str, Callable[..., Solution]]], ...] = (
     ("published mu2, 1750 rows, depth 2", lambda: published("mu2", 0), {"depth": 2}, AXIS),
     ("published mu2, 1750 rows, depth 3", lambda: published("mu2", 0), {"depth": 3}, AXIS),

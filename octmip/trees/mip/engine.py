@@ -13,7 +13,7 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.blocks.heap import Heap, Placed, place, to_tree
+from octmip.trees.mip.blocks.scope import Scope
+from octmip.trees.mip.columns import over_columns
 from octmip.trees.mip.highs import highs, process
 from octmip.trees.mip.highs.claims import Accuracy, accuracy
 from octmip.trees.mip.incumbent import canonicalise, starting_tree
@@ -58,16 +60,8 @@ class Formulation(Protocol):
         """The complete tree it is written over."""
 
     @property
-    def scope(self) -> str:
-        """The trees that its bound speaks about, in words."""
-
-    @property
-    def tolerance(self) -> float:
-        """The feasibility tolerance that its numbers need."""
-
-    @property
-    def notes(self) -> Mapping[str, object]:
-        """Further details of it for the Solution."""
+    def scope(self) -> Scope:
+        """The trees that its bound speaks about."""
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values of a tree laid into the heap, None when the formulation does not hold that tree."""
@@ -96,8 +90,6 @@ class Request:
         column that is the objective, and is named in the details.
     inject
         asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
-    relaxation
-        also solve the linear relaxation, for the details.
     """
 
     method: str
@@ -109,7 +101,10 @@ class Request:
     options: MipOptions = MipOptions()  # noqa: RUF009  (frozen)
     lower_bound: float = -math.inf
     inject: Callable[[float], Node | None] | None = None
-    relaxation: bool = False
+
+
+Formulate = Callable[[Problem, Known, MipOptions], Formulation]
+"""Builds a formulation of a problem from what is known, under the options of its method."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,13 +149,22 @@ class Clock:
             raise LimitReachedError(Stop.MEMORY)
 
 
-def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], request: Request) -> Solution:
-    """Solve a formulation of a problem and return the Solution.
+def solver_of(method: str, formulate: Formulate) -> Callable[..., Solution]:
+    """Return the solver that runs HiGHS on a formulation: of a problem, and by name the further fields of a `Request`.
 
-    Parameters
-    ----------
-    encode
-        builds the formulation.
+    An `incumbent` is the tree to start from; without one it starts from CART's. Readings may be missing. The solver
+    raises what `solve_formulation` and `formulate` raise.
+    """
+
+    @over_columns
+    def solve(problem: Problem, **request: Any) -> Solution:
+        return solve_formulation(problem, formulate, Request(method, **request))
+
+    return solve
+
+
+def solve_formulation(problem: Problem, formulate: Formulate, request: Request) -> Solution:
+    """Solve a formulation of a problem and return the Solution.
 
     Raises
     ------
@@ -176,7 +180,7 @@ def solve_formulation(problem: Problem, encode: Callable[[Known], Formulation], 
     try:
         # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
         known.rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
-        formulation = encode(known)
+        formulation = formulate(problem, known, request.options)
         clock.check(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
         run_formulation(problem, formulation, request, clock, result)
     except LimitReachedError as reached:
@@ -213,10 +217,10 @@ def run_formulation(
         rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
     if request.options.write is not None:
         write_rows(rows, request.options.write, title_of(problem, request.method))
-    result.details |= _describe(problem, formulation, request, clock)
+    result.details |= _describe(problem, formulation, request)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
-    exact = accuracy(rows, prices, formulation.tolerance)
+    exact = accuracy(rows, prices, formulation.scope.tolerance)
     # HiGHS 1.16.0 may take a start for cheaper than it is, and what it finds too: benchmarks/instances/highs_start.py.
     for tolerance, values in ((exact.tolerance, start), (FINEST, None)):
         exact = replace(exact, tolerance=tolerance)
@@ -232,7 +236,7 @@ def _start_values(
     said: dict[str, object] = {"objective": problem.objective(tree), "accepted": False}
     values = formulation.start(place(tree, formulation.heap, problem.features))
     if values is None:
-        return None, said | {"reason": f"outside the model, which holds {formulation.scope}"}
+        return None, said | {"reason": f"outside the model, which holds {formulation.scope.trees}"}
     values = formulation.rows.completed(values)
     worst, where = formulation.rows.violation(values)
     if worst > START_SLACK:
@@ -285,7 +289,7 @@ def _run_once(
 def _is_outside(problem: Problem, formulation: Formulation, tree: Node) -> bool:
     """Whether a tree is none of those that the model holds, where it does not hold all."""
     placed = place(tree, formulation.heap, problem.features)
-    return not formulation.scope.startswith("all") and formulation.start(placed) is None
+    return not formulation.scope.is_whole and formulation.start(placed) is None
 
 
 def _note_run(
@@ -369,18 +373,18 @@ def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
     """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
     most = request.options.max_splits
     if most is None or most >= (2**problem.depth - 1) * problem.max_split_size:
-        return formulation.scope
+        return formulation.scope.trees
     counted = f"split{'s' * (most != 1)}"
     if problem.max_split_size > 1:
         counted = f"feature{'s' * (most != 1)} in all splits"
-    return f"trees of at most {most} {counted} among {formulation.scope}"
+    return f"trees of at most {most} {counted} among {formulation.scope.trees}"
 
 
-def _describe(problem: Problem, formulation: Formulation, request: Request, clock: Clock) -> dict[str, object]:
+def _describe(problem: Problem, formulation: Formulation, request: Request) -> dict[str, object]:
     rows, prices = formulation.rows, formulation.prices
     details: dict[str, object] = {
         "scope": _scope(problem, formulation, request),
-        **formulation.notes,
+        **formulation.scope.notes,
         "model": {
             "rows": rows.n_rows,
             "columns": rows.n_columns,
@@ -391,7 +395,4 @@ def _describe(problem: Problem, formulation: Formulation, request: Request, cloc
     }
     if not math.isinf(request.lower_bound):
         details["lower_bound_given"] = request.lower_bound
-    if request.relaxation:
-        bound = prices.true(highs.relax(rows, clock.left))
-        details["relaxation_bound"] = bound if math.isfinite(bound) else None
     return details

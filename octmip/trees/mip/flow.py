@@ -44,14 +44,13 @@ from octmip.trees.mip.blocks.fixing import admissible_cuts
 from octmip.trees.mip.blocks.groups import Groups, group_samples
 from octmip.trees.mip.blocks.heap import Heap, Placed, place
 from octmip.trees.mip.blocks.hyperplanes import Hyperplanes, add_hyperplanes, all_samples_band, choose_mu, space_of
+from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.blocks.thresholds import Cuts, Thresholds, add_thresholds
-from octmip.trees.mip.columns import over_columns
-from octmip.trees.mip.engine import Request, solve_formulation
+from octmip.trees.mip.engine import solver_of
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Columns, Rows
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Solution
 from octmip.trees.tree import HyperplaneSplit, Node, Split
 
 
@@ -69,21 +68,7 @@ class Flow:
     z: Columns | None  # (n_groups, n_leaves), only where leaf sizes are to be counted
     l: Columns | None  # noqa: E741  (n_leaves,)
     prices: Prices
-
-    @property
-    def scope(self) -> str:
-        """The trees that the bound speaks about."""
-        return self.node_splits.scope
-
-    @property
-    def tolerance(self) -> float:
-        """Feasibility tolerance that the splits need."""
-        return self.node_splits.tolerance
-
-    @property
-    def notes(self) -> Mapping[str, object]:
-        """Details of the splits for a Solution."""
-        return self.node_splits.notes
+    scope: Scope
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values of a tree laid into the heap, None when the rows leave it out."""
@@ -172,7 +157,7 @@ def encode(
         _add_class_counts(rows, heap, groups, splits, counts, f)
     sensor_rows.add_sensor_rows(rows, problem, [splits.feature_columns(m) for m in heap.branches])
     rows.offset = counts.worst
-    return Flow(problem, groups, heap, rows, splits, c, f, z, l, prices)
+    return Flow(problem, groups, heap, rows, splits, c, f, z, l, prices, splits.scope)
 
 
 def _add_leaves(
@@ -256,48 +241,18 @@ def _add_class_counts(
             rows.add("class_count", -np.inf, unsplit, earned, (columns, -numbers), (splits.first(m), unsplit))
 
 
-@over_columns
-def solve_flow(
-    problem: Problem,
-    *,
-    limits: Limits = Limits(),  # noqa: B008  (frozen)
-    incumbent: Node | None = None,
-    seed: int = 0,
-    n_jobs: int = 1,
-    progress: ProgressCallback | None = None,
-    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
-    fix: int = 2,
-    **request: Any,
-) -> Solution:
-    """Solve the flow formulation with HiGHS and return the tree and the bound.
-
-    Parameters
-    ----------
-    incumbent
-        tree to start from; None: CART's.
-    options
-        `mu`, the strictness of hyperplanes, is by default chosen from the data by the rule of
-        `octmip.trees.mip.blocks.hyperplanes`.
-    fix
-        how far cuts are left out of the model beforehand: the levels of `octmip.trees.mip.blocks.fixing`.
-    request
-        the other fields of `octmip.trees.mip.engine.Request`.
-
-    Raises
-    ------
-    SolverError
-        HiGHS failed, or its solution does not survive decoding.
-    """
-    settings = Request("flow", limits, incumbent, seed, n_jobs, progress, options, **request)
-
-    def build(known: Known) -> Flow:
-        return formulate(problem, known, max_splits=options.max_splits, mu=options.mu, fix=fix)
-
-    return solve_formulation(problem, build, settings)
+def formulate(problem: Problem, known: Known, options: MipOptions, fix: int = 2) -> Flow:
+    """Return the flow formulation as rows in what is known; `fix` as in `encode`."""
+    return encode(
+        problem,
+        known.tree,
+        fix=fix,
+        max_splits=options.max_splits,
+        mu=options.mu,
+        prices=known.prices,
+        rows=known.rows,
+    )
 
 
-def formulate(
-    problem: Problem, known: Known, *, max_splits: int | None = None, mu: float | None = None, fix: int = 2
-) -> Flow:
-    """Return the strengthened formulation as rows in what is known."""
-    return encode(problem, known.tree, max_splits=max_splits, mu=mu, fix=fix, prices=known.prices, rows=known.rows)
+solve_flow = solver_of("flow", formulate)
+"""Solve the flow formulation with HiGHS and return the tree and the bound: `octmip.trees.mip.engine.solver_of`."""

@@ -8,9 +8,9 @@ bound is lowered by what a solver's tolerances may have added to it (`octmip.tre
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.files import PathLike
 from octmip.trees.certificate import certify, checked_incumbent
+from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct, oct_h
 from octmip.trees.mip.blocks.heap import place, to_tree
-from octmip.trees.mip.engine import START_SLACK, Formulation, decode, refutation
+from octmip.trees.mip.engine import START_SLACK, Formulate, Formulation, decode, refutation
 from octmip.trees.mip.highs.claims import foreign_bound
 from octmip.trees.mip.highs.highs import Outcome
 from octmip.trees.mip.incumbent import starting_tree
@@ -34,12 +35,12 @@ from octmip.trees.problem_values import refuse_gaps
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node
 
-FORMULATIONS: Mapping[str, Callable[..., Formulation]] = {
+FORMULATIONS: Mapping[str, Formulate] = {
     "oct": oct.formulate,
     "oct_h": oct_h.formulate,
-    "flow": flow.formulate,
+    "flow": partial(flow.formulate, fix=0),
 }
-"""The models that there are, by method."""
+"""The models that there are, by method; none of them leaves out a cut because a better tree is known."""
 MOST_VIOLATION = 1e-4
 """By which a solution may break rows and integrality: ten times the coarsest default."""
 
@@ -107,7 +108,9 @@ class Model:
             the model does not hold the tree.
         """
         if (values := self.start()) is None:
-            raise SolverError(f"the tree to start from is outside the model, which holds {self.formulation.scope}")
+            raise SolverError(
+                f"the tree to start from is outside the model, which holds {self.formulation.scope.trees}"
+            )
         write_values(self.formulation.rows, values, path, title_of(self.problem, self.method))
 
     def read(self, path: PathLike, bound: float = -math.inf, solver: str = "another solver") -> Solution:
@@ -136,7 +139,7 @@ class Model:
         outcome = Outcome(values, price, price, answer.bound, Stop.FINISHED, "", 0, 0.0, math.inf, math.inf)
         if reason := refutation(self.problem, outcome, bound, decoded):
             raise SolverError(f"{reason.replace('HiGHS', answer.solver)}; solve it again with finer tolerances")
-        tree, scope = decoded.tree, formulation.scope
+        tree, scope = decoded.tree, formulation.scope.trees
         if answer.n_added:
             tree = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
             scope += f" that keep what was added to the model (rows and fixed values: {answer.n_added})"
@@ -174,9 +177,5 @@ def model_of(
     tree = starting_tree(problem, checked_incumbent(problem, start), seed, max_splits)
     most = own.worst + own.penalty * (2**problem.depth - 1) * problem.max_split_size  # no tree costs more
     known = Known(tree, problem.objective(tree), whole_prices(problem, most), Rows())
-    settings: dict[str, Any] = {} if method == "oct" else {"mu": mu}
-    if method == "flow":
-        settings["fix"] = 0
-    return Model(
-        problem, method, FORMULATIONS[method](problem, known, max_splits=max_splits, **settings), known, max_splits
-    )
+    options = MipOptions(max_splits=max_splits, mu=mu)
+    return Model(problem, method, FORMULATIONS[method](problem, known, options), known, max_splits)

@@ -39,27 +39,23 @@ Where this departs from print, and why
 Source: Bertsimas & Dunn (2017), Optimal classification trees, Machine Learning 106, eq. 2-24.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks, rank_features
 from octmip.trees.methods.options import MipOptions
-from octmip.trees.mip import flow
 from octmip.trees.mip.blocks import axis, sensor_rows
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.leaves import Leaves, add_leaves
-from octmip.trees.mip.columns import over_columns
-from octmip.trees.mip.engine import Request, solve_formulation
+from octmip.trees.mip.blocks.scope import Scope
+from octmip.trees.mip.engine import solver_of
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Columns, Rows
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Solution
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.tree import Leaf, Split
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,9 +71,7 @@ class Oct:
     d: Columns  # (n_branches,)
     leaves: Leaves
     prices: Prices
-    scope: str = "all axis-aligned trees"
-    tolerance: float = 1e-6
-    notes: Mapping[str, object] = field(default_factory=dict)
+    scope: Scope = Scope()  # noqa: RUF009  (frozen)
 
     def start(self, placed: Placed) -> NDArray[np.float64]:
         """Return the values (n_columns,) of a tree laid into the heap."""
@@ -164,47 +158,17 @@ def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float
     return ranks.ranks.T / steps, 1 / steps
 
 
-@over_columns
-def solve_oct(
-    problem: Problem,
-    *,
-    limits: Limits = Limits(),  # noqa: B008  (frozen)
-    incumbent: Node | None = None,
-    seed: int = 0,
-    n_jobs: int = 1,
-    progress: ProgressCallback | None = None,
-    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
-    strengthen: bool = False,
-    **request: Any,
-) -> Solution:
-    """Solve OCT with HiGHS and return the tree and the bound.
-
-    Parameters
-    ----------
-    incumbent
-        tree to start from; None: CART's.
-    strengthen
-        use the rows of `octmip.trees.mip.flow`, the same trees with a far better bound, instead of the printed.
-    request
-        the other fields of `octmip.trees.mip.engine.Request`.
+def formulate(problem: Problem, known: Known, options: MipOptions) -> Oct:
+    """Return OCT as rows in what is known.
 
     Raises
     ------
     ProblemError
         the problem asks for hyperplanes.
-    SolverError
-        HiGHS failed, or its solution does not survive decoding.
     """
     axis.require_axis(problem, "oct")
-    settings = Request("oct", limits, incumbent, seed, n_jobs, progress, options, **request)
-
-    def build(known: Known) -> Oct | flow.Flow:
-        return (flow.formulate if strengthen else formulate)(problem, known, max_splits=options.max_splits)
-
-    return solve_formulation(problem, build, settings)
+    return encode(problem, max_splits=options.max_splits, prices=known.prices, rows=known.rows)
 
 
-def formulate(problem: Problem, known: Known, *, max_splits: int | None = None) -> Oct:
-    """Return OCT as rows in what is known."""
-    axis.require_axis(problem, "oct")
-    return encode(problem, max_splits=max_splits, prices=known.prices, rows=known.rows)
+solve_oct = solver_of("oct", formulate)
+"""Solve OCT with HiGHS and return the tree and the bound: `octmip.trees.mip.engine.solver_of`."""

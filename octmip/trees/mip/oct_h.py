@@ -29,14 +29,12 @@ Source: Bertsimas & Dunn (2017), Optimal classification trees, Machine Learning 
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.trees.methods.options import MipOptions
-from octmip.trees.mip import flow
 from octmip.trees.mip.blocks import sensor_rows
 from octmip.trees.mip.blocks.heap import Heap, Placed, place
 from octmip.trees.mip.blocks.hyperplanes import (
@@ -47,14 +45,13 @@ from octmip.trees.mip.blocks.hyperplanes import (
     space_of,
 )
 from octmip.trees.mip.blocks.leaves import Leaves, add_leaves
-from octmip.trees.mip.columns import over_columns
-from octmip.trees.mip.engine import Request, solve_formulation
+from octmip.trees.mip.blocks.scope import Scope
+from octmip.trees.mip.engine import solver_of
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Rows
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Solution
-from octmip.trees.tree import HyperplaneSplit, Node, Split
+from octmip.trees.tree import HyperplaneSplit, Split
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,21 +64,7 @@ class OctH:
     hyperplanes: Hyperplanes
     leaves: Leaves
     prices: Prices
-
-    @property
-    def scope(self) -> str:
-        """The trees that the bound speaks about."""
-        return self.hyperplanes.scope
-
-    @property
-    def tolerance(self) -> float:
-        """Feasibility tolerance that mu needs."""
-        return self.hyperplanes.tolerance
-
-    @property
-    def notes(self) -> dict[str, object]:
-        """Details of the splits for a Solution."""
-        return self.hyperplanes.notes
+    scope: Scope
 
     def start(self, placed: Placed) -> NDArray[np.float64] | None:
         """Return the values (n_columns,) of a tree laid into the heap, None when it has no band of mu."""
@@ -137,62 +120,28 @@ def encode(
             normal = (a[:, m - 1][None, :], space.x)
             rows.add("right", -wide, np.inf, normal, (b[[m - 1]], -1.0), (z, -wide))
     sensor_rows.add_sensor_rows(rows, problem, [hyperplanes.feature_columns(m) for m in heap.branches])
-    return OctH(problem, heap, rows, hyperplanes, leaves, prices)
+    return OctH(problem, heap, rows, hyperplanes, leaves, prices, hyperplanes.scope)
 
 
-@over_columns
-def solve_oct_h(
-    problem: Problem,
-    *,
-    limits: Limits = Limits(),  # noqa: B008  (frozen)
-    incumbent: Node | None = None,
-    seed: int = 0,
-    n_jobs: int = 1,
-    progress: ProgressCallback | None = None,
-    options: MipOptions = MipOptions(),  # noqa: B008 (frozen)
-    strengthen: bool = False,
-    **request: Any,
-) -> Solution:
-    """Solve OCT-H with HiGHS and return the best tree of both kinds and the bound over the mu-separated ones.
-
-    Parameters
-    ----------
-    incumbent
-        tree to start from; None: CART's.
-    strengthen
-        use the rows of `octmip.trees.mip.flow` instead of the printed ones.
-    options
-        `mu`, the strictness, is by default chosen from the data by the rule of `octmip.trees.mip.blocks.hyperplanes`.
-    request
-        the other fields of `octmip.trees.mip.engine.Request`.
+def formulate(problem: Problem, known: Known, options: MipOptions) -> OctH:
+    """Return OCT-H as rows in what is known; without `mu`, with the strictness that the known tree and the data ask.
 
     Raises
     ------
     ProblemError
         the problem asks for axis-aligned trees.
-    SolverError
-        HiGHS failed, or its solution does not survive decoding.
     """
-    _require_hyperplanes(problem)
-    settings = Request("oct_h", limits, incumbent, seed, n_jobs, progress, options, **request)
-
-    def build(known: Known) -> OctH | flow.Flow:
-        return (flow.formulate if strengthen else formulate)(
-            problem, known, max_splits=options.max_splits, mu=options.mu
-        )
-
-    return solve_formulation(problem, build, settings)
-
-
-def formulate(problem: Problem, known: Known, *, max_splits: int | None = None, mu: float | None = None) -> OctH:
-    """Return OCT-H as rows in what is known; without `mu`, with the strictness that the known tree and the data ask."""
-    _require_hyperplanes(problem)
+    if problem.split != "hyperplane":
+        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
+    mu = options.mu
     if mu is None:
         heap = Heap(problem.depth)
         mu = choose_mu(space_of(problem, centred=False), place(known.tree, heap, problem.features), heap)
-    return encode(problem, mu, max_splits=max_splits, prices=known.prices, rows=known.rows)
+    return encode(problem, mu, max_splits=options.max_splits, prices=known.prices, rows=known.rows)
 
 
-def _require_hyperplanes(problem: Problem) -> None:
-    if problem.split != "hyperplane":
-        raise ProblemError(f"method 'oct_h' finds hyperplane trees but split is {problem.split!r}; choose 'oct'")
+solve_oct_h = solver_of("oct_h", formulate)
+"""Solve OCT-H with HiGHS; return the best tree of both kinds and the bound over the mu-separated ones.
+
+See `octmip.trees.mip.engine.solver_of`.
+"""

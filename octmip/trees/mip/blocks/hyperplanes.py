@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.mip.blocks.heap import Heap, Placed
+from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.rows import Columns, Rows, Term
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, midpoint
@@ -66,11 +67,13 @@ class Space:
     reach: float
     is_exact: bool
 
-    def scope(self, mu: float) -> str:
+    def scope(self, mu: float) -> Scope:
         """Return the trees that a bound for a strictness mu speaks about."""
+        trees = f"mu-separated trees: every sample that a leaf keeps lies outside a band of {mu:.3g} at each split"
         if self.is_exact:
-            return f"all trees with whole coefficients up to {self.coefficient:g}"
-        return f"mu-separated trees: every sample that a leaf keeps lies outside a band of {mu:.3g} at each split"
+            trees = f"all trees with whole coefficients up to {self.coefficient:g}"
+        kind = "integer" if self.is_integer else "real"
+        return Scope(trees, tolerance_for(mu), {"mu": mu, "normals": kind, "is_strictness_exact": self.is_exact})
 
     def normal_of(self, split: Split | HyperplaneSplit) -> NDArray[np.float64]:
         """Return the coefficients (n_features,) of a split on the transformed features."""
@@ -163,18 +166,7 @@ class Hyperplanes:
     group: Columns | None  # (n_groups, n_branches): which of allowed_splits a node reads from
 
     @property
-    def tolerance(self) -> float:
-        """Feasibility tolerance that HiGHS needs for mu."""
-        return tolerance_for(self.mu)
-
-    @property
-    def notes(self) -> dict[str, object]:
-        """Details of the splits for a Solution."""
-        kind = "integer" if self.space.is_integer else "real"
-        return {"mu": self.mu, "normals": kind, "is_strictness_exact": self.space.is_exact}
-
-    @property
-    def scope(self) -> str:
+    def scope(self) -> Scope:
         """The trees that a bound speaks about."""
         return self.space.scope(self.mu)
 

@@ -20,6 +20,7 @@ from octmip.trees.encoding import Ranks
 from octmip.trees.mip.blocks import axis
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.hyperplanes import Band
+from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.rows import Columns, Rows, Term
 from octmip.trees.tree import Leaf, Split
 
@@ -33,13 +34,11 @@ class Thresholds:
     ranks: Ranks
     cuts: Mapping[int, Cuts]
     S: Mapping[int, Mapping[int, Columns]]
-    scope: str = "all axis-aligned trees"
-    tolerance: float = 1e-6
 
     @property
-    def notes(self) -> dict[str, object]:
-        """Details of the splits for a Solution: the number of cuts that each branch node may make."""
-        return {"cuts": {str(m): sum(map(len, of_node.values())) for m, of_node in self.cuts.items()}}
+    def scope(self) -> Scope:
+        """The trees that a bound speaks about; the notes count the cuts that each branch node may make."""
+        return Scope(notes={"cuts": {str(m): sum(map(len, of_node.values())) for m, of_node in self.cuts.items()}})
 
     def first(self, m: int) -> Columns:
         """Return the columns S_mj0, one for each feature that node m may split on: their sum is d_m."""

@@ -163,14 +163,6 @@ def arrays(rows: Rows) -> dict[str, Any]:
     }
 
 
-def relax(rows: Rows, limits: Limits = Limits()) -> float:  # noqa: B008  (frozen)
-    """Return the bound of the linear relaxation of a model; -inf when the limits do not suffice."""
-    with lent_worker() as lent:
-        settings: dict[str, Any] = {"solve_relaxation": True, **_threads(1)}
-        outcome = _Supervisor(lent, rows, limits, None, None).over(_job(rows, settings, None, None))
-    return outcome.objective if outcome.status == "kOptimal" else -math.inf
-
-
 def _job(
     rows: Rows, settings: dict[str, Any], start: NDArray[np.float64] | None, inject: Callable[..., Any] | None
 ) -> dict[str, Any]:
