@@ -256,7 +256,7 @@ def test_a_known_noise_stands_in_for_repeats(tmp_path):
     once = measured(1, repeats=1)
     diagnosis = diagnose(once, TWIN, commissioning=None, noise_sd=31.6)
     assert diagnosis.is_sound
-    assert diagnosis.noise.sd_microstrain == pytest.approx(31.6)
+    assert np.sqrt(np.diag(diagnosis.noise.covariance)) == pytest.approx(np.full(20, 31.6))
     assert any("given standard deviation is taken as known" in note for note in diagnosis.notes)
     by_gauge = diagnose(once, TWIN, noise_sd=dict.fromkeys(TWIN.gauges, 31.6))
     assert by_gauge.which[0].probability == pytest.approx(diagnosis.which[0].probability)

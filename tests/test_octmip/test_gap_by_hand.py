@@ -9,12 +9,12 @@ from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell
-from octmip.gap.campaign.noise import JUMP_SD, Jump, Noise, given_noise, least_moment
+from octmip.gap.campaign.noise import JUMP_SD, Jump, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
+from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _Mixture, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.evidence import _between, alike, fits_of, log_between
-from tests.test_octmip.beam_twin import measured
 
 
 def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,)):
@@ -87,7 +87,7 @@ def test_what_a_walk_shares_between_two_averages_is_the_mean_of_the_earlier_mome
 def test_means_of_white_noise_have_its_variance_over_their_repeats():
     noise = given_noise(("a", "b"), {"a": 2.0, "b": 3.0})
     assert noise.of_mean(np.array([4, 9]), 1.0) == pytest.approx(np.diag([1.0, 1.0]))
-    shared = Noise(("a", "b"), np.array([[4.0, 1.0], [1.0, 9.0]]), 1.0, {2.0: 3.0}, 0.0, 0.0, 0.0, (), (), 9.0)
+    shared = Noise(("a", "b"), (NoisePart(np.array([[4.0, 1.0], [1.0, 9.0]]), WHITE),), scale={2.0: 3.0})
     assert shared.of_mean(np.array([4, 2]), 1.0)[0, 1] == pytest.approx(1.0 / 4)  # two readings of four are of both
     assert shared.of_mean(np.array([4, 4]), 2.0)[0, 0] == pytest.approx(3.0)
     for wrong in (0.0, -1.0, np.inf, np.nan):
@@ -96,10 +96,11 @@ def test_means_of_white_noise_have_its_variance_over_their_repeats():
 
 
 def test_the_offset_of_a_jump_acts_from_its_first_row_on():
-    noise = Noise(("a", "b"), np.diag([4.0, 9.0]), 1.0, {}, 0.0, 0.0, 0.0, (), (), 9.0, jumps=(Jump("b", 3, 1.0),))
+    noise = Noise(("a", "b"), (NoisePart(np.diag([4.0, 9.0]), WHITE),), jumps=(Jump("b", 3, 1.0),))
     rows = [np.array([0, 1, 2]), np.array([2, 3]), np.array([3, 4])]
     cells = [AveragedCell(k, np.zeros(2), np.full(2, len(r)), 0.0, r, r + 1.0) for k, r in enumerate(rows)]
-    found = noise.offsets(cells, np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0]))
+    at = [cells, (1.0, 1.0, 1.0), np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0])]
+    found = noise.of_averages(*at) - noise.of_scatter(*at)
     assert found == pytest.approx(JUMP_SD**2 * 9.0 * np.outer([0.0, 0.5, 1.0, 0.0], [0.0, 0.5, 1.0, 0.0]))
 
 
@@ -134,14 +135,13 @@ def test_repeats_differ_beyond_the_rounding_of_the_greatest_reading():
 
 
 def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
-    campaign = measured(0, loads=(1.0, 2.0, 3.0))
-    rng = np.random.default_rng(0)
+    rng, loads = np.random.default_rng(0), (1.0, 2.0, 3.0)
     blocks = tuple(sd * rng.standard_normal((50, 20)) for sd in (1.0, 1.0, 2.0))
     every, ones = np.ones(20, dtype=bool), np.ones(20)
-    scale = _scales(campaign, _Scatter(blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    scale = _scales(_Scatter(ones, loads, blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
     assert [scale[load] for load in (1.0, 2.0, 3.0)] == pytest.approx([0.5, 0.5, 2.0], rel=0.1)
     alike_blocks = tuple(block / sd for block, sd in zip(blocks, (1.0, 1.0, 2.0), strict=True))
-    same = _scales(campaign, _Scatter(alike_blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    same = _scales(_Scatter(ones, loads, alike_blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
     assert set(same.values()) == {1.0}
 
 

@@ -148,7 +148,7 @@ def test_strange_noise_is_reported_as_noise_and_not_as_an_effect(name):
 def test_white_noise_raises_no_finding_and_its_size_is_right():
     noise = estimate_noise(measured(2))
     assert noise.findings == ()
-    assert noise.sd_microstrain == pytest.approx(31.6, rel=0.05)
+    assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(np.full(20, 31.6), rel=0.05)
 
 
 def test_serial_correlation_inflates_the_variance_of_means_as_theory_says():

@@ -8,7 +8,8 @@ import pytest
 from octmip.gap import diagnose
 from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of, spectra_of
+from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
+from octmip.gap.campaign.wandering import sizes
 from octmip.gap.channels.source_of_noise import noise_of_run
 from tests.test_octmip.beam_twin import Beam, measured
 
@@ -52,7 +53,7 @@ def walking(step):
 def test_the_variance_of_means_is_without_bias(rho, n):
     """The variance of batch means is .84 to .66 of the true one at rho .7 to .85 and n = 50."""
     rng = np.random.default_rng(1)
-    found = [fit(spectra_of([coefficients(remembering(rng, (n, 96), rho)) ** 2])).of_mean(n) for _ in range(20)]
+    found = [fit([coefficients(remembering(rng, (n, 96), rho))]).of_mean(n) for _ in range(20)]
     true = float(inflation_of(np.array([rho]), n)[0]) / n
     assert 0.97 < np.mean(found) / true < (1.08 if n == 50 or rho < 0.7 else 1.35)
 
@@ -62,7 +63,7 @@ def test_expected_cosines_are_exact():
     covariance = rho ** np.abs(np.subtract.outer(np.arange(n), np.arange(n)))
     basis = coefficients(np.eye(n))
     rng = np.random.default_rng(2)
-    few = fit(spectra_of([coefficients(remembering(rng, (n, 20000), rho)) ** 2]))
+    few = fit([coefficients(remembering(rng, (n, 20000), rho))])
     assert few.of_mean(n) == pytest.approx(covariance.sum() / n**2, rel=0.03)
     assert np.allclose(basis @ np.ones(n), 0.0)
 
@@ -101,8 +102,8 @@ def test_a_walk_is_named_and_carried_from_cell_to_cell():
 
 def test_white_noise_has_no_part_across_cells():
     campaign = measured(2)
-    noise = estimate_noise(campaign)
     averages = averages_of(campaign, split=False)
+    noise = sizes(estimate_noise(campaign), averages)[0][0]
     index = np.arange(len(averages))
     assert not noise.across(averages, index, np.zeros_like(index)).any()
     assert noise.inflation == pytest.approx(1.0, abs=0.05)
@@ -148,7 +149,7 @@ def test_the_one_gauge_that_wanders_has_a_part_of_its_own():
 def test_a_run_without_repeats_takes_the_noise_of_the_campaign():
     campaign, run = measured(1), measured(2, repeats=2)
     noise, notes = noise_of_run(run, estimate_noise(campaign))
-    assert noise.sd_microstrain == pytest.approx(SD, rel=0.1)
+    assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(np.full(20, SD), rel=0.1)
     assert "campaign's is used" in notes[0]
     diagnosis = diagnose(campaign, TWIN, commissioning=run)
     assert any("campaign's is used" in note for note in diagnosis.notes)

@@ -9,10 +9,9 @@ from benchmarks.cases.gap.noise import Beam as Cantilever
 from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
 from octmip.gap.campaign.averages import averages_of, moments_of
-from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import least_moment
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.campaign.wandering import PRIOR, moves_together, transition, wanders_of
+from octmip.gap.campaign.wandering import moves_together, sizes
 from octmip.gap.location import noise_variance
 from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured
@@ -84,11 +83,11 @@ def test_something_unknown_is_no_walk_where_the_readings_are_calm():
 
 def test_sizes_hold_all_that_repeats_leave_open():
     campaign = measured(1)
-    wanders = wanders_of(estimate_noise(campaign), averages_of(campaign, split=False))
-    assert sum(wander.share for wander in wanders) == pytest.approx(1.0, abs=1e-4)
-    assert wanders[0].noise.walk_sd == 0.0
-    assert PRIOR.sum() == pytest.approx(1.0)
-    assert all(0.0 < transition(wanders[0], other) <= 1.0 for other in wanders)
+    found = sizes(estimate_noise(campaign), averages_of(campaign, split=False))
+    assert sum(np.exp(log_share) for _, log_share in found) == pytest.approx(1.0, abs=1e-4)
+    steps = [noise.walk_sd for noise, _ in found]
+    assert steps[0] == 0.0
+    assert len(set(steps)) == len(steps) > 1
 
 
 def test_a_walk_goes_by_time_where_that_is_recorded():
@@ -146,32 +145,3 @@ def test_joints_that_stick_are_unexplained_and_no_sound_asset(course):
 def test_walks_of_single_gauges_do_not_move_together(sound):
     inputs = sound.posterior.model.inputs
     assert moves_together(sound.noise, inputs.averages) == 0.0
-
-
-def stepping(height=0.5, dwell=40.0):
-    """White noise with steps up and down, of each gauge by itself, which go on from load to load."""
-    side = [None]
-
-    def noise(rng, shape, load):
-        start = rng.integers(2, size=shape[1]) if side[0] is None else side[0]
-        sides = start + np.cumsum(rng.random(shape) < 1.0 / dwell, axis=0)
-        side[0] = sides[-1]
-        return SD * (rng.standard_normal(shape) + height * (-1.0) ** sides)
-
-    return noise
-
-
-def test_the_memory_of_readings_is_weighed_where_repeats_leave_it_open():
-    stepped = estimate_noise(measured(21, noise=stepping()))
-    memories = memories_of(stepped, 50)
-    assert len(memories) > 1
-    assert sum(one.share for one in memories) == pytest.approx(1.0, abs=0.01)
-    means = [one.noise.parts[0].of_mean(50) * np.trace(one.noise.parts[0].covariance) for one in memories]
-    assert max(means) > 1.5 * min(means)
-    assert min(means) < stepped.parts[0].of_mean(50) * np.trace(stepped.parts[0].covariance) < max(means)
-
-
-def test_white_readings_are_looked_at_as_white_first():
-    first = memories_of(estimate_noise(measured(1)), 50)[0]
-    assert first.share > 0.9
-    assert first.noise.parts[0].serial.white_probability > 0.99

@@ -18,6 +18,7 @@ from femlib.arrays import FloatArray
 from octmip.gap import Campaign, diagnose
 from octmip.gap.campaign.averages import averages_of
 from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.campaign.wandering import sizes
 from octmip.gap.channels.checks import checked
 from octmip.twin import Effect, State
 
@@ -93,9 +94,10 @@ def alarms(kind: str, draws: int) -> Line:
         campaign, run = drawn(kind, 2 * seed), drawn(kind, 2 * seed + 1)
         clock = Stopwatch()
         checks = checked(campaign)
-        noise = estimate_noise(checks.campaign)
+        averages = averages_of(checks.campaign, split=False)
+        noise = sizes(estimate_noise(checks.campaign), averages)[0][0]
         milliseconds.append(1e3 * clock.read()[0])
-        for part, cell in zip(averages_of(checks.campaign, split=False), checks.campaign.cells, strict=True):
+        for part, cell in zip(averages, checks.campaign.cells, strict=True):
             expected = OWN * twin.predict({}, cell.load_factor)
             own = np.array([campaign.gauges.index(name) for name in checks.campaign.gauges])
             index, every = np.zeros(len(own), dtype=np.int64), np.arange(len(own))

@@ -7,7 +7,7 @@ gauges have, and what gauges share (see `noise_parts`). Means of N repeats have 
 
 with the inflation of the part's serial correlation (see `spectrum`) and scale(L), the ratio of the scatter at load L to
 the pooled one. Halves of one cell share a little more; a part that wanders is carried from cell to cell, and a gauge
-that jumped has an unknown offset from then on: these covariances between averages are `Noise.across`.
+that jumped has an unknown offset from then on: `Noise.of_averages`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 
 JUMP_SD = 1e3
 """Standard deviation of the offset after a jump in those of a reading: nothing is known of it."""
+RANDOM_WALK = "random_walk"
+"""Name of the finding that readings wander."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,20 +39,14 @@ class NoisePart:
         (n_gauges, n_gauges) of one reading [square of its unit], what wanders left out.
     serial
         its serial correlation.
-    excess
-        factor on the variance of means for what white noise, AR(1) and a walk do not explain.
-    open_serial
-        what repeats alone leave of the serial correlation, improbable walks included; None where that is `serial`.
     """
 
     covariance: Floats
     serial: Serial
-    excess: float = 1.0
-    open_serial: Serial | None = None
 
     def of_mean(self, n: int) -> float:
         """Return the variance of a mean of n readings over that of one."""
-        return self.excess * self.serial.of_mean(n) / self.serial.variance
+        return self.serial.of_mean(n) / self.serial.variance
 
     def between(self, averages: Sequence[AveragedCell]) -> Floats:
         """Return the covariances (n_averages, n_averages) that `of_mean` leaves out, over the variance of a reading."""
@@ -70,10 +66,9 @@ class NoisePart:
         if one.moments[0] > other.moments[0]:
             one, other = other, one
         n, m = len(one.rows), len(other.rows)
-        distance = float(other.moments.min() - one.moments.min())
         if other.moments.min() <= one.moments.max():
             return 0.0
-        return self.excess * self.serial.between(n, m, max(n, round(distance)))
+        return self.serial.between(n, m, max(n, round(float(other.moments.min() - one.moments.min()))))
 
 
 def least_moment(one: Floats, other: Floats) -> float:
@@ -115,28 +110,22 @@ class Noise:
     ----------
     gauges
         names.
-    covariance
-        (n_gauges, n_gauges) of one reading, in the squares of the units.
+    parts
+        whose sum it is, what single gauges have first, then what gauges share.
     inflation
         factor on the variance of means for serial correlation, of the typical gauge and cell.
     scale
         variance ratio by load.
-    lag1
-        lag-1 correlation of successive repeats.
     kurtosis
         excess kurtosis, 0 for a normal distribution.
     step
         quantisation step in the unit of the readings, 0 when none is seen.
     stuck
         gauges that stand still, always or for a time.
-    findings
-        names of what is not plain white noise, of the effects' list.
+    properties
+        names of what is not plain white noise, of the effects' list, a walk left out.
     clipped
         by gauge that met the end of its range, where that lies in its unit.
-    degrees
-        repeats less cells, over the gauges' mean.
-    parts
-        whose sum it is; none: white.
     jumps
         gauges that jumped.
     outliers
@@ -144,23 +133,33 @@ class Noise:
     """
 
     gauges: tuple[str, ...]
-    covariance: NDArray[np.float64]
-    inflation: float
-    scale: Mapping[Load, float]
-    lag1: float
-    kurtosis: float
-    step: float
-    stuck: tuple[str, ...]
-    findings: tuple[str, ...]
-    degrees: float
+    parts: tuple[NoisePart, ...]
+    inflation: float = 1.0
+    scale: Mapping[Load, float] = field(default_factory=dict)
+    kurtosis: float = 0.0
+    step: float = 0.0
+    stuck: tuple[str, ...] = ()
+    properties: tuple[str, ...] = ()
     clipped: Mapping[str, float] = field(default_factory=dict)
-    parts: tuple[NoisePart, ...] = ()
     jumps: tuple[Jump, ...] = ()
     outliers: Mapping[str, float] = field(default_factory=dict)
 
-    def __post_init__(self) -> None:
-        if not self.parts:
-            object.__setattr__(self, "parts", (NoisePart(self.covariance, WHITE),))
+    @property
+    def covariance(self) -> Floats:
+        """(n_gauges, n_gauges) of one reading, in the squares of the units."""
+        return np.asarray(np.sum([part.covariance for part in self.parts], axis=0))
+
+    @property
+    def lag1(self) -> float:
+        """Lag-1 correlation of successive repeats."""
+        weight = np.array([np.trace(part.covariance) for part in self.parts])
+        return float(weight @ [part.serial.lag1 for part in self.parts] / weight.sum())
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Names of what is not plain white noise, of the effects' list."""
+        wanders = any(part.serial.walk_probability > 0.5 for part in self.parts)
+        return (*self.properties, *[RANDOM_WALK] * wanders)
 
     @property
     def walk_sd(self) -> float:
@@ -169,18 +168,18 @@ class Noise:
         step = own.serial.step_variance / own.serial.variance
         return float(np.sqrt(step * np.median(np.diag(own.covariance))))
 
-    @property
-    def sd_microstrain(self) -> float:
-        """Typical standard deviation of one reading [microstrain]."""
-        return float(np.sqrt(np.median(np.diag(self.covariance))))
-
     def of_gauges(self, gauges: Sequence[str]) -> "Noise":
         """Return the noise of these gauges, in their order."""
         order = [self.gauges.index(name) for name in gauges]
-        table = np.ix_(order, order)
-        parts = tuple(replace(part, covariance=part.covariance[table]) for part in self.parts)
+        parts = tuple(replace(part, covariance=part.covariance[np.ix_(order, order)]) for part in self.parts)
         jumps = tuple(jump for jump in self.jumps if jump.gauge in gauges)
-        return replace(self, gauges=tuple(gauges), covariance=self.covariance[table], parts=parts, jumps=jumps)
+        return replace(self, gauges=tuple(gauges), parts=parts, jumps=jumps)
+
+    def with_own(self, serial: Serial) -> "Noise":
+        """Return the noise with another memory of what single gauges have."""
+        own = self.parts[0]
+        part = NoisePart(own.covariance * (serial.variance / own.serial.variance), serial)
+        return replace(self, parts=(part, *self.parts[1:]))
 
     def of_mean(self, repeats: NDArray[np.int64], load: Load) -> Floats:
         """Return the covariance (n_gauges, n_gauges) of means of so many repeats (n_gauges,), one or more per gauge."""
@@ -199,7 +198,11 @@ class Noise:
     ) -> Floats:
         """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
         total = self.of_scatter(averages, loads, average, gauge)
-        return total + self.offsets(averages, average, gauge) if self.jumps else total
+        for jump in self.jumps:
+            k = self.gauges.index(jump.gauge)
+            after = np.array([float((part.rows >= jump.row).mean()) for part in averages])[average] * (gauge == k)
+            total += JUMP_SD**2 * self.covariance[k, k] * np.outer(after, after)
+        return total
 
     def of_scatter(
         self,
@@ -224,15 +227,6 @@ class Noise:
                 total += shared[np.ix_(average, average)] * part.covariance[np.ix_(gauge, gauge)]
         return total
 
-    def offsets(self, averages: Sequence[AveragedCell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
-        """Return the covariance (n, n) of the offsets that gauges have since they jumped."""
-        total = np.zeros((len(average), len(average)))
-        for jump in self.jumps:
-            k = self.gauges.index(jump.gauge)
-            after = np.array([float((part.rows >= jump.row).mean()) for part in averages])[average] * (gauge == k)
-            total += JUMP_SD**2 * self.covariance[k, k] * np.outer(after, after)
-        return total
-
 
 def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noise:
     """Return white noise of a known standard deviation in the unit of the readings, of all gauges or by gauge.
@@ -246,5 +240,4 @@ def given_noise(gauges: tuple[str, ...], sd: float | Mapping[str, float]) -> Noi
     for name, value in zip(gauges, wanted, strict=True):
         if not (np.isfinite(value) and value > 0.0):
             raise DataError(f"noise_sd of gauge {name} is {value}; expected a positive number in its unit; give it")
-    covariance = np.diag(np.square(np.array(wanted, dtype=np.float64)))
-    return Noise(gauges, covariance, 1.0, {}, 0.0, 0.0, 0.0, (), (), float("inf"))
+    return Noise(gauges, (NoisePart(np.diag(np.square(np.array(wanted, dtype=np.float64))), WHITE),))

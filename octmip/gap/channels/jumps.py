@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.campaign.spectrum import SHORTEST, Serial, coefficients, fit, spectra_of
+from octmip.gap.campaign.spectrum import SHORTEST, Serial, coefficients, fit
 
 Floats = NDArray[np.float64]
 
@@ -113,7 +113,7 @@ def _memory(blocks: list[Floats]) -> Serial:
     squares = [coefficients(block) ** 2 for block in blocks]
     slow = np.concatenate([square[:4].sum(axis=0) for square in squares])
     limit = float(np.quantile(slow, KEPT))
-    return fit(spectra_of([square[:, square[:4].sum(axis=0) <= limit] for square in squares]))
+    return fit([np.sqrt(square[:, square[:4].sum(axis=0) <= limit]) for square in squares])
 
 
 def _steps(block: Floats, serial: Serial) -> tuple[Floats, Floats]:

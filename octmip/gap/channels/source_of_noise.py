@@ -24,7 +24,7 @@ def noise_of(
         clipped=checks.clipped,
         jumps=tuple(jump for jump in checks.jumps if jump.gauge in noise.gauges),  # the others have no reading left
         outliers=checks.outliers,
-        findings=tuple(dict.fromkeys((*noise.findings, *checks.findings))),
+        properties=tuple(dict.fromkeys((*noise.properties, *checks.findings))),
     )
     return noise, notes
 

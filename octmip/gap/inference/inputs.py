@@ -3,7 +3,7 @@
 All of them hold whatever the states of the asset are; what depends on the states is the linear model's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.averages import AveragedCell, averages_of
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.memory import memories_of
 from octmip.gap.campaign.noise import Noise
-from octmip.gap.campaign.wandering import wanders_of
+from octmip.gap.campaign.wandering import sizes
 from octmip.gap.channels.checks import calm, checked
 from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
@@ -94,8 +93,7 @@ class Inputs:
     run
         the commissioning run, if there is one that counts.
     noises
-        the noise for every size of a walk and of a memory that the repeats leave open, with the log of its probability;
-        `noise` is one of them.
+        the noise for every size of a walk that the repeats leave open, with the log of its probability; `noise` is one.
     """
 
     campaign: Campaign
@@ -212,7 +210,7 @@ def prepare(
     known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise, reference)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
-    noises = _noises(noise, averages)
+    noises = sizes(noise, averages)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
@@ -261,17 +259,6 @@ def _of_difference(inputs: Inputs) -> list[str]:
     return notes
 
 
-def _noises(noise: Noise, averages: Sequence[AveragedCell]) -> tuple[tuple[Noise, float], ...]:
-    """Return the noise for every size of a walk and of a memory that the repeats leave open, the likeliest first."""
-    typical = int(np.median([len(part.rows) for part in averages]))
-    found = [
-        (memory.noise, float(np.log(wander.share * memory.share)))
-        for wander in wanders_of(noise, averages)
-        for memory in memories_of(wander.noise, typical)
-    ]
-    return tuple(sorted(found, key=lambda pair: -pair[1]))
-
-
 def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference: Load) -> Frame:
     order = tuple(twin.gauges.index(name) for name in campaign.gauges)
     every = dict.fromkeys([*campaign.loads, *(run.loads if run is not None else ())])
@@ -305,7 +292,7 @@ def _read(run: Campaign, frame: Frame, noise: Noise, reference: Load) -> tuple[R
     loads = [run.cells[part.cell].load for part in averages]
     usual = usual_difference(frame.twin, noise.gauges, reference, Differences())
     tried = []
-    for own, log_share in _noises(of_run, averages):
+    for own, log_share in sizes(of_run, averages):
         covariance = own.of_averages(averages, loads, means.average, means.gauge)
         value = log_at_levels(usual, means.rows, means.measured - means.predicted, covariance)
         tried.append((value + log_share, covariance))
