@@ -95,9 +95,9 @@ def _different(blocks: Sequence[Floats], serial: Serial) -> list[int]:
     long = [block for block in blocks if len(block) >= SHORTEST]
     if not long or long[0].shape[1] < 3:
         return []
-    left = sum((coefficients(block)[1:LOW] ** 2).T @ (1.0 / serial.expected(len(block))[1:LOW]) for block in long)
-    chance = chi2.sf(left, (LOW - 1) * len(long))
-    return np.flatnonzero(chance < DIFFERENT / len(chance))[:MOST_SHARED].tolist()
+    power = [(coefficients(block)[1:LOW] ** 2).T @ (1.0 / serial.expected(len(block))[1:LOW]) for block in long]
+    chance = np.asarray(chi2.sf(np.sum(power, axis=0), (LOW - 1) * len(long)))
+    return [int(k) for k in np.flatnonzero(chance < DIFFERENT / len(chance))[:MOST_SHARED]]
 
 
 def _shared(blocks: Sequence[Floats], serial: Serial, inflation: float, found: Floats) -> Floats:
