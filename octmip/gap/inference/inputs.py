@@ -93,7 +93,7 @@ class Inputs:
     run
         the commissioning run, if there is one that counts.
     noises
-        the noise for every size of a walk that the repeats leave open, with the log of its probability; `noise` is one.
+        the noise for every size of a walk or memory that repeats leave open, with its log probability; `noise` is one.
     """
 
     campaign: Campaign
