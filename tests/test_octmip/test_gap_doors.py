@@ -169,7 +169,7 @@ def test_a_table_extrapolates_nothing(tmp_path):
     ("change", "told"),
     [
         (lambda text: text.replace("tip", "top", 1), "lacks the column 'tip' of its card"),
-        (lambda text: text.replace("80,0,0,0,", "80,0,0,low,", 1), "row 2, column tip is 'low'"),
+        (lambda text: text.replace("80,0,0,0,", "80,0,0,low,", 1), "row 3, column tip is 'low'"),
         (lambda text: text + '\n"1,2', "cannot be read"),
     ],
 )

@@ -9,7 +9,7 @@ import pytest
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Campaign, diagnose, function_twin, read_campaign
 from octmip.gap.doors.card import Range
-from octmip.gap.doors.parameter import ParameterEffect
+from octmip.gap.doors.parameter import parameter_effect
 from octmip.gap.effects import chain_of
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
@@ -252,6 +252,6 @@ def test_a_load_in_another_unit_is_named_beside_the_readings_that_follow_it(tmp_
 @pytest.mark.parametrize("unit", ["1", "-", ""])
 def test_a_pure_number_is_written_without_a_unit(unit):
     assert amount(0.252, unit) == "0.252"
-    effect = ParameterEffect("share", Range(0.3, 0.0, 1.0, unit), None)
+    effect = parameter_effect("share", Range(0.3, 0.0, 1.0, unit), None)
     assert effect.parameter == "share above the model's 0.3"
     assert effect.prior_source == "the range 0 to 1"

@@ -146,19 +146,13 @@ def read_card(path: str | Path) -> Card:
     Raises
     ------
     DataError
-        no such file, no JSON object, a key that no card has, a range that is none.
+        no such file, no JSON object, a key that no card has, an entry of another kind, a range that is none.
     """
     return card_from(path, read_json_object(path, "the card of a model"))
 
 
 def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:
-    """Return the card that the JSON object of a file holds.
-
-    Raises
-    ------
-    DataError
-        a key that no card has, an entry of another kind, a range that is none.
-    """
+    """Return the card that the JSON object of a file holds; complaints are those of `read_card`."""
     if not isinstance(content.get("readings"), dict):
         raise DataError(f"card {path} has no object 'readings'; expected the unit of every reading by name; add it")
     unknown = [name for name in content if name not in ENTRIES]
@@ -167,8 +161,7 @@ def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:
             f"card {path} has the key {shown(unknown[0])}; expected among {list(ENTRIES)}; rename or drop it"
         )
     try:
-        taken = Record({name: ENTRIES[name] for name in content}).take(content)
-        return Card(**taken)
+        return Card(**Record({name: ENTRIES[name] for name in content}).take(content))
     except DataError as error:
         raise DataError(f"card {path}: {error}") from error
 

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import TwinError
 from octmip.gap.doors.card import Card, RangeLike
-from octmip.gap.doors.parameter import ParameterEffect
+from octmip.gap.doors.parameter import parameter_effect
 from octmip.twin import ONE_LOAD, Effect, State
 
 Floats = NDArray[np.float64]
@@ -43,12 +43,18 @@ class FunctionTwin:
         what it is asked for and answers.
     effects
         one for every parameter, and others that are added: `with_effects`.
+
+    The others are the card's, under the names of `octmip.twin.Twin`.
     """
 
     def __init__(self, function: Function, card: Card, effects: Sequence[Effect] = ()) -> None:
         self.function = function
         self.card = card
-        own: list[Effect] = [ParameterEffect(name, values, self.ask) for name, values in card.ranges.items()]
+        self.gauges, self.units = tuple(card.readings), tuple(card.readings.values())
+        self.channels = tuple(card.channels.get(name, name) for name in card.readings)
+        self.loads, self.parameters = tuple(card.loads), tuple(card.states)
+        self.state_limits, self.sign, self.is_linear_in_load = card.state_limits, card.sign, card.linear
+        own: list[Effect] = [parameter_effect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
         self._answers: dict[tuple[float, ...], Floats] = {}
 
@@ -60,46 +66,6 @@ class FunctionTwin:
         twin = copy(self)
         twin.effects = {**self.effects, **{effect.name: effect for effect in effects}}
         return twin
-
-    @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the readings."""
-        return tuple(self.card.readings)
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Unit of every reading."""
-        return tuple(self.card.readings.values())
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        """Instrument of every reading."""
-        return tuple(self.card.channels.get(name, name) for name in self.card.readings)
-
-    @property
-    def loads(self) -> tuple[str, ...]:
-        """Names of what is applied or set."""
-        return tuple(self.card.loads)
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters that a campaign gives test by test."""
-        return tuple(self.card.states)
-
-    @property
-    def state_limits(self) -> Mapping[str, float]:
-        """Up to which value a state is looked for, by name."""
-        return self.card.state_limits
-
-    @property
-    def is_linear_in_load(self) -> bool:
-        """Whether readings are proportional to the load, of several loads to all of them together."""
-        return self.card.linear
-
-    @property
-    def sign(self) -> str:
-        """What a positive reading is, in words."""
-        return self.card.sign
 
     def predict(self, state: State, load_factor: Applied) -> Floats:
         """Return the readings (n_readings,) at the parameters' nominal values."""

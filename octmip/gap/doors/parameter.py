@@ -5,7 +5,7 @@ of the model; the exact forward map asks the model at the value itself, so a mod
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -46,40 +46,19 @@ class ParameterEffect:
     name: str
     range: Range
     ask: Ask
+    parameter: str
+    unit: str
+    prior_sd: float
+    prior_source: str
+    separated_by: str
+    is_one_sided: bool
+    bounds: tuple[float, float]
+    words: str
+    action: str
+    says: tuple[str, str]
     load_power: int | None = None
     prior_mean: float = 0.0
     signature_error: float = BENT
-    parameter: str = field(init=False)
-    unit: str = field(init=False)
-    prior_sd: float = field(init=False)
-    prior_source: str = field(init=False)
-    separated_by: str = field(init=False)
-    is_one_sided: bool = field(init=False)
-    bounds: tuple[float, float] = field(init=False)
-    words: str = field(init=False)
-    action: str = field(init=False)
-    says: tuple[str, str] = field(init=False)
-
-    def __post_init__(self) -> None:
-        called, own = self.name.replace("_", " "), self.range
-        width = own.high - own.low
-        is_at_end = own.nominal in (own.low, own.high)
-        below = own.nominal == own.high
-        unit = "" if own.unit in PURE else f" {own.unit}"
-        of = f"the model's {own.nominal:g}{unit}"
-        for name, value in {
-            "parameter": f"{called} {'below' if below else 'above'} {of}",
-            "unit": own.unit,
-            "prior_sd": (2 * SHARE if is_at_end else SHARE) * width,
-            "prior_source": f"the range {own.low:g} to {own.high:g}{unit}",
-            "separated_by": f"a measurement of the {called} itself shows it",
-            "is_one_sided": is_at_end,
-            "bounds": (0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
-            "words": called,
-            "action": f"correct the {called}",
-            "says": (f"it is {{size}} {'below' if below else 'above'} {of}", f"it is {{size}} below {of}"),
-        }.items():
-            object.__setattr__(self, name, value)
 
     @property
     def _sign(self) -> float:
@@ -105,3 +84,26 @@ class ParameterEffect:
 
     def _at(self, state: State, load: Any, size: float) -> Floats:
         return self.ask(state, load, {self.name: self.range.nominal + self._sign * size} if size else {})
+
+
+def parameter_effect(name: str, own: Range, ask: Ask) -> ParameterEffect:
+    """Return the effect that a parameter with a range is another than the model's."""
+    called, width = name.replace("_", " "), own.high - own.low
+    is_at_end, below = own.nominal in (own.low, own.high), own.nominal == own.high
+    unit = "" if own.unit in PURE else f" {own.unit}"
+    of, way = f"the model's {own.nominal:g}{unit}", "below" if below else "above"
+    return ParameterEffect(
+        name=name,
+        range=own,
+        ask=ask,
+        parameter=f"{called} {way} {of}",
+        unit=own.unit,
+        prior_sd=(2 * SHARE if is_at_end else SHARE) * width,
+        prior_source=f"the range {own.low:g} to {own.high:g}{unit}",
+        separated_by=f"a measurement of the {called} itself shows it",
+        is_one_sided=is_at_end,
+        bounds=(0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
+        words=called,
+        action=f"correct the {called}",
+        says=(f"it is {{size}} {way} {of}", f"it is {{size}} below {of}"),
+    )

@@ -55,17 +55,23 @@ def script_twin(
     if not program.is_file():
         raise DataError(f"script {program} is not there; expected a program; check the path")
     known = card_beside(path, card, linear)
-    own = [sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())]
-    words = list(command) or own
+    words = list(command) or ([sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())])
 
     def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Any:
         asked = json.dumps({"parameters": dict(parameters), "loads": dict(loads)})
-        return _answer(run_program(words, f"script {program}", seconds, asked), program)
+        lines = _said(words, f"script {program}", seconds, asked).strip().splitlines() or [""]
+        try:
+            return {str(name): float(value) for name, value in json.loads(lines[-1]).items()}
+        except (ValueError, AttributeError, TypeError) as error:
+            raise TwinError(
+                f"script {program} prints {lines[-1][:60]!r} last; expected one JSON object of readings, a number each "
+                f"({error})"
+            ) from error
 
     return FunctionTwin(function, known)
 
 
-def run_program(words: Sequence[str], called: str, seconds: float, asked: str) -> str:
+def _said(words: Sequence[str], called: str, seconds: float, asked: str) -> str:
     """Return what a program prints.
 
     Raises
@@ -88,15 +94,3 @@ def run_program(words: Sequence[str], called: str, seconds: float, asked: str) -
             f"{called} ended with code {done.returncode} ({said[-1] if said else 'and said nothing'}); expected 0"
         )
     return done.stdout
-
-
-def _answer(said: str, program: Path) -> dict[str, float]:
-    lines = said.strip().splitlines()
-    try:
-        answer = json.loads(lines[-1])
-        return {str(name): float(value) for name, value in answer.items()}
-    except (IndexError, ValueError, AttributeError, TypeError) as error:
-        last = lines[-1][:60] if lines else ""
-        raise TwinError(
-            f"script {program} prints {last!r} last; expected one JSON object of readings, a number each ({error})"
-        ) from error

@@ -5,21 +5,19 @@ Both are exact at the rows. Nothing is extrapolated: outside of the table there 
 is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact the twin is.
 """
 
-import io
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError
 
 from octmip.errors import DataError, TwinError
-from octmip.formats.files import read_bytes
 from octmip.formats.table import read_table
+from octmip.gap.campaign.table import read_campaign_table
 from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 
@@ -57,36 +55,21 @@ def _numbers(path: Path, names: list[str]) -> Floats:
     """Return the columns of the names (n, n_names), at least one row."""
     if path.suffix.lower() in (".parquet", ".pq"):
         numbers = read_table(path).numbers(names)
-    else:
-        numbers = _numbers_of_text(path, names)
-    if not len(numbers):
-        raise DataError(f"table {path} has no row; expected one for each combination of inputs; add them")
-    return numbers
-
-
-def _numbers_of_text(path: Path, names: list[str]) -> Floats:
+        if not len(numbers):
+            raise DataError(f"table {path} has no row; expected one for each combination of inputs; add them")
+        return numbers
     try:
-        frame = pd.read_csv(io.BytesIO(read_bytes(path)), comment="#")  # as campaigns, and unlike samples, have them
-    except (ValueError, UnicodeDecodeError) as error:
-        raise DataError(f"table {path} cannot be read ({error}); expected a header and numbers below it") from error
-    missing = [name for name in names if name not in frame.columns]
-    if missing:
-        raise DataError(
-            f"table {path} lacks the column {missing[0]!r} of its card; got {list(map(str, frame.columns))[:6]}...; "
-            "add it"
-        )
-    try:
-        columns = [pd.to_numeric(frame[name], errors="coerce") for name in names]
-    except OverflowError as error:
-        raise DataError(f"table {path} holds a number beyond float64; expected up to 1.8e308; correct it") from error
-    numbers = np.array(columns, dtype=np.float64).T
+        table = read_campaign_table(path)
+        missing = [name for name in names if name not in table.header]
+        if missing:
+            raise DataError(f"it lacks the column {missing[0]!r} of its card; got {list(table.header[:6])}...; add it")
+        numbers = np.array([table.floats(name) for name in names]).T
+    except DataError as error:
+        raise DataError(f"table {path} cannot be read: {error}") from error
     bad = np.argwhere(~np.isfinite(numbers))
     if len(bad):
         row, column = (int(k) for k in bad[0])
-        raise DataError(
-            f"table {path}, row {row + 2}, column {names[column]} is {frame[names[column]].iloc[row]!r}; expected a "
-            "finite number"
-        )
+        raise DataError(f"table {path}, row {table.numbers[row]}, column {names[column]} is empty; expected a number")
     return numbers
 
 
@@ -118,35 +101,14 @@ def _slack(low: Floats, high: Floats) -> Floats:
 
 
 def _of_points(points: Floats, values: Floats, names: list[str], path: str) -> Any:
-    """Return the interpolator of the columns that vary."""
+    """Return the interpolator of the columns that vary: along a grid, else over triangles."""
     if not names:
         return lambda at: values.mean(axis=0)
     axes = [np.unique(points[:, k]) for k in range(len(names))]
-    shape = tuple(len(axis) for axis in axes)
-    if len(points) == int(np.prod(shape)):
-        grid = np.full((*shape, values.shape[1]), np.nan)
-        grid[tuple(np.searchsorted(axis, points[:, k]) for k, axis in enumerate(axes))] = values
-        if np.isfinite(grid).all():
-            regular = RegularGridInterpolator(axes, grid, method="linear")
-            return lambda at: regular(at)[0]
-    return _of_scattered(points, values, names, path)
-
-
-def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
-    """Refuse two rows (n, n_inputs) of the same inputs: which of their readings holds is not known."""
-    _, row_of, count = np.unique(points, axis=0, return_inverse=True, return_counts=True)
-    if (count > 1).any():
-        same = np.flatnonzero(row_of.ravel() == int(np.argmax(count > 1)))[:2]
-        at = (
-            ", ".join(f"{name} {value:g}" for name, value in zip(names, points[same[0]], strict=True)) or "inputs, none"
-        )
-        raise DataError(
-            f"table {path}, rows {same[0] + 2} and {same[1] + 2} hold the same {at}; expected one row for each; drop "
-            "one, or average them"
-        )
-
-
-def _of_scattered(points: Floats, values: Floats, names: list[str], path: str) -> Any:
+    if len(points) == np.prod([len(axis) for axis in axes]):  # no row comes twice, so all of the grid is there
+        grid = values[np.lexsort(points.T[::-1])].reshape(*map(len, axes), values.shape[1])
+        regular = RegularGridInterpolator(axes, grid, method="linear")
+        return lambda at: regular(at)[0]
     width = np.ptp(points, axis=0)
     try:
         scattered = LinearNDInterpolator(points / width, values)
@@ -166,3 +128,16 @@ def _of_scattered(points: Floats, values: Floats, names: list[str], path: str) -
         return found
 
     return inside
+
+
+def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
+    """Refuse two rows (n, n_inputs) of the same inputs: which of their readings holds is not known."""
+    _, row_of, count = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    if (count > 1).any():
+        same = np.flatnonzero(row_of.ravel() == int(np.argmax(count > 1)))[:2]
+        values = zip(names, points[same[0]], strict=True)
+        at = ", ".join(f"{name} {value:g}" for name, value in values) or "inputs, none"
+        raise DataError(
+            f"table {path}, rows {same[0] + 2} and {same[1] + 2} hold the same {at}; expected one row for each; drop "
+            "one, or average them"
+        )
