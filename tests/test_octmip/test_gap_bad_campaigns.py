@@ -7,7 +7,8 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.campaign.clipping import unclipped
+from octmip.gap.channels.checks import checked
+from octmip.gap.channels.flat import clipped_in
 from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
@@ -221,10 +222,10 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
     whole = measured(5, loads=(-3.0, -2.0, 0.0, 2.0, 3.0))
     readings = whole.readings.copy()
     readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
-    left, rails, notes = unclipped(replace(whole, readings=readings))
-    assert set(rails) == {"g07"}
-    assert [float(cell.load) for cell in left.cells if np.isfinite(cell.mean[6])] == [0.0]
-    assert [note.partition(" microstrain")[0] for note in notes] == [
+    found = checked(replace(whole, readings=readings))
+    assert found.clipped == {"g07": 900.0}
+    assert [float(cell.load) for cell in found.campaign.cells if np.isfinite(cell.mean[6])] == [0.0]
+    assert [note.partition(" microstrain")[0] for note in found.notes] == [
         "Clipped: column g07 stops at 900",
         "Clipped: column g07 stops at -900",
     ]
@@ -244,12 +245,12 @@ def test_an_effect_is_found_beside_clipped_gauges():
 
 def test_no_rail_is_seen_where_there_is_none():
     plain = measured(5)
-    assert unclipped(plain)[1] == {}
+    assert clipped_in(plain) == []
     coarse = type(plain)(
         plain.gauges, plain.parameters, plain.test, plain.load_factor, plain.states,
         np.round(plain.readings / 80.0) * 80.0, plain.time, plain.temperature,
     )  # fmt: skip
-    assert unclipped(coarse)[1] == {}
+    assert clipped_in(coarse) == []
 
 
 def test_a_known_noise_stands_in_for_repeats(tmp_path):

@@ -128,8 +128,6 @@ class Noise:
         by gauge that met the end of its range, where that lies in its unit.
     jumps
         gauges that jumped.
-    outliers
-        by gauge with far-off readings, their share.
     """
 
     gauges: tuple[str, ...]
@@ -142,7 +140,6 @@ class Noise:
     properties: tuple[str, ...] = ()
     clipped: Mapping[str, float] = field(default_factory=dict)
     jumps: tuple[Jump, ...] = ()
-    outliers: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def covariance(self) -> Floats:

@@ -2,26 +2,27 @@
 
 | fault | what becomes of it |
 |---|---|
-| clipped | readings of the cells that met the end of the range are left out |
 | stuck | readings that stand still are left out, the channel where it recorded nothing else |
+| clipped | readings of the cells that met the end of the range are left out |
 | jump | readings of its cell are left out, later ones have an unknown offset |
 | outliers | means withstand them |
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.campaign.clipping import unclipped
 from octmip.gap.campaign.noise import Jump
-from octmip.gap.channels.jumps import Found, jumps_in
+from octmip.gap.channels.fault import Fault
+from octmip.gap.channels.flat import clipped_in, stuck_in
+from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.channels.outliers import robust
-from octmip.gap.channels.stuck import Stuck, stuck_in
 
+KINDS = (stuck_in, clipped_in, jumps_in)
+"""What is looked for, each in what the one before has left."""
 NAMED = 4
 """Channels named one by one in a sentence about many."""
 
@@ -34,27 +35,48 @@ class Checked:
     ----------
     campaign
         what is left.
-    stuck
-        channels that stand still, always or for a time.
-    clipped
-        by channel that met the end of its range, where that lies in its unit.
-    jumps
-        gauges that jumped.
+    gauges
+        names of the channels before, to which the faults refer.
+    faults
+        what is left out.
     outliers
         by gauge with far-off readings, their share.
     is_one_sided
         whether far-off readings lie to one side.
-    notes
-        a sentence for each, what stands still first.
     """
 
     campaign: Campaign
-    stuck: tuple[str, ...]
-    clipped: Mapping[str, float]
-    jumps: tuple[Jump, ...]
+    gauges: tuple[str, ...]
+    faults: tuple[Fault, ...]
     outliers: Mapping[str, float]
     is_one_sided: bool
-    notes: tuple[str, ...]
+
+    @property
+    def stuck(self) -> tuple[str, ...]:
+        """Channels that stand still, always or for a time."""
+        return tuple(self.gauges[fault.gauge] for fault in self._of("stuck"))
+
+    @property
+    def clipped(self) -> Mapping[str, float]:
+        """By channel that met the end of its range, where that lies in its unit: of two ends the upper one."""
+        return {self.gauges[fault.gauge]: fault.value for fault in reversed(self._of("clipped"))}
+
+    @property
+    def jumps(self) -> tuple[Jump, ...]:
+        """Gauges that jumped."""
+        return tuple(Jump(self.gauges[fault.gauge], fault.first, fault.value) for fault in self._of("jump"))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A sentence for each fault, what stands still first, and one on far-off readings."""
+        words = [fault.words for fault in self.faults]
+        most = sorted(self.outliers.items(), key=lambda pair: -pair[1])
+        if most:
+            named = ", ".join(f"{name} {100 * part:.1f} %" for name, part in most[:NAMED])
+            rest = f" and {len(most) - NAMED} more" if len(most) > NAMED else ""
+            end = "of all; means are taken so that they do not count. Look for interference."
+            words.append(f"Far-off readings: {named}{rest} {end}")
+        return tuple(words)
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -68,6 +90,9 @@ class Checked:
         }
         return tuple(name for name, is_there in found.items() if is_there)
 
+    def _of(self, kind: str) -> list[Fault]:
+        return [fault for fault in self.faults if fault.kind == kind]
+
 
 def checked(campaign: Campaign) -> Checked:
     """Return the campaign without what its channels do wrong; channels of which nothing is left are no longer in it.
@@ -77,21 +102,14 @@ def checked(campaign: Campaign) -> Checked:
     DataError
         nothing is left.
     """
-    still = stuck_in(campaign)
-    left, rails, of_clipping = unclipped(_without_readings(campaign, still))
-    jumped = jumps_in(left)
-    left = _without_jumps(left, jumped)
+    left, faults = campaign, []
+    for look in KINDS:
+        found = look(left)
+        left = _without(left, found)
+        faults += found
     sturdy = robust(left)
     left = _without_silent(replace(left, readings=sturdy.readings), campaign)
-    jumps = tuple(Jump(campaign.gauges[j.gauge], j.row, j.size) for j in jumped)
-    notes = (
-        *(_of_stuck(campaign, entry) for entry in still),
-        *of_clipping,
-        *(_of_jump(campaign, jump) for jump in jumped),
-        *_of_outliers(sturdy.share),
-    )
-    names = tuple(campaign.gauges[entry.gauge] for entry in still)
-    return Checked(left, names, rails, jumps, sturdy.share, sturdy.is_one_sided, notes)
+    return Checked(left, campaign.gauges, tuple(faults), sturdy.share, sturdy.is_one_sided)
 
 
 def calm(run: Campaign) -> Campaign:
@@ -107,16 +125,16 @@ def calm(run: Campaign) -> Campaign:
     return replace(run, readings=readings) if np.isfinite(readings).any() else run
 
 
-def _without_readings(campaign: Campaign, still: list[Stuck]) -> Campaign:
-    if not still:
+def _without(campaign: Campaign, faults: Sequence[Fault]) -> Campaign:
+    if not faults:
         return campaign
     readings = np.array(campaign.readings)
-    for entry in still:
-        readings[entry.rows, entry.gauge] = np.nan
+    for fault in faults:
+        readings[fault.rows, fault.gauge] = np.nan
     if not np.isfinite(readings).any():
         raise DataError(
-            f"all {len(campaign.gauges)} gauges stand still (first {campaign.gauges[0]}); expected readings that "
-            "scatter; look whether the table holds copies of one row"
+            f"of {len(campaign.gauges)} gauges no reading is left ({faults[0].words}); expected readings that scatter; "
+            "look whether the table holds copies of one row"
         )
     return replace(campaign, readings=readings)
 
@@ -130,42 +148,3 @@ def _without_silent(campaign: Campaign, before: Campaign) -> Campaign:
     gauges = tuple(campaign.gauges[k] for k in keep)
     units = tuple(campaign.units[k] for k in keep) if campaign.units else ()
     return replace(campaign, gauges=gauges, readings=campaign.readings[:, keep], units=units)
-
-
-def _without_jumps(campaign: Campaign, jumps: list[Found]) -> Campaign:
-    if not jumps:
-        return campaign
-    readings: NDArray[np.float64] = np.array(campaign.readings)
-    for jump in jumps:
-        readings[campaign.cells[jump.cell].rows, jump.gauge] = np.nan
-    return replace(campaign, readings=readings)
-
-
-def _of_stuck(campaign: Campaign, entry: Stuck) -> str:
-    name, first = campaign.gauges[entry.gauge], int(entry.rows[0])
-    levels = np.unique(campaign.readings[entry.rows, entry.gauge])
-    at = f"at {levels[0]:g} {campaign.unit_of(name)}" if len(levels) == 1 else f"at {len(levels)} levels"
-    if entry.is_whole:
-        return f"Stuck: readings of {name} never change between repeats ({at}); the channel is left out. Repair it."
-    rows = f"{len(entry.rows)} readings (first in row {campaign.row_number(first)})"
-    return f"Stuck: channel {name} stands still {at} in {rows}; they are left out. Repair it."
-
-
-def _of_jump(campaign: Campaign, jump: Found) -> str:
-    name, cell = campaign.gauges[jump.gauge], campaign.cells[jump.cell].name
-    size = f"{jump.size:+.3g} {campaign.unit_of(name)}"
-    return (
-        f"Jump: gauge {name} moves by {size} at row {campaign.row_number(jump.row)} ({cell}); its readings there are "
-        "left out, and later ones have an unknown offset. Look at its wiring."
-    )
-
-
-def _of_outliers(share: Mapping[str, float]) -> list[str]:
-    if not share:
-        return []
-    most = sorted(share.items(), key=lambda pair: -pair[1])
-    named = ", ".join(f"{name} {100 * part:.1f} %" for name, part in most[:NAMED])
-    rest = f" and {len(most) - NAMED} more" if len(most) > NAMED else ""
-    return [
-        f"Far-off readings: {named}{rest} of all; means are taken so that they do not count. Look for interference."
-    ]

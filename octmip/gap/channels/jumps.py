@@ -8,20 +8,18 @@ step position is fitted by least squares beside the mean:
 max_k |T_k| beyond `JUMP` standard deviations is a jump. Source: D. M. Hawkins (1977), "Testing a sequence of
 observations for a shift in location", J. Amer. Statist. Assoc. 72.
 
-The gauge's readings of that cell are left out, and later ones have an offset of which nothing is known
-(`Noise.across`): they still show how the gauge changes from load to load. A jump between two cells, or within one
-reading of their border, is not seen here.
+The gauge's readings of that cell are left out, and later ones have an offset of which nothing is known: they still show
+how the gauge changes from load to load. A jump between two cells, or within one reading of their border, is not seen.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
+from scipy import linalg
 from scipy.ndimage import median_filter
 
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.spectrum import SHORTEST, Serial, coefficients, fit
+from octmip.gap.channels.fault import Fault
 
 Floats = NDArray[np.float64]
 
@@ -32,88 +30,74 @@ EDGE = 2
 SHARE = 0.2
 """Share of the cells of a gauge, or of all, beyond which it is slow noise and no jump."""
 KEPT = 0.8
-"""Share of the series, the quietest at long periods, that say what the noise remembers."""
+"""Share of the series, the quietest at long periods, that say what the noise remembers: those without a jump."""
 TYPICAL = 2.3
 """Greatest |T_k| of the typical cell of 50 white readings."""
 FAR = 4.0
 """Standard deviations from the running median beyond which a reading is replaced by it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Found:
-    """A jump.
-
-    Attributes
-    ----------
-    gauge, cell, row
-        indices of gauge and cell, first row after it.
-    size
-        in the unit of the gauge's readings.
-    """
-
-    gauge: int
-    cell: int
-    row: int
-    size: float
-
-
-def jumps_in(campaign: Campaign) -> list[Found]:
-    """Return the jumps, at most one for each gauge and cell."""
-    whole = [k for k, cell in enumerate(campaign.cells) if len(cell.rows) >= SHORTEST]
-    if not whole:
+def jumps_in(campaign: Campaign) -> list[Fault]:
+    """Return the jumps, at most one for each gauge and cell; none where many gauges do: that is slow noise."""
+    cells = [cell for cell in campaign.cells if len(cell.rows) >= SHORTEST]
+    if not cells:
         return []
-    sd = _robust_sd(campaign, whole)
-    blocks = [_plain(campaign, k, sd) for k in whole]
+    every = [campaign.readings[cell.rows] for cell in cells]
+    sd = _robust_sd(every)
+    blocks = [_plain(readings / sd) for readings in every]
     serial = _memory(blocks)
     steps = [_steps(block, serial) for block in blocks]
-    typical = float(np.median(np.concatenate([np.abs(t).max(axis=0) for t, _ in steps])))
-    limit = JUMP * max(1.0, typical / TYPICAL)
-    found = []
-    for k, (t, sizes) in zip(whole, steps, strict=True):
-        at = np.argmax(np.abs(t), axis=0)
-        for gauge in np.flatnonzero(np.abs(t).max(axis=0) > limit):
-            row = int(campaign.cells[k].rows[at[gauge] + EDGE])
-            found.append(Found(int(gauge), k, row, float(sizes[at[gauge], gauge] * sd[gauge])))
-    return _sparse(found, len(whole), len(campaign.gauges))
-
-
-def _sparse(found: list[Found], n_cells: int, n_gauges: int) -> list[Found]:
-    """Return the jumps of gauges that jump seldom; none where many gauges do: that is slow noise."""
-    if len(found) > max(1.0, SHARE * n_cells * n_gauges):
+    greatest = np.array([np.abs(t).max(axis=0) for t, _ in steps])
+    limit = JUMP * max(1.0, float(np.median(greatest)) / TYPICAL)
+    far = greatest > limit
+    if far.sum() > max(1.0, SHARE * far.size):
         return []
-    counts = np.bincount([jump.gauge for jump in found], minlength=n_gauges)
-    return [jump for jump in found if counts[jump.gauge] <= max(1.0, SHARE * n_cells)]
+    far &= far.sum(axis=0) <= max(1.0, SHARE * len(cells))
+    found = []
+    for k, gauge in np.argwhere(far).tolist():
+        t, sizes = steps[k]
+        at, name, rows = int(np.argmax(np.abs(t[:, gauge]))), campaign.gauges[gauge], cells[k].rows
+        size, first = float(sizes[at, gauge] * sd[gauge]), int(rows[at + EDGE])
+        words = (
+            f"Jump: gauge {name} moves by {size:+.3g} {campaign.unit_of(name)} at row {campaign.row_number(first)} "
+            f"({cells[k].name}); its readings there are left out, and later ones have an unknown offset. Look at its "
+            "wiring."
+        )
+        found.append(Fault("jump", gauge, rows, words, size, first))
+    return found
 
 
-def _robust_sd(campaign: Campaign, cells: list[int]) -> Floats:
+def _robust_sd(blocks: list[Floats]) -> Floats:
     """Return the standard deviation (n_gauges,) of one reading, the median over cells; 1 where there is none."""
-    every = [campaign.readings[campaign.cells[k].rows] for k in cells]
-    table = np.array([np.maximum(_sd(r), _sd(np.diff(r, axis=0)) / np.sqrt(2.0)) for r in every])
+    table = np.array([np.maximum(_sd(r), _sd(np.diff(r, axis=0)) / np.sqrt(2.0)) for r in blocks])
     return np.array([float(np.median(column[column > 0.0])) if (column > 0.0).any() else 1.0 for column in table.T])
 
 
 def _sd(values: Floats) -> Floats:
     """Return the standard deviation (n_gauges,) of what was recorded, 0 where nothing was."""
+    return np.sqrt(np.nanmean(_plain_residual(values) ** 2, axis=0)) if len(values) else np.zeros(values.shape[1])
+
+
+def _plain_residual(values: Floats) -> Floats:
+    """Return values (n, n_gauges) less the mean of what was recorded, 0 where nothing was."""
     count = np.maximum(np.isfinite(values).sum(axis=0), 1)
-    offset = values - np.nansum(values, axis=0) / count
-    return np.asarray(np.sqrt(np.nansum(offset**2, axis=0) / count))
+    return np.asarray(np.nan_to_num(values - np.nansum(values, axis=0) / count))
 
 
-def _plain(campaign: Campaign, k: int, sd: Floats) -> Floats:
-    """Return the residuals (n, n_gauges) of a cell in standard deviations, far-off readings replaced."""
-    cell = campaign.cells[k]
-    residual = np.nan_to_num((campaign.readings[cell.rows] - cell.mean) / sd)
+def _plain(values: Floats) -> Floats:
+    """Return readings (n, n_gauges) in standard deviations less their mean, far-off ones replaced."""
+    residual = _plain_residual(values)
     local = median_filter(residual, size=(5, 1), mode="mirror")
     plain = np.where(np.abs(residual - local) > FAR, local, residual)
     return np.asarray(plain - plain.mean(axis=0))
 
 
 def _memory(blocks: list[Floats]) -> Serial:
-    """Return what the noise remembers, from the series that are quietest at long periods: those without a jump."""
-    squares = [coefficients(block) ** 2 for block in blocks]
-    slow = np.concatenate([square[:4].sum(axis=0) for square in squares])
-    limit = float(np.quantile(slow, KEPT))
-    return fit([np.sqrt(square[:, square[:4].sum(axis=0) <= limit]) for square in squares])
+    """Return what the noise remembers, from the series that are quietest at long periods."""
+    cosines = [coefficients(block) for block in blocks]
+    slow = [(c[:4] ** 2).sum(axis=0) for c in cosines]
+    limit = float(np.quantile(np.concatenate(slow), KEPT))
+    return fit([c[:, power <= limit] for c, power in zip(cosines, slow, strict=True)])
 
 
 def _steps(block: Floats, serial: Serial) -> tuple[Floats, Floats]:
@@ -122,9 +106,8 @@ def _steps(block: Floats, serial: Serial) -> tuple[Floats, Floats]:
     root = np.linalg.cholesky(_covariance(serial, n))
     after = np.tri(n)[:, EDGE : n - EDGE + 1]
     white = linalg.solve_triangular(root, np.column_stack([np.ones(n), after, block]), lower=True)
-    one, columns, series = white[:, :1], white[:, 1 : 1 + after.shape[1]], white[:, 1 + after.shape[1] :]
-    one = one / np.linalg.norm(one)
-    columns = columns - one @ (one.T @ columns)
+    one, columns, series = np.split(white, [1, 1 + after.shape[1]], axis=1)
+    columns = columns - one @ (one.T @ columns) / float(np.sum(one**2))
     squared = np.sum(columns**2, axis=0)[:, None]
     along = columns.T @ series
     return np.asarray(along / np.sqrt(squared)), np.asarray(along / squared)

@@ -139,8 +139,7 @@ def _scale(values: Floats, cell_of: NDArray[np.int64]) -> Floats:
     """Return the factor (n_rows,) by which the readings of each row's cell scatter more than those of the typical."""
     centre, sd = _start(values, cell_of)
     distance = np.abs(values - centre[cell_of]) / sd
-    of_cell = [_nanmedian(distance[cell_of == k].reshape(-1, 1))[0] for k in range(len(centre))]
-    seen = np.array(of_cell)
+    seen = np.array([_nanmedian(distance[cell_of == k].reshape(-1, 1))[0] for k in range(len(centre))])
     seen = np.where(np.isfinite(seen) & (seen > 0.0), seen, np.nan)
     if np.isnan(seen).all():  # one reading a cell, or sd of nothing: no cell is known to scatter more
         return np.ones(len(values))

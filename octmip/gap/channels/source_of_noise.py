@@ -23,7 +23,6 @@ def noise_of(
         stuck=(*checks.stuck, *quiet),
         clipped=checks.clipped,
         jumps=tuple(jump for jump in checks.jumps if jump.gauge in noise.gauges),  # the others have no reading left
-        outliers=checks.outliers,
         properties=tuple(dict.fromkeys((*noise.properties, *checks.findings))),
     )
     return noise, notes
