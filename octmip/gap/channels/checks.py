@@ -59,7 +59,10 @@ class Checked:
     @property
     def clipped(self) -> Mapping[str, float]:
         """By channel that met the end of its range, where that lies in its unit: of two ends the upper one."""
-        return {self.gauges[fault.gauge]: fault.value for fault in reversed(self._of("clipped"))}
+        found: dict[str, float] = {}
+        for fault in self._of("clipped"):
+            found.setdefault(self.gauges[fault.gauge], fault.value)
+        return found
 
     @property
     def jumps(self) -> tuple[Jump, ...]:
