@@ -1,8 +1,7 @@
 """SIGINT and SIGTERM at random moments of every command: each ends, with what it knows, within a second.
 
-A moment is drawn in seconds of processor time that the command has used, so that a busy machine draws the same ones.
-Each command runs as a process of its own on tables and trees that keep most of them at work longer than the latest
-moment. What is asked of its end:
+A moment is drawn in seconds of processor time that the command has used, so that a busy machine draws the same ones,
+up to what the command used when nobody disturbed it. What is asked of its end:
 
 exit code   0 with the whole result on standard output; 130 or 143, by the signal, with one last word on standard error;
             or death by the signal itself in the first moments, while Python loads the package
@@ -76,7 +75,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     with TemporaryDirectory() as folder:
         prepare(Path(folder))
         for command in COMMANDS:
-            yield from signalled(command, Path(folder), N_MOMENTS)
+            yield from signalled(command, Path(folder), N_MOMENTS, own_seconds(command, Path(folder)))
 
 
 def prepare(folder: Path) -> None:
@@ -95,6 +94,13 @@ def prepare(folder: Path) -> None:
     columns = {"test": np.repeat([0, 1, 2], 10), "load_factor": loads, "time": np.arange(30.0)}
     frame = pd.DataFrame(columns | {f"g{k}": readings[:, k] for k in range(6)})
     frame.to_csv(folder / "campaign.csv", index=False)
+
+
+def own_seconds(command: str, folder: Path) -> float:
+    """Return the seconds of processor time that a command uses when nobody disturbs it, `LATEST` at most."""
+    before = _children_seconds()
+    outcome(command, folder, signal.SIGTERM, LATEST)
+    return min(_children_seconds() - before, LATEST)
 
 
 def signalled(
