@@ -48,6 +48,8 @@ wheel: $(VENV)/.wheel-tools
 	rm -rf dist
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
 	$(BIN)/maturin sdist --out dist
+	$(BIN)/python -m twine check --strict dist/*
+	$(BIN)/python -m check_wheel_contents --toplevel octmip,femlib dist/*.whl
 	@ls -l dist
 
 # The documentation as a site in site/, warnings as errors; make site DRAW=1 draws the pictures of the examples again.
@@ -101,7 +103,7 @@ $(BIN)/python: | tools
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/.wheel-tools: | $(BIN)/python
-	$(BIN)/python -m pip install --quiet 'maturin>=1.9,<2'
+	$(BIN)/python -m pip install --quiet 'maturin>=1.13,<2' 'twine>=6.1' 'check-wheel-contents>=0.6'
 	@$(BIN)/python -m pip install --quiet ziglang || echo "ziglang cannot be installed: the wheel gets the tag of this machine's C library, and older systems refuse it"
 	@touch $@
 

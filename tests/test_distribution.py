@@ -1,8 +1,10 @@
 """What is shipped: the source distribution holds all that a build needs, the wheel no source of the native core."""
 
 import subprocess
+import sys
 import tarfile
 import tomllib
+import zipfile
 
 import pytest
 
@@ -33,6 +35,22 @@ def test_the_wheel_leaves_the_native_sources_out_and_the_source_distribution_doe
     by_format = {form: {rule["path"] for rule in rules if rule["format"] == form} for form in ("wheel", "sdist")}
     assert "octmip/trees/native/**/*" in by_format["wheel"]
     assert by_format["sdist"] == {"octmip/trees/native/Cargo.lock"}
+
+
+@pytest.mark.parametrize(
+    "check", [("twine", "check", "--strict"), ("check_wheel_contents", "--toplevel", "octmip,femlib")]
+)
+def test_what_a_registry_would_check_passes(tmp_path_factory, check):
+    (wheel,) = built(shared_folder(tmp_path_factory)).glob("*.whl")
+    done = subprocess.run([sys.executable, "-m", *check, str(wheel)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_wheel_names_its_rust_parts(tmp_path_factory):
+    (wheel,) = built(shared_folder(tmp_path_factory)).glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        (name,) = [name for name in archive.namelist() if "/sboms/" in name]
+        assert b"pyo3" in archive.read(name)
 
 
 def test_the_packages_say_that_they_are_typed():
