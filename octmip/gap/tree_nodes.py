@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.location import Flip
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.tree import Leaf, Node, condition, features_used, goes_left
 from octmip.twin import is_zero
 
 Floats = NDArray[np.float64]
@@ -43,23 +43,29 @@ def flips(model: LinearModel, tree: Node, feature_names: Sequence[str], seed: in
         the tree reads a feature that is no gauge of the campaign.
     """
     gauges = model.inputs.campaign.gauges
-    used = {f for split in _splits(tree, "") for f in split[1].features}
-    missing = [feature_names[f] for f in sorted(used) if feature_names[f] not in gauges]
+    missing = [feature_names[f] for f in sorted(features_used(tree)) if feature_names[f] not in gauges]
     if missing:
         raise DataError(
             f"the tree reads {missing[0]!r}, which is no gauge of the campaign; expected gauges {gauges[:3]}..."
         )
     order = [gauges.index(name) if name in gauges else -1 for name in feature_names]
     real, simulated = _readings(model, order, np.random.default_rng(seed))
-    found = []
-    for path, split in _splits(tree, ""):
-        here, there = _reaching(tree, path, real), _reaching(tree, path, simulated)
-        if not len(here) or not len(there):
-            continue
-        p_real, p_simulated = float(goes_left(split, here).mean()), float(goes_left(split, there).mean())
-        share = len(here) / len(real) * abs(p_real - p_simulated)
-        found.append(Flip(path, _words(split, feature_names), p_simulated, p_real, share))
+    found = _flips(tree, "", real, simulated, feature_names, max(len(real), 1))
     return tuple(sorted(found, key=lambda flip: -flip.share))
+
+
+def _flips(tree: Node, path: str, real: Floats, simulated: Floats, names: Sequence[str], n: int) -> list[Flip]:
+    """Return the nodes from `path` on, of n readings those that reach it."""
+    if isinstance(tree, Leaf):
+        return []
+    here, there = goes_left(tree, real), goes_left(tree, simulated)
+    found = []
+    if len(real) and len(simulated):
+        p_real, p_simulated = float(here.mean()), float(there.mean())
+        words = condition(tree, lambda feature: names[feature])
+        found.append(Flip(path, words, p_simulated, p_real, len(real) / n * abs(p_real - p_simulated)))
+    found += _flips(tree.left, path + "L", real[here], simulated[there], names, n)
+    return found + _flips(tree.right, path + "R", real[~here], simulated[~there], names, n)
 
 
 def _readings(model: LinearModel, order: list[int], rng: np.random.Generator) -> tuple[Floats, Floats]:
@@ -81,26 +87,3 @@ def _readings(model: LinearModel, order: list[int], rng: np.random.Generator) ->
         simulated.append((mean + rng.standard_normal((DRAWS, n_gauges)) @ root.T) / unit)
     kept = [np.concatenate(part)[:, order] if part else np.zeros((0, len(order))) for part in (real, simulated)]
     return kept[0][np.isfinite(kept[0]).all(axis=1)], kept[1][np.isfinite(kept[1]).all(axis=1)]
-
-
-def _splits(tree: Node, path: str) -> list[tuple[str, Split | HyperplaneSplit]]:
-    if isinstance(tree, Leaf):
-        return []
-    return [(path, tree), *_splits(tree.left, path + "L"), *_splits(tree.right, path + "R")]
-
-
-def _reaching(tree: Node, path: str, rows: Floats) -> Floats:
-    for turn in path:
-        assert not isinstance(tree, Leaf)
-        left = goes_left(tree, rows)
-        rows, tree = (rows[left], tree.left) if turn == "L" else (rows[~left], tree.right)
-    return rows
-
-
-def _words(split: Split | HyperplaneSplit, names: Sequence[str]) -> str:
-    if isinstance(split, Split):
-        if split.threshold is None:
-            return f"{names[split.feature]} is {'' if split.missing == 'left' else 'not '}missing"
-        return f"{names[split.feature]} <= {split.threshold:.4g}"
-    terms = " + ".join(f"{c:.3g} {names[f]}" for f, c in zip(split.features, split.coefficients, strict=True))
-    return f"{terms} <= {split.offset:.4g}"

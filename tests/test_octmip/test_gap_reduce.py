@@ -5,7 +5,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import Recorded, function_twin, gathered
-from octmip.gap.reductions.repeats import amplitudes, modes, phase_means
+from octmip.gap.reductions.repeats import modes, phase_means
 
 TIME = np.arange(0.0, 12.0, 0.001)
 
@@ -23,13 +23,6 @@ def test_phase_means_start_where_they_are_told_and_leave_a_part_of_a_cycle_out()
     assert phase_means(TIME, saw, 2.0, 4, start=0.5) == pytest.approx(
         np.tile([0.25, 0.75, 1.25, 1.75], (5, 1)), abs=2e-3
     )
-
-
-def test_amplitudes_are_exact_for_uneven_samples():
-    rng = np.random.default_rng(0)
-    time = np.sort(rng.choice(TIME, 3000, replace=False))
-    signal = 3.0 * np.sin(2 * np.pi * 1.7 * time + 0.4) + 0.2 * np.cos(2 * np.pi * 9.0 * time) + 5.0
-    assert amplitudes(time, signal, [1.7, 9.0, 4.0], 3) == pytest.approx(np.tile([3.0, 0.2, 0.0], (3, 1)), abs=1e-9)
 
 
 def test_modes_are_the_peaks_with_their_damping():
@@ -53,8 +46,6 @@ def test_modes_are_the_peaks_with_their_damping():
         (lambda: phase_means(TIME, TIME, -1.0, 8), "expected both above 0"),
         (lambda: phase_means(TIME, TIME[1:], 2.0, 8), "expected the same length"),
         (lambda: phase_means(TIME[::-1], TIME, 2.0, 8), "do not rise"),
-        (lambda: amplitudes(TIME, TIME, [0.2], 6), "take fewer blocks"),
-        (lambda: amplitudes(TIME, TIME, [600.0], 1), "cannot show"),
         (lambda: modes(TIME, np.sin(40 * TIME), 3, 1), "expected 3 modes"),
         (lambda: modes(TIME**2 + TIME, TIME, 1, 1), "evenly spaced"),
         (lambda: modes(TIME[:40], TIME[:40], 1, 1), "too short"),

@@ -85,23 +85,28 @@ def decay_of(
             f"bands {list(bands)} for {len(y)} samples at {rate:g} samples/s; expected one or more bands between 0 and "
             f"{rate / 2:g} Hz and over {unknowns} samples"
         )
-    at = t - t[0]
-    share = at / at[-1]
-    chain = [share**power for power in range(zero_degree + 1)]
+    at, n = t - t[0], len(bands)
+    chain = [(at / at[-1]) ** power for power in range(zero_degree + 1)]
     chain += [wave(2.0 * np.pi * f * at) for f in hum for wave in (np.cos, np.sin)]
     basis = np.linalg.qr(np.column_stack(chain))[0]
     rest = y - basis @ (basis.T @ y)
-    first = [_peak(rest, rate, low, high) for low, high in bands]
-    fit = _Fit(at, rest, basis, len(bands))
-    start = np.array([*first, *[FIRST_DAMPING] * len(bands)])
-    found = least_squares(fit, start, x_scale=np.array([0.1] * len(bands) + [1.0] * len(bands)))
-    left, jacobian = fit(found.x), np.asarray(found.jac)
-    dof = max(1, len(y) - unknowns)
-    variance = float(left @ left) / dof
-    covariance = _grown(left) * variance * np.linalg.pinv(jacobian.T @ jacobian)
-    return Decay(
-        found.x[: len(bands)], found.x[len(bands) :], fit.amplitudes(found.x), covariance, float(variance**0.5)
-    )
+
+    def columns(sought: Floats) -> Floats:
+        angle, decay = 2.0 * np.pi * np.outer(at, sought[:n]), np.exp(-np.outer(at, sought[n:]))
+        waves = np.concatenate([decay * np.cos(angle), decay * np.sin(angle)], axis=1)
+        return np.asarray(waves - basis @ (basis.T @ waves))
+
+    def left(sought: Floats) -> Floats:
+        q = np.linalg.qr(columns(sought))[0]
+        return np.asarray(rest - q @ (q.T @ rest))
+
+    start = np.array([*(_peak(rest, rate, low, high) for low, high in bands), *[FIRST_DAMPING] * n])
+    found = least_squares(left, start, x_scale=np.repeat([0.1, 1.0], n))
+    jacobian = np.asarray(found.jac)
+    variance = float(found.fun @ found.fun) / max(1, len(y) - unknowns)
+    covariance = _grown(found.fun) * variance * np.linalg.pinv(jacobian.T @ jacobian)
+    a = np.linalg.lstsq(columns(found.x), rest, rcond=None)[0]
+    return Decay(found.x[:n], found.x[n:], np.hypot(a[:n], a[n:]), covariance, float(variance**0.5))
 
 
 def _peak(y: Floats, rate: float, low: float, high: float) -> float:
@@ -117,26 +122,3 @@ def _grown(left: Floats) -> float:
     alike = float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-300)
     alike = min(max(alike, 0.0), 0.99)
     return (1.0 + alike) / (1.0 - alike)
-
-
-class _Fit:
-    """Residuals of a decay at frequencies and dampings; amplitudes, hum and zero are projected out."""
-
-    def __init__(self, at: Floats, y: Floats, basis: Floats, n_modes: int) -> None:
-        self.at, self.y, self.basis, self.n_modes = at, y, basis, n_modes
-
-    def __call__(self, unknowns: Floats) -> Floats:
-        columns = self._columns(unknowns)
-        q = np.linalg.qr(columns)[0]
-        return np.asarray(self.y - q @ (q.T @ self.y))
-
-    def amplitudes(self, unknowns: Floats) -> Floats:
-        """Return the amplitude of each mode at the first sample."""
-        found = np.linalg.lstsq(self._columns(unknowns), self.y, rcond=None)[0]
-        return np.asarray(np.hypot(found[: self.n_modes], found[self.n_modes :]))
-
-    def _columns(self, unknowns: Floats) -> Floats:
-        angle = 2.0 * np.pi * np.outer(self.at, unknowns[: self.n_modes])
-        decay = np.exp(-np.outer(self.at, unknowns[self.n_modes :]))
-        columns = np.concatenate([decay * np.cos(angle), decay * np.sin(angle)], axis=1)
-        return np.asarray(columns - self.basis @ (self.basis.T @ columns))

@@ -4,12 +4,12 @@ Numbers in the readings' unit stand beside their "unit"; keys that end in _micro
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
-from octmip.gap.causes import Cause, ConfoundedEffects
+from octmip.gap.causes import Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Place, Where
-from octmip.gap.next_test import Proposal
 from octmip.gap.shrinkage import Shrinkage
 from octmip.gap.sizes import Parameter
 from octmip.interfaces.report.diagnosis.measured import noise_sds
@@ -29,7 +29,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "which": [_cause(cause) for cause in diagnosis.which],
         "credible_set": [list(cause.effects) for cause in diagnosis.credible],
         "inclusion": diagnosis.inclusion,
-        "ambiguity": [_confounded(found) for found in diagnosis.ambiguity],
+        "ambiguity": [_taken(c, CONFOUNDED, names=c.words) for c in diagnosis.ambiguity],
         "parameters": [_parameter(p) for p in diagnosis.which[0].parameters],
         "unknown_probability": diagnosis.unknown_probability,
         "detectable": diagnosis.detectable,
@@ -37,7 +37,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "noise": _noise(diagnosis),
         "units": dict(zip(inputs.campaign.gauges, inputs.units, strict=True)),
         "shrinkage": None if diagnosis.shrinkage is None else _shrinkage(diagnosis.shrinkage),
-        "next_test": [_proposal(p) for p in diagnosis.next_test],
+        "next_test": [_taken(p, PROPOSAL, information_nats=p.information) for p in diagnosis.next_test],
         "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
         "notes": list(diagnosis.notes),
         "doubts": list(diagnosis.doubts),
@@ -45,6 +45,19 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
     }
     finite: dict[str, Any] = _finite(content)
     return finite
+
+
+PLACE = ("name", "z", "p_value", "is_significant", "share", "gap", "unit")
+PARAMETER = ("effect", "place", "size", "low", "high", "unit", "words")
+CONFOUNDED = ("effects", "places", "d_prime", "shares", "reason", "separated_by")
+CLOSING = ("before", "after", "floor", "unit", "closed", "low", "high", "chi2_before", "chi2_after", "p_after")
+HELD_OUT = ("name", "before", "after", "closed")
+PROPOSAL = ("name", "words", "cost", "is_strain_test")
+"""Attributes that are keys."""
+
+
+def _taken(value: Any, attributes: tuple[str, ...], /, **more: Any) -> dict[str, Any]:
+    return {name: getattr(value, name) for name in attributes} | more
 
 
 def _where(where: Where) -> dict[str, Any]:
@@ -57,24 +70,12 @@ def _where(where: Where) -> dict[str, Any]:
         "gauges": [_place(p) for p in where.gauges],
         "loads": [_place(p) for p in where.loads],
         "tests": [_place(p) for p in where.tests],
-        "nodes": [
-            {"path": f.path, "split": f.words, "simulated": f.simulated, "real": f.real, "share": f.share}
-            for f in where.nodes
-        ],
+        "nodes": [_taken(f, ("path", "simulated", "real", "share"), split=f.words) for f in where.nodes],
     }
 
 
 def _place(p: Place) -> dict[str, Any]:
-    return {
-        "name": p.name,
-        "z": p.z,
-        "p_value": p.p_value,
-        "is_significant": p.is_significant,
-        "share": p.share,
-        "gap": p.gap,
-        "unit": p.unit,
-        "gap_microstrain": _strain(p.gap, p.unit),
-    }
+    return _taken(p, PLACE, gap_microstrain=_strain(p.gap, p.unit))
 
 
 def _cause(cause: Cause) -> dict[str, Any]:
@@ -89,28 +90,7 @@ def _cause(cause: Cause) -> dict[str, Any]:
 
 
 def _parameter(p: Parameter) -> dict[str, Any]:
-    return {
-        "effect": p.effect,
-        "place": p.place,
-        "size": p.size,
-        "low": p.low,
-        "high": p.high,
-        "unit": p.unit,
-        "words": p.words,
-        "name": p.named.name,
-    }
-
-
-def _confounded(found: ConfoundedEffects) -> dict[str, Any]:
-    return {
-        "effects": list(found.effects),
-        "places": list(found.places),
-        "d_prime": list(found.d_prime),
-        "shares": list(found.shares),
-        "names": list(found.words),
-        "reason": found.reason,
-        "separated_by": list(found.separated_by),
-    }
+    return _taken(p, PARAMETER, name=p.named.name)
 
 
 def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -120,45 +100,15 @@ def _noise(diagnosis: Diagnosis) -> dict[str, Any]:
         "sd": sds,
         "sd_microstrain": sds.get(MICROSTRAIN),
         "variance": sds[MICROSTRAIN] ** 2 if MICROSTRAIN in sds else None,
-        "lag1": noise.lag1,
-        "inflation": noise.inflation,
-        "kurtosis": noise.kurtosis,
-        "step": noise.step,
         "step_microstrain": _strain(noise.step, unit),
         "variance_ratio_by_load": {f"{load:g}": ratio for load, ratio in noise.scale.items()},
-        "stuck": list(noise.stuck),
-        "clipped": dict(noise.clipped),
-        "findings": list(noise.findings),
+        **_taken(noise, ("lag1", "inflation", "kurtosis", "step", "stuck", "clipped", "findings")),
     }
 
 
 def _shrinkage(s: Shrinkage) -> dict[str, Any]:
-    return {
-        "before": s.before,
-        "after": s.after,
-        "floor": s.floor,
-        "unit": s.unit,
-        "before_microstrain": _strain(s.before, s.unit),
-        "after_microstrain": _strain(s.after, s.unit),
-        "floor_microstrain": _strain(s.floor, s.unit),
-        "closed": s.closed,
-        "low": s.low,
-        "high": s.high,
-        "chi2_before": s.chi2_before,
-        "chi2_after": s.chi2_after,
-        "p_after": s.p_after,
-        "held_out": [{"name": h.name, "before": h.before, "after": h.after, "closed": h.closed} for h in s.held_out],
-    }
-
-
-def _proposal(p: Proposal) -> dict[str, Any]:
-    return {
-        "name": p.name,
-        "words": p.words,
-        "information_nats": p.information,
-        "cost": p.cost,
-        "is_strain_test": p.is_strain_test,
-    }
+    strains = {f"{name}_microstrain": _strain(getattr(s, name), s.unit) for name in ("before", "after", "floor")}
+    return _taken(s, CLOSING, **strains, held_out=[_taken(h, HELD_OUT) for h in s.held_out])
 
 
 def _strain(value: float, unit: str) -> float | None:
@@ -166,9 +116,9 @@ def _strain(value: float, unit: str) -> float | None:
 
 
 def _finite(value: Any) -> Any:
-    """Return the value with NaN and infinity replaced by None, which JSON can say."""
-    if isinstance(value, dict):
+    """Return the value as JSON can say it: NaN and infinity are null, sequences are lists."""
+    if isinstance(value, Mapping):
         return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
