@@ -17,6 +17,7 @@ use crate::regression::clusters::{Histogram, N_BINS, Sums};
 use crate::regression::quantiles::Quantiles;
 use crate::regression::samples::Samples;
 use crate::regression::sides::Sides;
+use crate::regression::slopes::Slopes;
 use crate::regression::view::View;
 
 /// Histograms of targets are kept after so many parts of a feature's samples.
@@ -128,36 +129,50 @@ impl Axis {
     ) {
         let list = view.list(f);
         self.leaves.resize(self.positions.len(), Pair::default());
-        let Some(slopes) = samples.slopes else {
-            let total = view.sums(samples);
-            let (mut left, mut k) = (Sums::default(), 0);
-            for (cut, leaf) in self.leaves.iter_mut().enumerate() {
-                while k < self.positions[cut] as usize {
-                    left += samples.sums[list[k] as usize];
-                    k += 1;
-                }
-                *leaf = Pair { left: left.squared_error(), right: (total - left).squared_error() };
+        match samples.slopes {
+            Some(slopes) if slopes.are_even() => self.lay_quantiles::<true>(slopes, samples, list, sides, quantiles),
+            Some(slopes) => self.lay_quantiles::<false>(slopes, samples, list, sides, quantiles),
+            None => self.lay_means(samples, list, view.sums(samples)),
+        }
+    }
+
+    fn lay_means(&mut self, samples: &Samples, list: &[u32], total: Sums) {
+        let (mut left, mut k) = (Sums::default(), 0);
+        for (cut, leaf) in self.leaves.iter_mut().enumerate() {
+            while k < self.positions[cut] as usize {
+                left += samples.sums[list[k] as usize];
+                k += 1;
             }
-            return;
-        };
+            *leaf = Pair { left: left.squared_error(), right: (total - left).squared_error() };
+        }
+    }
+
+    fn lay_quantiles<const EVEN: bool>(
+        &mut self,
+        slopes: Slopes,
+        samples: &Samples,
+        list: &[u32],
+        sides: &Sides,
+        quantiles: &mut Quantiles,
+    ) {
         let weight = |k: usize| samples.sums[list[k] as usize].weight;
         let target = |k: usize| sides.target_of[list[k] as usize];
-        quantiles.load(slopes, &sides.targets[1], &sides.values);
+        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
         let mut k = 0;
         for (cut, leaf) in self.leaves.iter_mut().enumerate() {
             while k < self.positions[cut] as usize {
-                quantiles.remove(target(k), weight(k), &sides.values);
+                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
                 k += 1;
             }
-            leaf.right = quantiles.cost(&sides.values);
+            leaf.right = quantiles.cost::<EVEN>(&sides.values);
         }
-        quantiles.load(slopes, &sides.targets[1], &sides.values);
+        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
         for (cut, leaf) in self.leaves.iter_mut().enumerate().rev() {
             while k > self.positions[cut] as usize {
                 k -= 1;
-                quantiles.remove(target(k), weight(k), &sides.values);
+                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
             }
-            leaf.left = quantiles.cost(&sides.values);
+            leaf.left = quantiles.cost::<EVEN>(&sides.values);
         }
     }
 

@@ -160,7 +160,8 @@ impl Bins {
     #[inline(always)]
     fn run(&self, slopes: Option<Slopes>, sums: &Sums, histogram: &Histogram, from: usize, to: usize) -> f64 {
         match slopes {
-            Some(slopes) => self.sloped(slopes, histogram, from, to),
+            Some(slopes) if slopes.are_even() => self.sloped::<true>(slopes, histogram, from, to),
+            Some(slopes) => self.sloped::<false>(slopes, histogram, from, to),
             None => sums.squared_error(),
         }
     }
@@ -203,7 +204,8 @@ impl Bins {
     /// The weighted quantile lies in the bin where its share of the weight is reached. Bins below and above cost what
     /// their sums say, and its own at least the error of its sum; all this is convex in the constant, with its one bend
     /// at the mean of that bin.
-    fn sloped(&self, slopes: Slopes, histogram: &Histogram, from: usize, to: usize) -> f64 {
+    fn sloped<const EVEN: bool>(&self, slopes: Slopes, histogram: &Histogram, from: usize, to: usize) -> f64 {
+        let slopes = slopes.known::<EVEN>();
         let total = histogram[from..=to].iter().fold(Sums::default(), |mut sum, bin| {
             sum += *bin;
             sum

@@ -228,7 +228,8 @@ fn split_error<const EVEN: bool>(slopes: Slopes, left: &Below, all: &Below, gaps
 /// The lesser of what weights below and above a gap cost; not NaN: one instruction, where `f64::min` is several.
 #[inline(always)]
 fn less<const EVEN: bool>(slopes: Slopes, below: f64, above: f64) -> f64 {
-    let (a, b) = if EVEN { (below, above) } else { (slopes.down * below, slopes.up * above) };
+    let Slopes { up, down } = slopes.known::<EVEN>();
+    let (a, b) = (down * below, up * above);
     if a < b { a } else { b }
 }
 

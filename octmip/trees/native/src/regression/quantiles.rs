@@ -56,7 +56,7 @@ pub(crate) struct Quantiles {
 
 impl Quantiles {
     /// Take up a set; `values` are the targets, ascending.
-    pub(crate) fn load(&mut self, slopes: Slopes, targets: &Targets, values: &[f64]) {
+    pub(crate) fn load<const EVEN: bool>(&mut self, slopes: Slopes, targets: &Targets, values: &[f64]) {
         self.slopes = slopes;
         self.targets.clone_from(targets);
         self.next.clear();
@@ -76,12 +76,12 @@ impl Quantiles {
             self.total += targets.weights[v];
             self.total_sum += targets.weights[v] * value;
         }
-        self.balance(values);
+        self.balance::<EVEN>(values);
     }
 
     /// Least error of one constant.
     #[inline]
-    pub(crate) fn cost(&self, values: &[f64]) -> f64 {
+    pub(crate) fn cost<const EVEN: bool>(&self, values: &[f64]) -> f64 {
         if self.at == NONE {
             return 0.0;
         }
@@ -89,12 +89,13 @@ impl Quantiles {
         let own = self.targets.weights[self.at as usize];
         let above = self.total - self.below - own;
         let above_sum = self.total_sum - self.below_sum - own * quantile;
-        self.slopes.cost(quantile * self.below - self.below_sum, above_sum - quantile * above).max(0.0)
+        let slopes = self.slopes.known::<EVEN>();
+        slopes.cost(quantile * self.below - self.below_sum, above_sum - quantile * above).max(0.0)
     }
 
     /// Take a sample away.
     #[inline]
-    pub(crate) fn remove(&mut self, target: u32, weight: f64, values: &[f64]) {
+    pub(crate) fn remove<const EVEN: bool>(&mut self, target: u32, weight: f64, values: &[f64]) {
         let value = values[target as usize];
         self.total -= weight;
         self.total_sum -= weight * value;
@@ -106,7 +107,7 @@ impl Quantiles {
         if self.targets.counts[target as usize] == 0 {
             self.unlink(target, values);
         }
-        self.balance(values);
+        self.balance::<EVEN>(values);
     }
 
     fn unlink(&mut self, target: u32, values: &[f64]) {
@@ -133,16 +134,17 @@ impl Quantiles {
 
     /// Move the pointer to where no more than the quantile's share of the weight is below it.
     /// No more than the rest is above it then.
-    fn balance(&mut self, values: &[f64]) {
+    fn balance<const EVEN: bool>(&mut self, values: &[f64]) {
         if self.at == NONE {
             return;
         }
-        while self.slopes.is_passed(self.below, self.total) && self.previous[self.at as usize] != NONE {
+        let slopes = self.slopes.known::<EVEN>();
+        while slopes.is_passed(self.below, self.total) && self.previous[self.at as usize] != NONE {
             self.step_down(self.previous[self.at as usize], values);
         }
         loop {
             let (own, next) = (self.targets.weights[self.at as usize], self.next[self.at as usize]);
-            if self.slopes.is_reached(self.below + own, self.total) || next == NONE {
+            if slopes.is_reached(self.below + own, self.total) || next == NONE {
                 return;
             }
             self.below += own;

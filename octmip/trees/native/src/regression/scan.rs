@@ -44,12 +44,13 @@ impl Scanner {
         needs: [bool; 2],
     ) -> [BestCut; 2] {
         match samples.slopes {
-            Some(slopes) => self.sloped(slopes, (samples, view), g, sides, needs),
+            Some(slopes) if slopes.are_even() => self.sloped::<true>(slopes, (samples, view), g, sides, needs),
+            Some(slopes) => self.sloped::<false>(slopes, (samples, view), g, sides, needs),
             None => squared(samples, view, g, sides),
         }
     }
 
-    fn sloped(
+    fn sloped<const EVEN: bool>(
         &mut self,
         slopes: Slopes,
         (samples, view): (&Samples, &View),
@@ -65,28 +66,35 @@ impl Scanner {
             self.lists[sides.of_sample[i] as usize].push(item);
         }
         let nothing = BestCut { relaxed: 0.0, error: f64::INFINITY, rank: 0 };
-        std::array::from_fn(|m| if needs[m] { self.sloped_side(slopes, m, sides, samples.leaf_size) } else { nothing })
+        let leaf_size = samples.leaf_size;
+        std::array::from_fn(|m| if needs[m] { self.sloped_side::<EVEN>(slopes, m, sides, leaf_size) } else { nothing })
     }
 
-    fn sloped_side(&mut self, slopes: Slopes, side: usize, sides: &Sides, leaf_size: usize) -> BestCut {
+    fn sloped_side<const EVEN: bool>(
+        &mut self,
+        slopes: Slopes,
+        side: usize,
+        sides: &Sides,
+        leaf_size: usize,
+    ) -> BestCut {
         let Self { lists, quantiles, left } = self;
         let (list, values) = (&lists[side], &sides.values);
-        quantiles.load(slopes, &sides.targets[side], values);
-        let mut best = BestCut { relaxed: quantiles.cost(values), error: f64::INFINITY, rank: 0 };
+        quantiles.load::<EVEN>(slopes, &sides.targets[side], values);
+        let mut best = BestCut { relaxed: quantiles.cost::<EVEN>(values), error: f64::INFINITY, rank: 0 };
         left.clear();
         left.resize(list.len() + 1, 0.0);
         for (k, item) in list.iter().enumerate().rev() {
-            quantiles.remove(item.target, item.weight, values);
-            left[k] = quantiles.cost(values);
+            quantiles.remove::<EVEN>(item.target, item.weight, values);
+            left[k] = quantiles.cost::<EVEN>(values);
         }
-        quantiles.load(slopes, &sides.targets[side], values);
+        quantiles.load::<EVEN>(slopes, &sides.targets[side], values);
         for (k, item) in list.iter().enumerate() {
             let k = k + 1;
-            quantiles.remove(item.target, item.weight, values);
+            quantiles.remove::<EVEN>(item.target, item.weight, values);
             if k == list.len() || list[k].rank == item.rank {
                 continue;
             }
-            let error = left[k] + quantiles.cost(values);
+            let error = left[k] + quantiles.cost::<EVEN>(values);
             best.relaxed = best.relaxed.min(error);
             if error < best.error && k >= leaf_size && list.len() - k >= leaf_size {
                 (best.error, best.rank) = (error, item.rank);
