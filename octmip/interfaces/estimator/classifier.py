@@ -1,13 +1,12 @@
 """OptimalTreeClassifier: octmip behind scikit-learn's contract, for pipelines, cross-validation and grid search."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal, Self
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.tree import DecisionTreeClassifier
-from sklearn.utils import Tags
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
@@ -15,28 +14,14 @@ from octmip.errors import TreeError
 from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
-from octmip.interfaces.estimator.proof import method_proves, warn_unproven
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
-from octmip.interfaces.estimator.settings import (
-    AUTO,
-    ClassWeight,
-    RandomState,
-    class_weights,
-    depth_of,
-    leaf_size_of,
-    seed_of,
-    sensors_of,
-    threads_of,
-)
+from octmip.interfaces.estimator.settings import ClassWeight, class_weights
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.prediction import predict
-from octmip.trees.problem import Problem
-from octmip.trees.run import Method, Run
-from octmip.trees.solution import Limits, Stop
 from octmip.trees.uncertainty import LeafDistribution
 
 
+@dataclass(kw_only=True, eq=False, repr=False)
 class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type: ignore[misc]
     """A classification tree that holds on new samples, or of least training cost, with a bound on how far that is off.
 
@@ -114,52 +99,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     A sample of weight 0 is left out of the training, as if it were not there.
     """
 
-    def __init__(
-        self,
-        max_depth: int | Literal["auto"] = "auto",
-        *,
-        split: Literal["axis", "hyperplane"] = "axis",
-        split_size: int | None = None,
-        min_samples_leaf: float = 1,
-        leaf_penalty: float = 0.0,
-        costs: ArrayLike | None = None,
-        class_weight: ClassWeight = None,
-        sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None,
-        sensor_cost: Mapping[str, float] | Sequence[float] | None = None,
-        sensor_budget: float | None = None,
-        categories: Literal["yes-no", "order", "refuse"] = "yes-no",
-        missing: Literal["either-side", "refuse"] = "either-side",
-        smoothing: Smoothing = "out-of-fold",
-        method: Method = "auto",
-        options: Options | None = None,
-        seconds: float = 60.0,
-        n_jobs: int | None = None,
-        random_state: RandomState = 0,
-    ) -> None:
-        self.max_depth = max_depth
-        self.split = split
-        self.split_size = split_size
-        self.min_samples_leaf = min_samples_leaf
-        self.leaf_penalty = leaf_penalty
-        self.costs = costs
-        self.class_weight = class_weight
-        self.sensor_of_feature = sensor_of_feature
-        self.sensor_cost = sensor_cost
-        self.sensor_budget = sensor_budget
-        self.categories = categories
-        self.missing = missing
-        self.smoothing = smoothing
-        self.method = method
-        self.options = options
-        self.seconds = seconds
-        self.n_jobs = n_jobs
-        self.random_state = random_state
-
-    def __sklearn_tags__(self) -> Tags:
-        tags = super().__sklearn_tags__()
-        tags.input_tags.allow_nan = self.split == "axis" and self.missing != "refuse"
-        tags.input_tags.string = tags.input_tags.categorical = self.categories != "refuse"
-        return tags
+    costs: ArrayLike | None = None
+    class_weight: ClassWeight = None
+    smoothing: Smoothing = "out-of-fold"
 
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Find the tree for samples X (n_samples, n_features), classes y (n_samples,), weights (n_samples,).
@@ -182,36 +124,15 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         self.columns_ = columns
         self._label_name = label_name(y)
         weights = class_weights(self.class_weight, self.classes_, labels, given)
-        kept = weights != 0
-        problem = self._problem(features[kept], labels[kept], weights[kept])
-        seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        options = self.options or NO_OPTIONS
-        problem = self._answer(problem, Run(self.method, Limits(seconds=self.seconds), seed, threads, options))
-        self._shares = LeafShares(problem, self.tree_, self.smoothing, self.seconds, seed, threads)
-        if self.solution_.stop is Stop.INTERRUPTED:
-            raise KeyboardInterrupt("the best tree so far is fitted")
-        if self.max_depth != AUTO:
-            warn_unproven(self.solution_, method_proves(problem, self.method), self.seconds)
+        own = {
+            "loss": ClassCosts(self.costs),
+            "class_names": tuple(self.classes_.tolist()),
+            "gaps": columns.lack_numbers,
+        }
+        run = self._answer(features, labels, weights, **own)
+        self._shares = LeafShares(self.problem_, self.tree_, self.smoothing, self.seconds, run.seed, run.n_jobs)
+        self._say_how_it_ended()
         return self
-
-    def _problem(self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64]) -> Problem:
-        return Problem(
-            features,
-            labels,
-            depth=depth_of(self.max_depth, self.leaf_penalty, self.method, self.options),
-            split=self.split,
-            split_size=self.split_size,
-            leaf_size=leaf_size_of(self.min_samples_leaf, len(labels)),
-            leaf_penalty=self.leaf_penalty,
-            loss=ClassCosts(self.costs),
-            weights=weights,
-            sensor_of_feature=sensors_of(self.columns_, self.sensor_of_feature),
-            sensor_cost=self.sensor_cost,
-            sensor_budget=self.sensor_budget,
-            class_names=tuple(self.classes_.tolist()),
-            gaps=self.columns_.lack_numbers,
-            feature_names=self.columns_.feature_names,
-        )
 
     @property
     def leaf_distribution_(self) -> LeafDistribution:

@@ -1,4 +1,4 @@
-"""FittedTree: everything that a fitted estimator says about its tree, apart from predictions."""
+"""FittedTree: everything that both estimators do and say, apart from reading labels and predictions."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
+from sklearn.utils import Tags
 from sklearn.utils.validation import check_is_fitted
 
 from octmip.errors import SolverError
@@ -16,12 +17,22 @@ from octmip.formats.tree_file import record_tree
 from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, words_of, write_page
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import leaf_nodes, node_indicator
+from octmip.interfaces.estimator.proof import method_proves, warn_unproven
 from octmip.interfaces.estimator.samples import read_samples, test_samples
-from octmip.interfaces.estimator.settings import AUTO
+from octmip.interfaces.estimator.settings import (
+    AUTO,
+    Settings,
+    depth_of,
+    leaf_size_of,
+    seed_of,
+    sensors_of,
+    threads_of,
+)
 from octmip.trees.certificate import Certificate, certify
+from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
-from octmip.trees.solution import Solution
+from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Choice, solve_default
 from octmip.trees.tree import Node, depth, leaves
@@ -30,11 +41,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class FittedTree:
-    """What an estimator says about its tree: its figures, its words, a picture and a page."""
+class FittedTree(Settings):
+    """How an estimator finds its tree, and what it says about it: its figures, its words, a picture and a page."""
 
-    max_depth: int | str
-    seconds: float
     problem_: Problem
     solution_: Solution
     certificate_: Certificate
@@ -42,8 +51,37 @@ class FittedTree:
     choice_: Choice | None
     _label_name: str | None
 
-    def _answer(self, problem: Problem, run: Run) -> Problem:
-        """Solve a problem, keep what is known of its tree, and return the problem with the depth that was chosen."""
+    def __sklearn_tags__(self) -> Tags:
+        tags = super().__sklearn_tags__()  # type: ignore[misc]
+        tags.input_tags.allow_nan = self.split == "axis" and self.missing != "refuse"
+        tags.input_tags.string = tags.input_tags.categorical = self.categories != "refuse"
+        return tags
+
+    def _answer(
+        self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64], **own: Any
+    ) -> Run:
+        """Solve the problem of the samples that weigh something, keep what is known of its tree, and return the run.
+
+        `own` are the fields of the Problem that the other estimator has not.
+        """
+        seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
+        run = Run(self.method, Limits(seconds=self.seconds), seed, threads, self.options or NO_OPTIONS)
+        kept = weights != 0
+        problem = Problem(
+            features[kept],
+            labels[kept],
+            depth=depth_of(self.max_depth, self.leaf_penalty, self.method, self.options),
+            split=self.split,
+            split_size=self.split_size,
+            leaf_size=leaf_size_of(self.min_samples_leaf, int(kept.sum())),
+            leaf_penalty=self.leaf_penalty,
+            weights=weights[kept],
+            sensor_of_feature=sensors_of(self.columns_, self.sensor_of_feature),
+            sensor_cost=self.sensor_cost,
+            sensor_budget=self.sensor_budget,
+            feature_names=self.columns_.feature_names,
+            **own,
+        )
         if self.max_depth == AUTO:
             found = solve_default(problem, replace(run, method="auto"))
             problem, solution, self.choice_ = found.problem, found.solution, found.choice
@@ -53,7 +91,14 @@ class FittedTree:
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
         self.problem_, self.solution_ = problem, solution
         self.certificate_ = certify(problem, solution)
-        return problem
+        return run
+
+    def _say_how_it_ended(self) -> None:
+        """Raise the Ctrl-C that ended the fit, or warn of a proof that a limit ended."""
+        if self.solution_.stop is Stop.INTERRUPTED:
+            raise KeyboardInterrupt("the best tree so far is fitted")
+        if self.max_depth != AUTO:
+            warn_unproven(self.solution_, method_proves(self.problem_, self.method), self.seconds)
 
     @property
     def tree_(self) -> Node:

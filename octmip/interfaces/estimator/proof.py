@@ -38,7 +38,7 @@ def warn_unproven(solution: Solution, proves: bool, seconds: float) -> None:
     warnings.warn(
         f"the proof ended {ended}: {_claim(solution)}; the fitted tree is the best one found; {cure}",
         ConvergenceWarning,
-        stacklevel=3,
+        stacklevel=4,
     )
 
 

@@ -1,7 +1,8 @@
-"""The parameters that scikit-learn's users know, as octmip has them: weights, threads, seed, leaf size, sensors."""
+"""The parameters that both estimators have, and what they mean: weights, threads, seed, leaf size, sensors."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -11,13 +12,40 @@ from sklearn.utils import check_random_state, compute_class_weight
 
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
+from octmip.trees.methods.options import Options
 from octmip.trees.problem_values import whole_of
+from octmip.trees.run import Method
 from octmip.trees.shape import MAX_DEPTH
 
 ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
 RandomState = int | np.random.RandomState | None
 MOST_SEED = 2**31 - 1
 AUTO: Literal["auto"] = "auto"
+
+
+@dataclass(kw_only=True, eq=False, repr=False)
+class Settings:
+    """The parameters that both estimators have; `OptimalTreeClassifier` says what each is.
+
+    scikit-learn reads the names of an estimator's parameters from the signature of its `__init__`, which a dataclass
+    writes.
+    """
+
+    max_depth: int | Literal["auto"] = field(default="auto", kw_only=False)
+    split: Literal["axis", "hyperplane"] = "axis"
+    split_size: int | None = None
+    min_samples_leaf: float = 1
+    leaf_penalty: float = 0.0
+    sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
+    sensor_cost: Mapping[str, float] | Sequence[float] | None = None
+    sensor_budget: float | None = None
+    categories: Literal["yes-no", "order", "refuse"] = "yes-no"
+    missing: Literal["either-side", "refuse"] = "either-side"
+    method: Method = "auto"
+    options: Options | None = None
+    seconds: float = 60.0
+    n_jobs: int | None = None
+    random_state: RandomState = 0
 
 
 def depth_of(max_depth: int | str, leaf_penalty: float, method: str, options: object) -> int:
