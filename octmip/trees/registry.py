@@ -93,7 +93,7 @@ NUMBERS_SEARCH = Registration(
     "search_regression",
     proves=False,
     cannot=("gaps", "integer_normals"),
-    without=("cluster", "perturbations", "checkpoint", "every"),
+    without=("cluster", "perturbations"),
 )
 
 REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
@@ -102,7 +102,6 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
         "search": SEARCH,
         "exact": EXACT,
         "oct": OCT,
-        "oct_h": OCT_H,
         "flow": FLOW,
         "benders": BENDERS,
     },
@@ -110,10 +109,8 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
         "cart": CART,
         "search": SEARCH,
         "exact": TWO_FEATURE,
-        "oct": OCT,
         "oct_h": OCT_H,
         "flow": FLOW_OF_PLANES,
-        "benders": BENDERS,
     },
     **{(loss, "axis"): {"cart": CART, "search": NUMBERS_SEARCH, "exact": NUMBERS} for loss in NUMBER_LOSSES},
     **{(loss, "hyperplane"): {"cart": CART, "search": NUMBERS_SEARCH} for loss in NUMBER_LOSSES},

@@ -66,18 +66,6 @@ def test_a_cost_is_what_its_definition_says_in_exact_arithmetic(problem):
     assert cost == pytest.approx(float(exact) + 0.5, rel=1e-15)
 
 
-def test_a_weight_of_two_is_a_sample_twice(problem):
-    rows = np.repeat(np.arange(30), (problem.weights * 8).astype(int))
-    often = Problem(
-        FEATURES[rows],
-        problem.targets[rows],
-        depth=2,
-        loss=problem.loss,
-        class_names=problem.class_names or None,
-    )
-    assert solve(problem).objective * 8 == pytest.approx(solve(often).objective, rel=1e-12)
-
-
 def test_a_proven_tree_is_certified_and_measured(problem):
     solution = solve(problem)
     certificate = certify(problem, solution)
@@ -89,15 +77,6 @@ def test_a_proven_tree_is_certified_and_measured(problem):
     misses = np.abs(predicted - problem.targets)
     assert certificate.measures["mae"] == pytest.approx((misses * WEIGHTS).sum() / WEIGHTS.sum())
     assert certificate.measures["rmse"] == pytest.approx(np.sqrt((misses**2 * WEIGHTS).sum() / WEIGHTS.sum()))
-
-
-def test_the_order_of_samples_changes_no_objective(problem):
-    order = np.random.default_rng(1).permutation(30)
-    names = problem.class_names or None
-    other = Problem(
-        FEATURES[order], problem.targets[order], depth=2, weights=WEIGHTS[order], loss=problem.loss, class_names=names
-    )
-    assert solve(other).objective == pytest.approx(solve(problem).objective, rel=1e-12)
 
 
 def test_a_loss_asks_for_targets_of_its_kind():

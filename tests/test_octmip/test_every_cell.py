@@ -1,0 +1,93 @@
+"""Every cell of the registry by the same checks: whatever is registered keeps what a Solution promises."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from octmip import Problem, certify, solve
+from octmip.errors import ProblemError
+from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
+from octmip.interfaces.report.html import tree_page
+from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
+from octmip.trees.registry import REGISTRY
+from octmip.trees.tree import depth
+
+CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
+LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
+N = 12
+RNG = np.random.default_rng(17)
+FEATURES = RNG.integers(0, 5, (N, 3)).astype(float)
+TARGETS = RNG.integers(0, 3, N)
+TARGETS[:3] = 0, 1, 2
+WEIGHTS = RNG.integers(1, 3, N).astype(float)
+
+
+def problem(loss: str, split: str, rows=slice(None), **more) -> Problem:
+    """Return a problem of a loss and a split: small whole numbers, of which every sum is exact."""
+    given = {"depth": 2, "split": split, "weights": WEIGHTS[rows], "features": FEATURES[rows]} | more
+    if split == "hyperplane":
+        given |= {"split_size": 2, "depth": 1}
+    if loss == "classes":
+        given["class_names"] = (0, 1, 2)
+    return Problem(targets=TARGETS[rows], loss=LOSSES[loss], **given)
+
+
+@pytest.fixture(params=CELLS, ids=" ".join)
+def cell(request):
+    return request.param
+
+
+def is_one_optimum(method: str, solution) -> bool:
+    """Whether the objective is that of the best tree, and so the same however samples are laid out."""
+    return solution.is_optimal or method == "cart"
+
+
+def test_a_solution_is_certified_survives_its_file_and_has_a_page(cell, tmp_path):
+    loss, split, method = cell
+    asked = problem(loss, split, leaf_size=2, leaf_penalty=0.5)
+    solution = solve(asked, method)
+    certificate = certify(asked, solution)
+    assert depth(solution.tree) <= asked.depth
+    assert solution.bound <= solution.objective == asked.objective(solution.tree)
+    assert math.isclose(certificate.objective, solution.objective, rel_tol=1e-12)
+    written = record_tree(asked, solution)
+    write_tree_file(tmp_path / "tree.json", written)
+    read = read_tree_file(tmp_path / "tree.json")
+    assert tree_for(asked, read) == solution.tree
+    assert (read.solution.objective, read.solution.bound) == (solution.objective, solution.bound)
+    page = tree_page(read, "tree.json")
+    assert page == tree_page(written, "tree.json")
+    assert "<html" in page
+
+
+def test_a_weight_of_two_is_a_sample_twice_and_the_order_of_samples_is_nothing(cell):
+    loss, split, method = cell
+    once = solve(problem(loss, split), method)
+    rows = np.random.default_rng(3).permutation(np.repeat(np.arange(N), WEIGHTS.astype(int)))
+    often = solve(problem(loss, split, rows, weights=np.ones(len(rows))), method)
+    if is_one_optimum(method, once) and is_one_optimum(method, often):
+        assert once.objective == pytest.approx(often.objective, rel=1e-12)
+
+
+def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):
+    loss, split, method = cell
+    asked = problem(loss, split, sensor_cost=[2.0, 1.0, 1.0], sensor_budget=1.0)
+    solution = solve(asked, method)
+    assert len(certify(asked, solution).sensors) <= 1
+    assert asked.sensor_cost_of(solution.tree) <= 1
+    free = solve(replace(asked, sensor_budget=None), method)
+    assert not (solution.is_optimal and free.is_optimal) or free.objective <= solution.objective
+
+
+def test_missing_readings_are_split_upon_or_refused_by_name(cell):
+    loss, split, method = cell
+    features = FEATURES.copy()
+    features[::4, 0] = np.nan
+    if method == "cart" or (loss, split) == ("classes", "axis"):  # trees of CART read one feature a split
+        asked = problem(loss, split, features=features, gaps=True)
+        certify(asked, solve(asked, method))
+        return
+    with pytest.raises(ProblemError, match=r"missing|gaps"):
+        solve(problem(loss, split, features=features, gaps=True), method)
