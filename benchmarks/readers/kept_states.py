@@ -14,10 +14,9 @@ from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
 from octmip.trees.certificate import certify
 from octmip.trees.losses import AbsoluteError, SquaredError
-from octmip.trees.methods.checkpoint.envelope import FIRST
+from octmip.trees.methods.checkpoint.file import FIRST
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import ExactOptions, SearchOptions
-from octmip.trees.methods.search import local_search
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
@@ -99,28 +98,6 @@ def read_lines_kept(rng: Generator, folder: Path) -> None:
     )
 
 
-def _sought(number: int) -> Problem:
-    """Return a problem for the local search: odd numbers of lines."""
-    return _lined(number) if number % 2 else _searched(2 * number + 1)
-
-
-def make_search_checkpoint(number: int, folder: Path) -> None:
-    """Write the checkpoint of a search that has come to its end; some of its turns may be changed or left out."""
-    local_search(_sought(number), options=SearchOptions(restarts=10, perturbations=2, checkpoint=folder / "turns.kept"))
-    (folder / "number").write_text(str(number))
-
-
-def read_turns(rng: Generator, folder: Path) -> None:
-    """Go on from the checkpoint of a search, and certify the tree."""
-    problem, path = _sought(int((folder / "number").read_text())), folder / "turns.kept"
-    certify(
-        problem,
-        local_search(
-            problem, options=SearchOptions(restarts=10, perturbations=2, checkpoint=path), limits=Limits(seconds=2)
-        ),
-    )
-
-
 def make_regression_log(number: int, folder: Path) -> None:
     """Write a regression tree, the log of its bound and its table; odd numbers count absolute errors."""
     rng = np.random.default_rng([94, number])
@@ -147,8 +124,5 @@ KEPT = {
     "checkpoint": Reader(make_checkpoint, "search.kept", mangled_checkpoint, read_kept),
     "regression proof log": Reader(make_regression_log, "proof.log", mangled_tokens, read_regression_log),
 }
-RESUMED = {
-    "checkpoint of lines": Reader(make_lines_checkpoint, "lines.kept", mangled_nodes, read_lines_kept),
-    "checkpoint of a search": Reader(make_search_checkpoint, "turns.kept", mangled_checkpoint, read_turns),
-}
-"""Apart, as a reader's files are drawn by its place among all: these are the last."""
+RESUMED = {"checkpoint of lines": Reader(make_lines_checkpoint, "lines.kept", mangled_nodes, read_lines_kept)}
+"""Apart, as a reader's files are drawn by its place among all: this is the last."""

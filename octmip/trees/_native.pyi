@@ -186,12 +186,10 @@ def search(
     *,
     n_restarts: int,
     n_perturbations: int,
-    checkpoint: tuple[float, Callable[[tuple[Any, ...]], None], tuple[Any, ...] | None] | None = None,
     submit: tuple[Callable[[Any, Any], Any], int] | None = None,
 ) -> tuple[list[NodeRow], int, int, str, int]:
     """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with.
 
-    Checkpoint: seconds between two times that finished turns are handed out, who takes them, those of an earlier run.
     `submit`: gives a turn of a restart and the limits that are left to somebody with a `TurnSolver` and returns a
     future, with the number of turns that are asked for at once; without it the threads of this process take the turns.
     """

@@ -1,4 +1,4 @@
-"""Searches and two-feature proofs in pieces: the tree, bound and nodes of the run that never stopped."""
+"""Two-feature proofs in pieces: the tree, bound and nodes of the run that never stopped."""
 
 import base64
 import hashlib
@@ -15,13 +15,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.checkpoint.envelope import FIRST
-from octmip.trees.methods.options import ExactOptions, SearchOptions
-from octmip.trees.methods.search import local_search
+from octmip.trees.methods.checkpoint.file import FIRST
+from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.solution import Stop
 
@@ -42,34 +41,6 @@ def in_pieces(run, problem, options, seconds, **more):
         if found.stop is not Stop.TIME:
             return found, number
     raise AssertionError("no end")
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"depth": 4},
-        {"depth": 3, "sensor_budget": 2, "leaf_size": 3},
-        {"depth": 3, "split": "hyperplane", "leaf_penalty": 0.5},
-        {"depth": 2, "split": "hyperplane", "split_size": 2},
-    ],
-)
-def test_a_search_in_pieces_ends_with_the_tree_of_one_search(options, tmp_path):
-    problem, effort = samples(**options), SearchOptions(restarts=11, perturbations=6)
-    whole = local_search(problem, seed=5, options=effort)
-    kept = replace(effort, checkpoint=tmp_path / "kept", every=0.0)
-    last, _ = in_pieces(local_search, problem, kept, whole.seconds / 4, n_jobs=2, seed=5)
-    assert (last.tree, last.objective, last.stop) == (whole.tree, whole.objective, whole.stop)
-    again = local_search(problem, options=kept, seed=5)
-    assert (again.tree, again.n_nodes) == (whole.tree, 0)
-
-
-def test_small_searches_of_every_kind_believe_their_own_checkpoints(tmp_path):
-    for seed in range(40):
-        problem, path = random_problem(np.random.default_rng([64, seed])), tmp_path / str(seed)
-        once = local_search(problem, seed=seed)
-        options = SearchOptions(checkpoint=path, every=0.0)
-        first, second = (local_search(problem, seed=seed, options=options) for _ in range(2))
-        assert first.tree == second.tree == once.tree, f"seed {seed}"
 
 
 @pytest.mark.parametrize(
@@ -111,6 +82,8 @@ def test_a_two_feature_proof_killed_at_any_moment_goes_on_to_the_same_nodes(tmp_
     for _ in range(3):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
             child.stdout.readline()
+            while not (tmp_path / "kept").exists():
+                time.sleep(0.01)
             time.sleep(moments.uniform(0.1, 0.2))
             child.send_signal(signal.SIGKILL)
     assert (tmp_path / "kept").exists()
@@ -135,15 +108,11 @@ def test_a_checkpoint_of_another_run_is_refused(kept, tmp_path):
     with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
         two_feature_branch_and_bound(problem, seed=1, options=ExactOptions(checkpoint=path))
     with pytest.raises(DataError, match="belongs to another search: it has the method 'two-feature exact'"):
-        local_search(problem, options=SearchOptions(checkpoint=path))
+        branch_and_bound(replace(problem, split="axis", split_size=None), options=ExactOptions(checkpoint=path))
     with pytest.raises(DataError, match="holds tables of 64 slope intervals, and memory for"):
         two_feature_branch_and_bound(problem, limits=Limits(memory=10_000), options=ExactOptions(checkpoint=path))
     with pytest.raises(ProblemError, match="of which nothing can be kept"):
         two_feature_branch_and_bound(replace(problem, depth=1), options=ExactOptions(checkpoint=tmp_path / "one"))
-    local_search(problem, seed=1, options=SearchOptions(checkpoint=tmp_path / "search"))
-    for seed, effort in ((2, {}), (1, {"restarts": 3}), (1, {"perturbations": 3})):
-        with pytest.raises(DataError, match="belongs to another search: it has the options of the search"):
-            local_search(problem, seed=seed, options=SearchOptions(checkpoint=tmp_path / "search", **effort))
 
 
 def rewritten(path, edit):
@@ -177,7 +146,7 @@ def with_numbers(edit):
         lambda content: content["nodes"].__setitem__(0, "no bytes"),
         lambda content: content["nodes"].__setitem__(1, -3),
         lambda content: content["nodes"].__setitem__(2, [0, [[0, 0, 0, 0, 0, 1, [], 0.0]]]),
-        lambda content: content.update(incumbent=[[0, 0, 0, 0, 0, 77, [], 0.0]]),
+        lambda content: content.update({"grid tree": [[0, 0, 0, 0, 0, 77, [], 0.0]]}),
         lambda content: content.update(grid="0"),
         lambda content: content.pop("nodes"),
     ],
@@ -187,22 +156,3 @@ def test_nodes_that_cannot_be_are_refused(kept, edit):
     rewritten(path, edit)
     with pytest.raises(DataError, match=f"checkpoint {path} (holds|claims) .*; give another file, or remove this one"):
         two_feature_branch_and_bound(problem, options=ExactOptions(checkpoint=path))
-
-
-@pytest.mark.parametrize(
-    "edit",
-    [
-        lambda content: content["turns"].__setitem__(0, -1),
-        lambda content: content["turns"][1][0][0].__setitem__(1, 2**65),
-        lambda content: content["turns"][1][0][0].__setitem__(3, 1),
-        lambda content: content["turns"][1][0][0].__setitem__(4, [[0, 0, 0, 0, 0, 99, [], 0.0]]),
-        lambda content: content["turns"][1].pop(),
-        lambda content: content.update(seconds=-1.0),
-    ],
-)
-def test_turns_that_cannot_be_are_refused(edit, tmp_path):
-    problem, path = samples(depth=2), tmp_path / "kept"
-    local_search(problem, options=SearchOptions(checkpoint=path))
-    rewritten(path, edit)
-    with pytest.raises(DataError, match=f"checkpoint {path} holds .*; give another file, or remove this one"):
-        local_search(problem, options=SearchOptions(checkpoint=path))

@@ -212,15 +212,6 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
 
 
-def test_a_search_goes_on_from_the_checkpoint_of_another_number_of_workers(client: Client, tmp_path) -> None:
-    problem = hard(300, 4)
-    alone, kept = local_search(problem, options=SearchOptions(restarts=20)), tmp_path / "kept"
-    with patch.object(Cluster, "n_threads", 25):
-        options = SearchOptions(restarts=20, checkpoint=kept, every=0.0, cluster=client)
-        local_search(problem, options=options, limits=Limits(nodes=alone.n_nodes / 2))
-    assert local_search(problem, options=SearchOptions(restarts=20, checkpoint=kept)).tree == alone.tree
-
-
 @pytest.mark.parametrize(("over", "method"), [("depth", "exact"), ("budget", "search"), ("penalty", "search")])
 def test_the_points_of_a_frontier_are_those_of_one_machine(client: Client, over: str, method: str) -> None:
     problem = hard(60)

@@ -1,11 +1,10 @@
 """What a killed process leaves: proofs that go on from their checkpoints, files that are whole or not there.
 
-Runs: `octmip solve --checkpoint` of each of `RUNS` (a proof, a two-feature proof, a search) is killed (SIGKILL) at a
+Runs: `octmip solve --checkpoint` of each of `RUNS` (a proof, a two-feature proof) is killed (SIGKILL) at a
 random moment of its life, started again, killed again, five times, and then left to its end: tree, objective, bound and
-stop must be those of a run that nobody killed. Ten such chains of the proof are fifty kills, four of each of the others
-twenty. Files: a process that writes one
-kind of file again and again is killed at a random moment, fifty times a kind: the file must be whole, as a reader finds
-it, or not be there.
+stop must be those of a run that nobody killed. Ten such chains of the proof are fifty kills, four of the other
+twenty. Files: a process that writes one kind of file again and again is killed at a random moment, fifty times a kind:
+the file must be whole, as a reader finds it, or not be there.
 """
 
 import contextlib
@@ -54,8 +53,6 @@ RUNS = (
     Case(
         "two-feature proof of blood-transfusion", "blood-transfusion", (*LINES, "--depth", "2", "--method", "exact"), 4
     ),
-    Case("search of digits, depth 6", "optical-recognition-digits", ("--depth", "6", "--method", "search"), 2),
-    Case("search with lines of mammography, depth 4", "mammography", (*LINES, "--depth", "4"), 2),
 )
 
 FORK = multiprocessing.get_context("fork")

@@ -27,9 +27,8 @@ from octmip.trees.encoding import (
     rows_from_tree,
     tree_from_rows,
 )
-from octmip.trees.methods.checkpoint.envelope import CHECKPOINT_SECONDS, every_of, resumed_from, unusable
-from octmip.trees.methods.checkpoint.exact_keeper import Found, Keeper
-from octmip.trees.methods.checkpoint.exact_state import KnownRow
+from octmip.trees.methods.checkpoint.exact_state import ExactState, KnownRow, exact_state_of
+from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
 from octmip.trees.methods.native_call import (
     feasible_incumbent,
     logged,
@@ -103,8 +102,11 @@ def branch_and_bound(
     if proof is not None:
         check_writable(proof)
     ranks = rank_features(problem)
-    keeper = None if options.checkpoint is None else Keeper(problem, ranks, options.checkpoint, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, keeper, every_of(options))
+    file = None
+    if options.checkpoint is not None:
+        off = tuple(sorted(switched_off()))
+        file = Checkpoint(problem, ranks, options.checkpoint, every_of(options), SOLVER, off, started)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, file)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "label_sets", "cancelling"]
     with ExitStack() as stack:
@@ -127,8 +129,7 @@ class _Search:
     progress: ProgressCallback | None
     started: float
     ranks: Ranks
-    keeper: Keeper | None
-    every: float = CHECKPOINT_SECONDS
+    file: Checkpoint | None
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -139,6 +140,7 @@ class _Search:
     proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
+    resumed: ExactState | None = None  # of the checkpoint
     cluster: Cluster | None = None
 
     def search(self, start: Node | None) -> None:
@@ -177,25 +179,40 @@ class _Search:
 
     def _resume(self) -> None:
         """Take up what a checkpoint holds, if there is one."""
-        found = None if self.keeper is None else self.keeper.read()
-        if self.keeper is None or found is None:
+        kept = None if self.file is None else self.file.read(exact_state_of)
+        if self.file is None or kept is None:
             return
-        self._keep(found.tree)
-        self.grid, self.known, self.bound = found.grid, found.known, found.bound
+        self.grid, costs, self.resumed = kept
+        self.bound, self.known = self.resumed.bound, self.resumed.known
+        if self.resumed.tree is not None:
+            self._keep(self.file.tree(self.resumed.tree))
+        if self.known is not None:  # the cost of its best tree is counted again
+            best = self.file.tree(self.known.best[1], is_within=False)
+            self.known = self.known._replace(
+                best=(costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
+            )
         if self.bound > self.objective:
-            raise unusable(self.keeper.path, f"claims the bound {self.bound} above its tree's {self.objective}")
+            raise unusable(self.file.path, f"claims the bound {self.bound} above its tree's {self.objective}")
 
     @property
     def resumed_from(self) -> dict[str, object]:
         """What earlier searches have spent, for the details of a solution."""
-        spent = None if self.keeper is None else self.keeper.spent
-        return {} if spent is None else resumed_from(spent.seconds, spent.n_nodes)
+        return {} if self.file is None or self.resumed is None else self.file.resumed_from(self.resumed.n_nodes)
 
     def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
         """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
-        if self.keeper is not None:
-            self.known = known
-            self.keeper.write(costs, Found(self.tree, self.grid, known, self.bound), self.n_nodes)
+        if self.file is None:
+            return
+        self.known, best, n_nodes = known, self.tree, self.n_nodes
+        if known is not None:
+            tree = tree_from_rows(known.best[1], self.ranks)
+            is_within = self.problem.sensor_cost_of(tree) <= self.problem.sensor_limit
+            if is_within and (best is None or self.problem.objective(tree) <= self.problem.objective(best)):
+                best = tree
+            n_nodes = max(n_nodes, known.n_nodes)
+        rows = None if best is None else rows_from_tree(best, self.ranks)
+        before = 0 if self.resumed is None else self.resumed.n_nodes
+        self.file.write(self.grid, costs, ExactState(before + n_nodes, self.bound, rows, known).to_json())
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
@@ -206,7 +223,9 @@ class _Search:
         first = None
         if self.tree is not None:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
-        saving = (self.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
+        saving = None
+        if self.file is not None:
+            saving = (self.file.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
         try:
             rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                 native,
@@ -215,13 +234,13 @@ class _Search:
                 self.n_jobs,
                 self.off,
                 native_progress(self.progress, costs, before),
-                checkpoint=None if self.keeper is None else saving,
+                checkpoint=saving,
                 submit=submit,
             )
         except ValueError as error:
-            if self.keeper is None or not str(error).startswith("known: "):
+            if self.file is None or not str(error).startswith("known: "):
                 raise
-            raise unusable(self.keeper.path, f"holds what cannot be proven: {error}") from error
+            raise unusable(self.file.path, f"holds what cannot be proven: {error}") from error
         self.n_nodes += n_nodes
         lower = costs.value(bound)
         if self.proven is None or lower > self.bound:

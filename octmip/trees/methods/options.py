@@ -218,14 +218,6 @@ class Options:
 NO_OPTIONS = Options()
 
 
-def _refuse_every_alone(options: "SearchOptions | ExactOptions") -> None:
-    if options.every is not None and options.checkpoint is None:
-        raise ProblemError(
-            f"every is {options.every!r} without a checkpoint; expected the name of a file that is written so often; "
-            "give checkpoint too, or leave every out"
-        )
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchOptions(Options):
     """Options of the local search."""
@@ -240,15 +232,6 @@ class SearchOptions(Options):
             _whole(0), "a restart ends after so many in a row without a better tree; by default as restarts"
         ),
     )
-    checkpoint: str | Path | None = field(
-        default=None,
-        metadata=_means(FILE, "file that keeps what was found; where it exists the search goes on from it"),
-    )
-    every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
-
-    def __post_init__(self) -> None:
-        Options.__post_init__(self)
-        _refuse_every_alone(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -269,7 +252,11 @@ class ExactOptions(Options):
 
     def __post_init__(self) -> None:
         Options.__post_init__(self)
-        _refuse_every_alone(self)
+        if self.every is not None and self.checkpoint is None:
+            raise ProblemError(
+                f"every is {self.every!r} without a checkpoint; expected the name of a file that is written so often; "
+                "give checkpoint too, or leave every out"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

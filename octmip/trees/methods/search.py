@@ -17,14 +17,11 @@ Source: Bertsimas & Dunn (2019), Machine Learning Under a Modern Optimization Le
 import math
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, opened
 from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
-from octmip.trees.methods.checkpoint.envelope import every_of, resumed_from
-from octmip.trees.methods.checkpoint.search_keeper import FinishedTurns, SearchKeeper
 from octmip.trees.methods.merging import merged
 from octmip.trees.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
 from octmip.trees.methods.options import SearchOptions
@@ -65,8 +62,7 @@ def local_search(
         options: restarts and perturbations are by default those of `EFFORT`, more for a small axis-aligned problem. Of
             the perturbations in a row that end a restart, a quarter are made before the better restarts are chosen with
             hyperplanes, none without, and twice as many by the last. With `restarts=1, perturbations=0` the answer is
-            quick: one descent and exact blocks of two levels. The checkpoint keeps finished turns of restarts; a search
-            that goes on from it ends with the tree of one that never stopped (unless time or nodes are limited). The
+            quick: one descent and exact blocks of two levels. The
             processes of a cluster take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
 
     Returns
@@ -77,8 +73,6 @@ def local_search(
     ------
     ProblemError
         `n_jobs` is below 1, or the incumbent is no tree of this problem.
-    DataError
-        the checkpoint cannot be read or written, or belongs to another search.
     """
     if n_jobs < 1:
         raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
@@ -88,12 +82,6 @@ def local_search(
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
     n_restarts = effort[0] if options.restarts is None else int(options.restarts)
     n_perturbations = effort[1] if options.perturbations is None else int(options.perturbations)
-    keeper = None
-    if options.checkpoint is not None:
-        effort_of = seed % 2**64, n_restarts, n_perturbations, first
-        keeper = SearchKeeper(problem, searched, ranks, options.checkpoint, every_of(options), effort_of, start)
-    turns = None if keeper is None else keeper.read()
-    before = 0 if turns is None else turns.n_visits
     with opened(options, n_jobs) as with_cluster:
         shared: Cluster | None = with_cluster.cluster
         arguments = native_arguments(searched, ranks, costs)
@@ -102,13 +90,12 @@ def local_search(
             _native.Problem(*arguments),
             first,
             # What was spent on ranks counts, too.
-            remaining(replace(limits, nodes=limits.nodes + before), start),
+            remaining(limits, start),
             n_jobs,
             seed % 2**64,
             native_progress(progress, costs),
             n_restarts=n_restarts,
             n_perturbations=n_perturbations,
-            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(FinishedTurns(*row)), turns),
             submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
         )
     latest = start + limits.seconds + GRACE
@@ -120,11 +107,10 @@ def local_search(
         bound=0.0 if objective == 0 else -math.inf,
         stop=_stop(stop, objective),
         seconds=time.perf_counter() - start,
-        n_nodes=n_nodes - before,
+        n_nodes=n_nodes,
         solver="search",
         version=_native.__version__,
         seed=seed,
-        details={} if turns is None or keeper is None else resumed_from(keeper.spent, before),
     )
 
 

@@ -16,6 +16,7 @@ import math
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +31,8 @@ from octmip.trees.encoding import (
     rank_features,
     tree_from_rows,
 )
-from octmip.trees.methods.checkpoint.envelope import every_of, resumed_from, unusable
-from octmip.trees.methods.checkpoint.two_feature_keeper import Nodes, TwoFeatureKeeper
+from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
+from octmip.trees.methods.checkpoint.two_feature_state import TwoFeatureState, two_feature_state_of
 from octmip.trees.methods.native_call import (
     better,
     feasible_incumbent,
@@ -49,6 +50,7 @@ from octmip.trees.proof import check_proof, log_header
 from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
 
+SOLVER = "two-feature exact"
 MOST_DEPTH = 2
 MOST_BOUNDED_DEPTH = 3
 MOST_FEATURES = 2
@@ -106,14 +108,20 @@ def two_feature_branch_and_bound(
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     if problem.depth > MOST_DEPTH:
         return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
-    ranks, keeper, nodes, first = rank_features(problem), None, None, known
+    ranks, file, state, first = rank_features(problem), None, None, known
+    costs = integer_costs(problem, first)
     if checkpoint is not None:
         settings = seed % 2**64, whole_coefficients, *sorted(switched_off())
-        keeper = TwoFeatureKeeper(problem, ranks, checkpoint, every_of(options), settings, start, known)
-        nodes = keeper.read()
-        first = keeper.incumbent
-    before = 0 if nodes is None else nodes.n_nodes
-    costs = integer_costs(problem, first)
+        file = Checkpoint(problem, ranks, checkpoint, every_of(options), SOLVER, settings, start)
+        if (kept := file.read(two_feature_state_of)) is not None:
+            first, costs, state = kept
+            state.check(file, costs)
+    before = 0 if state is None else state.n_nodes
+
+    def save(row: tuple[Any, ...]) -> None:
+        assert file is not None
+        file.write(first, costs, TwoFeatureState(*row).to_json(costs))
+
     native = native_problem(problem, ranks, costs)
     call = (
         native,
@@ -129,12 +137,12 @@ def two_feature_branch_and_bound(
         rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
             *call,
             whole_coefficients=whole_coefficients,
-            checkpoint=None if keeper is None else (keeper.every, lambda row: keeper.write(costs, Nodes(*row)), nodes),
+            checkpoint=None if file is None else (file.every, save, state),
         )
     except ValueError as error:
-        if keeper is None or not str(error).startswith("known: "):
+        if file is None or not str(error).startswith("known: "):
             raise
-        raise unusable(keeper.path, f"holds {str(error).removeprefix('known: ')}") from error
+        raise unusable(file.path, f"holds {str(error).removeprefix('known: ')}") from error
     found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
     tree, objective = better(problem, better(problem, found, first)[0], known)
     lower = costs.value(bound)
@@ -148,12 +156,12 @@ def two_feature_branch_and_bound(
         stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
         seconds=time.perf_counter() - start,
         n_nodes=n_nodes - before,
-        solver="two-feature exact",
+        solver=SOLVER,
         version=_native.__version__,
         seed=seed,
         tolerance=tolerance,
         details=_details(problem, is_open=not met and stop == "finished")
-        | ({} if keeper is None or nodes is None else resumed_from(keeper.spent, before)),
+        | ({} if file is None or state is None else file.resumed_from(before)),
     )
     if proof is not None:
         with logged(proof, Stop(stop), lambda: solution):

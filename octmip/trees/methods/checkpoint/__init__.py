@@ -1,8 +1,6 @@
-"""What long searches have found so far, in files from which killed ones go on.
+"""What a long proof has found so far, in a file from which a killed one goes on.
 
-envelope            the file: its sum, to which search it belongs, numbers and rows of trees read with care
-exact_state         the solved cuts of an exact axis-aligned search
-exact_keeper        their file
-search_keeper       the finished turns of a local search
-two_feature_keeper  the open nodes of a two-feature proof
+file               the file: its sum, to which search it belongs, the trees and costs that its state is about
+exact_state        the solved cuts of an exact axis-aligned search
+two_feature_state  the open nodes of a two-feature proof
 """

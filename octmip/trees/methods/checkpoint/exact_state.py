@@ -3,14 +3,13 @@
 What was spent, the best tree, and the solved cuts of the root with lower bounds of both sides (`KnownRow`).
 """
 
-import hashlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from octmip.trees.encoding import IntegerCosts, NodeRow
-from octmip.trees.methods.checkpoint.envelope import flag, seconds_of, tree_rows, whole
+from octmip.trees.encoding import NodeRow
+from octmip.trees.methods.checkpoint.file import flag, tree_rows, whole
 
 Pair = tuple[int, int]
 
@@ -50,54 +49,32 @@ class KnownRow(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class ExactState:
     """The state of a search.
 
     Attributes
     ----------
-    seconds
-        wall time spent [s], of all the searches before it too.
     n_nodes
-        cuts evaluated, likewise.
+        cuts evaluated, of all the searches before it too.
     bound
         proven lower bound; -inf without one.
     tree
         rows of the best tree of the problem; None without one.
-    grid
-        rows of the tree from which the whole-numbered costs were made; None: of one leaf.
     known
         what is proven of the root; None before its search has begun.
     """
 
-    seconds: float
     n_nodes: int
     bound: float
     tree: Sequence[NodeRow] | None
-    grid: Sequence[NodeRow] | None
     known: KnownRow | None
 
-
-def state_of(kept: Kept) -> dict[str, Any]:
-    """Return the state of an exact search as the entries of a checkpoint."""
-    return {
-        "seconds": kept.seconds,
-        "nodes": kept.n_nodes,
-        "bound": kept.bound.hex(),
-        "tree": kept.tree,
-        "grid tree": kept.grid,
-        "known": kept.known,
-    }
+    def to_json(self) -> dict[str, Any]:
+        """Return the state as the entries of a checkpoint."""
+        return {"nodes": self.n_nodes, "bound": self.bound.hex(), "tree": self.tree, "known": self.known}
 
 
-def grid_digest(costs: IntegerCosts) -> str:
-    """Return the sha256 of whole-numbered costs."""
-    sha = hashlib.sha256(repr((costs.exponent, costs.penalty, costs.costs.shape)).encode())
-    for array in (costs.weights, costs.rows, costs.costs):
-        sha.update(array.astype("<i8").tobytes())
-    return sha.hexdigest()
-
-
-def kept_of(content: Mapping[str, Any]) -> Kept:
+def exact_state_of(content: Mapping[str, Any]) -> ExactState:
     """Return the state of an exact search that the object of a checkpoint holds.
 
     Raises
@@ -108,9 +85,9 @@ def kept_of(content: Mapping[str, Any]) -> Kept:
     bound = float.fromhex(content["bound"])
     if math.isnan(bound) or bound == math.inf:
         raise ValueError(f"bound {bound}")
-    tree, grid = (None if content[name] is None else tree_rows(content[name]) for name in ("tree", "grid tree"))
+    tree = None if content["tree"] is None else tree_rows(content["tree"])
     known = None if content["known"] is None else _known(content["known"])
-    return Kept(seconds_of(content), whole(content["nodes"]), bound, tree, grid, known)
+    return ExactState(whole(content["nodes"]), bound, tree, known)
 
 
 def _known(row: Any) -> KnownRow:

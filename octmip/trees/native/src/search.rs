@@ -21,7 +21,6 @@ mod tree;
 pub(crate) mod turns;
 mod watch;
 
-use std::cell::RefCell;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
@@ -34,8 +33,7 @@ use crate::tree::Tree;
 
 use crate::search::prepared::{Made, Prepared};
 use crate::search::restart::{Restart, Round};
-use crate::search::turns::elsewhere::Elsewhere;
-use crate::search::turns::known::{Kept, Known, Saver, Turn};
+use crate::search::turns::OtherProcesses;
 use crate::search::watch::{TRIVIAL_BOUND, Watch};
 
 pub use options::Options;
@@ -57,56 +55,43 @@ pub fn search(
     limits: Limits,
     keep_going: KeepGoing,
 ) -> Outcome {
-    go_on(problem, options, start, limits, (None, None), None, keep_going)
+    search_with(problem, options, start, limits, None, keep_going)
 }
 
-/// The same from the turns that an earlier search has finished, handing out those that are every so often; `elsewhere`
-/// takes the turns where there is one, else the threads of this process.
-pub(crate) fn go_on(
+/// The same; `others` take the turns where there are any, else the threads of this process.
+pub(crate) fn search_with(
     problem: &Problem,
     options: Options,
     start: Option<&Tree>,
     limits: Limits,
-    (known, saver): (Option<Known>, Option<Saver<'_>>),
-    elsewhere: Option<&Elsewhere<'_>>,
+    others: Option<&OtherProcesses<'_>>,
     keep_going: KeepGoing,
 ) -> Outcome {
     let prepared = Prepared { problem, made: &Made::new(problem) };
     let samples = Samples::new(problem);
     let watch = Watch::new(limits);
     let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
-    let from = |turn: &Turn| {
-        let mut restart = new(turn.number);
-        restart.take_up(turn);
-        restart
-    };
     let rounds = Round::all(options, start, problem);
-    let mut kept = Kept::new(known, saver);
     let n = options.n_restarts.max(1);
-    watch.found(i64::MAX, kept.known.n_visits);
-    let mut best: Option<Restart> = kept.known.best.as_ref().map(from);
-    let mut turn = |restarts, round: usize, kept: &mut Kept<'_>| {
-        let takers = Takers { round: &rounds[round], n_threads: options.n_threads, elsewhere };
-        run(restarts, round, takers, &watch, kept, &mut *keep_going)
+    let mut best: Option<Restart> = None;
+    let mut turn = |restarts, number: usize| {
+        let takers = Takers { number, round: &rounds[number], n_threads: options.n_threads, others };
+        run(restarts, takers, &watch, &mut *keep_going)
     };
     // Groups know nothing of one another, and the first whose best cannot be beaten has the best of lowest number:
     // so many processes as there are do several at once, and end with the same tree.
-    let at_once = GROUP * elsewhere.map_or(1, |elsewhere| elsewhere.n_at_once.div_ceil(GROUP).max(1));
-    for first in (kept.known.first..n).step_by(at_once) {
+    let at_once = GROUP * others.map_or(1, |others| others.n_at_once.div_ceil(GROUP).max(1));
+    for first in (0..n).step_by(at_once) {
         let last = n.min(first + at_once);
-        let begun = turn((first..last).map(new).collect(), 0, &mut kept);
-        let (going_on, others) = best_of_each_group(begun, first);
-        let gone_on = turn(going_on, 1, &mut kept);
-        best = best.into_iter().chain(gone_on).chain(others).min_by_key(Restart::rank);
+        let begun = turn((first..last).map(new).collect(), 0);
+        let (going_on, resting) = best_of_each_group(begun, first);
+        let gone_on = turn(going_on, 1);
+        best = best.into_iter().chain(gone_on).chain(resting).min_by_key(Restart::rank);
         if watch.has_best() || !watch.goes_on(0) {
             break;
         }
-        if let Some(best) = best.as_ref().filter(|_| last < n) {
-            kept.next_group(last, best.turn());
-        }
     }
-    let best = turn(best.into_iter().collect(), 2, &mut kept).swap_remove(0);
-    kept.save(true, watch.n_visits());
+    let best = turn(best.into_iter().collect(), 2).swap_remove(0);
     Outcome {
         tree: best.state.to_tree(&prepared.prices),
         objective: best.objective,
@@ -119,7 +104,7 @@ pub(crate) fn go_on(
     }
 }
 
-/// The restarts of each group that go on, group after group, and the others; all come from best to worst, the first of
+/// The restarts of each group that go on, group after group, and those that rest; all come from best to worst, the first of
 /// them with the number `first`.
 fn best_of_each_group(begun: Vec<Restart>, first: usize) -> (Vec<Restart>, Vec<Restart>) {
     let mut groups: Vec<Vec<Restart>> = Vec::new();
@@ -128,61 +113,50 @@ fn best_of_each_group(begun: Vec<Restart>, first: usize) -> (Vec<Restart>, Vec<R
         groups.resize_with(groups.len().max(group + 1), Vec::new);
         groups[group].push(restart);
     }
-    let (mut going_on, mut others) = (Vec::new(), Vec::new());
+    let (mut going_on, mut resting) = (Vec::new(), Vec::new());
     for mut group in groups {
-        others.extend(group.split_off(group.len().div_ceil(GOES_ON_ONE_IN)));
+        resting.extend(group.split_off(group.len().div_ceil(GOES_ON_ONE_IN)));
         going_on.extend(group);
     }
-    (going_on, others)
+    (going_on, resting)
 }
 
 /// Who takes the turns of a round: threads of this process, or other processes.
 #[derive(Clone, Copy)]
 struct Takers<'t> {
+    number: usize,
     round: &'t Round<'t>,
     n_threads: usize,
-    elsewhere: Option<&'t Elsewhere<'t>>,
+    others: Option<&'t OtherProcesses<'t>>,
 }
 
 impl Takers<'_> {
     /// Turns that are taken at once.
     fn n_at_once(&self) -> usize {
-        self.elsewhere.map_or(self.n_threads, |elsewhere| elsewhere.n_at_once)
+        self.others.map_or(self.n_threads, |others| others.n_at_once)
     }
 
-    /// Have a turn taken; whether it was a whole one.
-    fn take(&self, restart: &mut Restart, number: usize) -> bool {
-        match self.elsewhere {
-            Some(elsewhere) => restart.run_elsewhere(number, elsewhere.ask),
-            None => restart.run(self.round),
+    /// Have a turn taken.
+    fn take(&self, restart: &mut Restart) {
+        match self.others {
+            Some(others) => restart.run_in_other_process(self.number, others.ask),
+            None => {
+                restart.run(self.round);
+            }
         }
     }
 }
 
-/// Give every restart its turn in a round, in order, as many at once as there are takers, but those that have had it;
-/// returns them from best to worst.
-fn run<'a>(
-    mut restarts: Vec<Restart<'a>>,
-    number: usize,
-    takers: Takers,
-    watch: &Watch,
-    kept: &mut Kept<'_>,
-    keep_going: KeepGoing,
-) -> Vec<Restart<'a>> {
+/// Give every restart its turn in a round, in order, as many at once as there are takers; returns them from best to
+/// worst.
+fn run<'a>(restarts: Vec<Restart<'a>>, takers: Takers, watch: &Watch, keep_going: KeepGoing) -> Vec<Restart<'a>> {
     let n = restarts.len();
     let mut done = Vec::with_capacity(n);
-    let mut waiting: Vec<Mutex<Option<Restart>>> = Vec::with_capacity(n);
-    for (place, mut restart) in restarts.drain(..).enumerate() {
+    let wait = |(place, mut restart): (usize, Restart<'a>)| {
         restart.place = place;
-        match kept.known.rounds[number].iter().find(|turn| turn.number == restart.number) {
-            Some(turn) => {
-                restart.keep_turn_before();
-                restart.take_up(turn);
-                done.push(restart);
-            }
-            None => waiting.push(Mutex::new(Some(restart))),
-        }
-    }
+        Mutex::new(Some(restart))
+    };
+    let waiting: Vec<Mutex<Option<Restart>>> = restarts.into_iter().enumerate().map(wait).collect();
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         let (sender, receiver) = channel();
@@ -194,24 +168,13 @@ fn run<'a>(
                     let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take()) else {
                         continue;
                     };
-                    let is_whole = takers.take(&mut restart, number);
-                    let _ = sender.send((restart, is_whole));
+                    takers.take(&mut restart);
+                    let _ = sender.send(restart);
                 }
             });
         }
         drop(sender);
-        let kept = RefCell::new(kept);
-        let take = |(restart, is_whole): (Restart<'a>, bool)| {
-            if is_whole {
-                kept.borrow_mut().finish(number, restart.turn());
-            }
-            done.push(restart);
-        };
-        let poll = || {
-            let goes_on = kept.borrow_mut().save(false, watch.n_visits());
-            watch.look(&mut |state| keep_going(state) && goes_on);
-        };
-        watch.supervision.wait(&receiver, POLL, take, poll);
+        watch.supervision.wait(&receiver, POLL, |restart| done.push(restart), || watch.look(&mut *keep_going));
         done.iter_mut().for_each(Restart::take_back_if_beaten);
         done.sort_by_key(Restart::rank);
         done

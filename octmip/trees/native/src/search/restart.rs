@@ -8,8 +8,7 @@ use crate::search::options::Options;
 use crate::search::prepared::Prepared;
 use crate::search::soft_tree::schedule::{Reselection, Schedule};
 use crate::search::tree::state::State;
-use crate::search::turns::elsewhere::{Ask, Wanted};
-use crate::search::turns::known::Turn;
+use crate::search::turns::{Ask, Turn, TurnTask};
 use crate::search::watch::Watch;
 use crate::tree::Tree;
 
@@ -109,8 +108,7 @@ impl<'a> Restart<'a> {
         }
     }
 
-    /// Take up a finished turn, this restart's own or one that an earlier search has kept: all that the next turn
-    /// begins from.
+    /// Take up a finished turn: all that the next one begins from.
     pub(crate) fn take_up(&mut self, turn: &Turn) {
         self.local_search = LocalSearch::new(self.prepared, self.samples, self.watch, turn.stream);
         self.local_search.deep_tries = turn.deep_tries;
@@ -141,7 +139,7 @@ impl<'a> Restart<'a> {
     }
 
     /// Keep what the turn before has left.
-    pub(crate) fn keep_turn_before(&mut self) {
+    fn keep_turn_before(&mut self) {
         self.before = self.has_begun.then(|| self.turn());
     }
 
@@ -189,19 +187,19 @@ impl<'a> Restart<'a> {
         is_whole
     }
 
-    /// Take a turn in another process; whether it came back, and whole. Otherwise the restart stays as it was.
-    pub(crate) fn run_elsewhere(&mut self, round: usize, ask: &Ask) -> bool {
+    /// Take a turn in another process; where it does not come back, the restart stays as it was.
+    pub(crate) fn run_in_other_process(&mut self, round: usize, ask: &Ask) {
         self.keep_turn_before();
         self.local_search.take_place(self.place);
         if self.is_best || !self.local_search.goes_on() {
-            return self.is_best;
+            return;
         }
         let before = self.before.as_ref();
-        let wanted = Wanted { round, number: self.number, before, limits: self.watch.left() };
-        let Some(taken) = ask(wanted, &|| self.watch.waits(self.place)) else { return false };
-        self.watch.found(i64::MAX, taken.n_visits);
-        self.take_up(&taken.turn);
-        taken.is_whole
+        let task = TurnTask { round, number: self.number, before, limits: self.watch.left() };
+        if let Some(finished) = ask(task, &|| self.watch.waits(self.place)) {
+            self.watch.found(i64::MAX, finished.n_visits);
+            self.take_up(&finished.turn);
+        }
     }
 
     /// Settle with blocks of so many levels and so much work, one after the other.
