@@ -18,6 +18,7 @@ mod rebuild;
 mod restart;
 mod soft_tree;
 mod tree;
+pub(crate) mod turn_solver;
 pub(crate) mod turns;
 mod watch;
 

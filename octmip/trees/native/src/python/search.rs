@@ -7,7 +7,8 @@ use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised};
 use crate::python::workers::Workers;
-use crate::search::turns::{FinishedTurn, OtherProcesses, Turn, TurnSolver, TurnTask};
+use crate::search::turn_solver::TurnSolver;
+use crate::search::turns::{FinishedTurn, OtherProcesses, Turn, TurnTask};
 use crate::search::{Options, search_with};
 
 /// A restart after a turn: number, state of its random stream, counts of deep blocks, whether nothing beats its tree,
