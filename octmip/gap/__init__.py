@@ -8,7 +8,6 @@ from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
 from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.odds import Differences, Odds
-from octmip.gap.repetition import rounds
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 
@@ -29,5 +28,4 @@ __all__ = [
     "function_twin",
     "gathered",
     "read_campaign",
-    "rounds",
 ]

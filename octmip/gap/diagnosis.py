@@ -195,36 +195,42 @@ def diagnose(
         nothing to compare (no repeats at all, a gauge that the twin does not know, a commissioning run that lacks a
         gauge or a known state).
     """
+    checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        return _diagnose(
-            campaign,
-            twin,
-            effects,
-            commissioning,
-            tree,
-            feature_names,
-            noise_sd,
-            progress,
-            odds,
-            load_limits,
-            trust_run,
+        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, progress, odds, trust_run)
+        posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
+        progress(Stage("how far the best cause closes the gap"))
+        which, closing, unknown_probability = _which(posterior)
+        progress(Stage("which test to run next"))
+        model, sizes = posterior.model, detectable(posterior.model)
+        return Diagnosis(
+            where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
+            which=which,
+            shrinkage=closing,
+            next_test=next_tests(model, with_identifiable(posterior.judged), load_limits),
+            noise=model.inputs.noise,
+            inclusion=posterior.inclusion(),
+            unknown_probability=unknown_probability,
+            detectable=sizes,
+            refused=_refused(which, model, sizes),
+            states=_states(which[0].judged) if which else (),
+            notes=(*doubts, *remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
+            posterior=posterior,
+            doubts=doubts,
         )
 
 
-def _diagnose(
+def _inputs(
     campaign: Campaign,
     twin: Twin,
     effects: Mapping[str, Effect] | None,
     commissioning: Campaign | None,
-    tree: Node | None,
-    feature_names: Sequence[str],
     noise_sd: float | Mapping[str, float] | None,
     progress: Progress,
     odds: Odds,
-    load_limits: Limits | None,
     trust_run: bool | None,
-) -> Diagnosis:
-    checked_limits(load_limits)
+) -> tuple[Inputs, list[str]]:
+    """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
     progress(Stage("the noise of the readings"))
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
@@ -232,41 +238,18 @@ def _diagnose(
     inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, progress, odds)
     if run is not commissioning:
         notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
-    posterior = attribute(inputs)
-    doubts: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
-    if inputs.run is not None and trust_run is None:
-        posterior, doubts, remarks = _beside_doubt(inputs, posterior)
-    progress(Stage("how far the best cause closes the gap"))
-    which, closing, unknown_probability = _which(posterior)
-    progress(Stage("which test to run next"))
-    model = posterior.model
-    nodes = flips(model, tree, feature_names) if tree is not None else ()
-    sizes = detectable(model)
-    return Diagnosis(
-        where=localise(model, nodes),
-        which=which,
-        shrinkage=closing,
-        next_test=next_tests(model, with_identifiable(posterior.judged), load_limits),
-        noise=model.inputs.noise,
-        inclusion=posterior.inclusion(),
-        unknown_probability=unknown_probability,
-        detectable=sizes,
-        refused=_refused(which, model, sizes),
-        states=_states(which[0].judged) if which else (),
-        notes=(*doubts, *remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
-        posterior=posterior,
-        doubts=doubts,
-    )
+    return inputs, notes
 
 
 _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."
 
 
-def _beside_doubt(inputs: Inputs, posterior: Posterior) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
+def _beside_doubt(
+    inputs: Inputs, posterior: Posterior, trust_run: bool | None
+) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
     """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown and not h.doubted)
-    if sound > SOUND_ENOUGH:
+    if inputs.run is None or trust_run is not None or sound > SOUND_ENOUGH:
         return posterior, (), ()
     wrong = weigh_wrong_run(posterior.model)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))

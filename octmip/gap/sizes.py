@@ -7,25 +7,37 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
 * where an effect may lie between places, size and place trade: a signature S_j (1 - x) + x S_k fitted by S_j alone has
   a size wrong by the factor 1 + x (1 / c_k - 1), c_k the best scale of the neighbour k, x ~ N(0, BETWEEN^2);
 * two models of one effect differ in its whole signature somewhat less than gauge by gauge: the size is no surer;
-* an effect with an exact forward map is not linear in its size: it is fitted again with that map (`exact_sizes`).
+* an effect with an exact forward map g is not linear in its size: with W the whitening of the hypothesis and r the
+  residual less what its other members and the open states make, |W (r - g(theta))|^2 is made least, by Gauss and
+  Newton's steps from the linear fit on; the sd is stretched by |W S| / |W dg/dtheta|, S the signature about none.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
 
 from octmip.gap.effects.words import EffectWords, words_at
-from octmip.gap.exact_sizes import exact_size
 from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import Judged, fit_together
 from octmip.gap.inference.signature_error import BETWEEN, neighbours, scales_of
+from octmip.gap.inference.signatures import exact_change
+
+Floats = NDArray[np.float64]
 
 WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 NEGLIGIBLE = 1e-3
 """Share of a cause's probability below which one of its hypotheses does not move the size."""
+STEPS = 5
+"""Steps of a fit with an exact forward map, each of two maps for every load."""
+SLOPE = 0.05
+"""Step of the derivative over the prior sd: a table or a rough model has none at a point."""
+CLOSE = 1e-4
+"""Relative step below which a size is found."""
 COMMON_PART = 0.6
 """Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
 
@@ -75,11 +87,35 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
-    exact = exact_size(head, member, size)
-    low, high = (exact.size + exact.stretch * (end - size) for end in (low, high))
-    size, low, high = (float(value) for value in np.clip((exact.size, low, high), *bounds_of(effect)))
+    exact, stretch = _exact(head, member, size) if candidate.forward is not None and size else (size, 1.0)
+    low, high = (exact + stretch * (end - size) for end in (low, high))
+    size, low, high = (float(value) for value in np.clip((exact, low, high), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
     return Parameter(effect.name, place, size, low, high, effect.unit, effect.parameter, named)
+
+
+def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
+    """Return the size of a member that fits all readings best by its exact forward map, and the stretch of its sd."""
+    model, own, candidate = head.allowing, head.fit, head.model.inputs.candidates[member]
+    sd, (low, high) = float(model.inputs.priors.sd[member]), bounds_of(candidate.effect)
+    moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
+    others = [k for k, j in enumerate(own.members) if j != member]
+    moved = moved + model.signatures[:, [own.members[k] for k in others]] @ own.size[others]
+    target = model.whiten(model.residual - moved)
+
+    def left(shares: Floats) -> Floats:
+        rows = exact_change(model.inputs, model.states, candidate, sd * float(shares[0]))
+        return np.asarray(target - model.whiten(rows[model.average, model.gauge]))
+
+    def slope(shares: Floats) -> Floats:
+        ahead = SLOPE if sd * (float(shares[0]) + SLOPE) <= high else -SLOPE
+        return np.asarray((left(shares + ahead) - left(shares))[:, None] / ahead)
+
+    start = float(np.clip(size, low, high)) / sd
+    found = least_squares(left, [start], slope, bounds=(low / sd, high / sd), xtol=CLOSE, max_nfev=STEPS)
+    steep = float(np.linalg.norm(np.asarray(found.jac))) / sd
+    linear = float(np.linalg.norm(model.whiten(model.signatures[:, member])))
+    return sd * float(found.x[0]), linear / steep if linear > 0.0 and steep > 0.0 else 1.0
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:

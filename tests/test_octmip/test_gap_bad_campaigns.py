@@ -83,7 +83,10 @@ REFUSED = {
         text(changed("g07", lambda k, cell: ROWS[k + 1].split(",")[10])),
         ["rows 2 to 19", "columns g06 and g07"],
     ),
-    "no reading": (text([ROWS[0], *(",".join(row.split(",")[:5]) + "," * 20 for row in ROWS[1:])]), ["rows 2 to 19"]),
+    "no reading": (
+        text([ROWS[0], *(",".join(row.split(",")[:5]) + "," * 20 for row in ROWS[1:])]),
+        ["no reading at all"],
+    ),
     "N/A": (text(changed("g05", lambda k, cell: "N/A")), ["row 2, column g05", "'N/A'", "clear the cell"]),
     "a state in words": (text(changed("mu1", lambda k, cell: "none")), ["row 2, column mu1", "'none'"]),
     "a negative state": (text(with_cell(ROWS, 3, "mu2", "-0.1")), ["row 4, column mu2", "-0.1"]),

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from octmip.gap import CHAIN, diagnose, rounds
+from octmip.gap import CHAIN, diagnose
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
@@ -181,14 +181,6 @@ def test_an_unknown_state_is_estimated_beside_the_effect():
     state = diagnose(campaign, TWIN, commissioning=COMMISSIONING).states[0]
     assert abs(state.mean["mu1"] - 0.35) < 4 * state.sd["mu1"] + 0.01
     assert abs(state.mean["mu2"] - 0.55) < 4 * state.sd["mu2"] + 0.01
-
-
-def test_the_loop_stops_by_itself_once_the_twin_is_augmented():
-    change = both(effect("gauge_bias", 60.0, "g09"), effect("temperature_uniform", -10.0))
-    found = rounds(measured(3, change), TWIN, commissioning=COMMISSIONING)
-    assert not found[0].is_sound
-    assert found[-1].is_sound
-    assert len(found) <= 3
 
 
 def test_tree_nodes_are_ranked_by_flipped_decisions():

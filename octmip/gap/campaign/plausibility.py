@@ -5,13 +5,15 @@ are compared unit by unit. Strain is known well enough that a factor of 8 is ano
 resonate or slip, only a factor of `UNIT_FACTOR_ELSE` is.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.twin import MICROSTRAIN, ONE_LOAD, Load, amounts_of, load_words
+from octmip.gap.campaign.campaign import Campaign
+from octmip.twin import MICROSTRAIN, ONE_LOAD, load_of, load_words
 
 Floats = NDArray[np.float64]
 
@@ -45,53 +47,42 @@ class Sheet:
 
     Attributes
     ----------
-    numbers
-        (n_rows,) line of each row in the file.
-    tests
-        (n_rows,) names.
-    gauges
-        (n_gauges,) names.
-    load_names
-        of the loads.
-    loads
-        (n_rows,) what was applied.
-    readings
-        (n_rows, n_gauges) in `units`; NaN is missing.
+    campaign
+        the readings.
     healthy
         (n_rows, n_gauges) what the twin predicts of the healthy state.
-    units
-        (n_gauges,) of the readings.
     sign
         what a positive reading is, as the twin says.
+    chosen
+        indices of the gauges that are looked at.
     """
 
-    numbers: tuple[int, ...]
-    tests: tuple[str, ...]
-    gauges: tuple[str, ...]
-    load_names: tuple[str, ...]
-    loads: tuple[Load, ...]
-    readings: Floats
+    campaign: Campaign
     healthy: Floats
-    units: tuple[str, ...]
     sign: str
+    chosen: tuple[int, ...]
 
     def of_units(self) -> "list[Sheet]":
         """Return the sheet of the gauges of each unit."""
-        return [self._of([k for k, own in enumerate(self.units) if own == unit]) for unit in dict.fromkeys(self.units)]
+        units = self.campaign.units
+        return [
+            replace(self, chosen=tuple(k for k in self.chosen if units[k] == unit)) for unit in dict.fromkeys(units)
+        ]
 
-    def _of(self, gauges: list[int]) -> "Sheet":
-        return replace(
-            self,
-            gauges=tuple(self.gauges[k] for k in gauges),
-            units=tuple(self.units[k] for k in gauges),
-            readings=self.readings[:, gauges],
-            healthy=self.healthy[:, gauges],
-        )
+    @property
+    def readings(self) -> Floats:
+        """(n_rows, n_chosen)."""
+        return self.campaign.readings[:, self.chosen]
+
+    @property
+    def predicted(self) -> Floats:
+        """(n_rows, n_chosen) of the healthy state."""
+        return self.healthy[:, self.chosen]
 
     @property
     def unit(self) -> str:
         """Unit of the first gauge: of all of them in a sheet of one unit."""
-        return self.units[0]
+        return self.campaign.units[self.chosen[0]]
 
     @property
     def is_microstrain(self) -> bool:
@@ -101,32 +92,29 @@ class Sheet:
     @property
     def smallest_signal(self) -> float:
         """Predictions below this say nothing about the unit."""
-        return SMALLEST_SIGNAL if self.is_microstrain else SMALLEST_SHARE * float(np.abs(self.healthy).max(initial=0.0))
+        return SMALLEST_SIGNAL if self.is_microstrain else SMALLEST_SHARE * float(np.abs(self.predicted).max())
 
     @property
     def unit_factor(self) -> float:
         """Readings and twin further apart than this factor are in other units."""
         return UNIT_FACTOR if self.is_microstrain else UNIT_FACTOR_ELSE
 
-    @property
-    def where(self) -> str:
-        """All rows and gauges in words."""
-        return f"rows {self.numbers[0]} to {self.numbers[-1]}, columns {self.gauges[0]} to {self.gauges[-1]}"
-
-    def cells(self) -> list[NDArray[np.int64]]:
-        """Return the rows of each test at each load."""
-        found: dict[tuple[str, Load], list[int]] = {}
-        for row, key in enumerate(zip(self.tests, self.loads, strict=True)):
-            found.setdefault(key, []).append(row)
-        return [np.array(rows, dtype=np.int64) for rows in found.values()]
+    def where(self, rows: Sequence[int] = (0, -1)) -> str:
+        """Return rows, by default all, and the gauges in words."""
+        first, last = (self.campaign.row_number(range(len(self.healthy))[row]) for row in (rows[0], rows[-1]))
+        names = [self.campaign.gauges[k] for k in self.chosen]
+        at = f"row {first}" if first == last else f"rows {first} to {last}"
+        return f"{at}, columns {names[0]} to {names[-1]}"
 
     def words(self, row: int) -> str:
         """Return the load of a row in words."""
-        return load_words(self.load_names, self.loads[row])
+        names = self.campaign.load_names
+        return load_words(names, load_of(names, tuple(self.campaign.applied[row].tolist())))
 
-    def slope(self, rows: NDArray[np.bool_], gauges: list[int] | slice = slice(None)) -> tuple[float, float]:
+    def slope(self, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
-        x, y = self.healthy[rows][:, gauges].ravel(), self.readings[rows][:, gauges].ravel()
+        kept = slice(None) if rows is None else rows
+        x, y = self.predicted[kept].ravel(), self.readings[kept].ravel()
         used = np.isfinite(y) & (np.abs(x) > self.smallest_signal)
         x, y = x[used], y[used]
         largest = float(np.abs(y).max(initial=0.0))
@@ -136,197 +124,165 @@ class Sheet:
         product = float(x @ y)
         return largest * product / float(x @ x), product / float(np.linalg.norm(x) * np.linalg.norm(y))
 
+    def gauges(self) -> "list[tuple[str, Sheet]]":
+        """Return every gauge's name and a sheet of it alone."""
+        return [(self.campaign.gauges[k], replace(self, chosen=(k,))) for k in self.chosen]
+
 
 def refuse_nonsense(sheet: Sheet) -> None:
     """Raise DataError for the first thing that no physics explains."""
-    of_units = sheet.of_units()
-    for check, sheets in (
-        (_refuse_silence, [sheet]),
-        (_refuse_equal, [sheet]),
-        (_refuse_units, of_units),
-        (_refuse_column_units, of_units),
-        (_refuse_absurd, of_units),
-        (_refuse_sign, of_units),
-        (_refuse_divided, of_units),
-        (_refuse_twin_columns, [sheet]),
-        (_refuse_copies, [sheet]),
-    ):
-        for one in sheets:
+    _refuse_equal(sheet)
+    for check in (_refuse_units, _refuse_column_units, _refuse_absurd, _refuse_sign, _refuse_divided):
+        for one in sheet.of_units():
             check(one)
-
-
-def _refuse_silence(sheet: Sheet) -> None:
-    if not np.isfinite(sheet.readings).any():
-        raise DataError(f"{sheet.where}: no reading at all; expected numbers; export the table with its values")
+    _refuse_twin_columns(sheet)
+    _refuse_copies(sheet)
 
 
 def _refuse_equal(sheet: Sheet) -> None:
     finite = sheet.readings[np.isfinite(sheet.readings)]
     if finite.size > 1 and np.ptp(finite) == 0.0:
         raise DataError(
-            f"{sheet.where}: all {finite.size} readings are equal ({finite[0]:g}); expected measured values; the "
+            f"{sheet.where()}: all {finite.size} readings are equal ({finite[0]:g}); expected measured values; the "
             "logger recorded nothing: check it and repeat the test"
         )
 
 
 def _refuse_units(sheet: Sheet) -> None:
     """Compare the size of each row with the healthy prediction: a factor of 1000 is a unit, not an effect."""
-    typical = np.median(np.abs(sheet.healthy), axis=1)
-    seen = np.isfinite(sheet.readings).any(axis=1)
-    size = np.full(len(typical), np.nan)
-    size[seen] = np.nanmedian(np.abs(sheet.readings[seen]), axis=1)
-    tested = (typical > sheet.smallest_signal) & seen
+    typical = np.median(np.abs(sheet.predicted), axis=1)
+    tested = (typical > sheet.smallest_signal) & np.isfinite(sheet.readings).any(axis=1)
     if not tested.any():
         return
-    ratio = float(np.median(size[tested] / typical[tested]))
+    size = np.nanmedian(np.abs(sheet.readings[tested]), axis=1)
+    ratio = float(np.median(size / typical[tested]))
     if sheet.unit_factor**-1 < ratio < sheet.unit_factor:
         return
-    row = int(np.flatnonzero(tested)[0])
+    row, names = int(np.flatnonzero(tested)[0]), sheet.campaign.load_names
     expected, cure = f"expected {sheet.unit}", "convert them"
-    if sheet.is_microstrain and sheet.load_names == ONE_LOAD:
+    if sheet.is_microstrain and names == ONE_LOAD:
         expected += ", and a load factor that is 1 in steady level flight (no newtons, no per cent)"
-    elif sheet.load_names and (np.ptp(sheet.healthy, axis=0).any() or len(set(sheet.loads)) == 1):
-        cure += f", or {' or '.join(sheet.load_names)} where it is the load that is in another unit than the twin's"
+    elif names and (np.ptp(sheet.predicted, axis=0).any() or len(sheet.campaign.loads) == 1):
+        cure += f", or {' or '.join(names)} where it is the load that is in another unit than the twin's"
     at = f" at {sheet.words(row)}" if sheet.words(row) else ""
     raise DataError(
-        f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings are {ratio:.3g} times "
-        f"what the twin predicts (median {size[row]:.3g} against {typical[row]:.3g}{at}); {expected}; {cure}"
+        f"{sheet.where([row])}: readings are {ratio:.3g} times what the twin predicts (median {size[0]:.3g} against "
+        f"{typical[row]:.3g}{at}); {expected}; {cure}"
     )
 
 
 def _refuse_absurd(sheet: Sheet) -> None:
     factor = ABSURD_FACTOR if sheet.is_microstrain else ABSURD_FACTOR_ELSE
-    limit = factor * max(float(np.abs(sheet.healthy).max()), sheet.smallest_signal)
+    limit = factor * max(float(np.abs(sheet.predicted).max()), sheet.smallest_signal)
     bad = np.argwhere(np.abs(sheet.readings) > limit)
     if len(bad) and limit > 0.0:
-        row, gauge = (int(k) for k in bad[0])
+        row, k = (int(part) for part in bad[0])
         raise DataError(
-            f"row {sheet.numbers[row]}, column {sheet.gauges[gauge]} is {sheet.readings[row, gauge]:g}, more than "
-            f"{factor:g} times the greatest that the twin predicts; expected {sheet.unit}; leave it empty if it was "
-            "not recorded"
+            f"row {sheet.campaign.row_number(row)}, column {sheet.campaign.gauges[sheet.chosen[k]]} is "
+            f"{sheet.readings[row, k]:g}, more than {factor:g} times the greatest that the twin predicts; expected "
+            f"{sheet.unit}; leave it empty if it was not recorded"
         )
 
 
 def _refuse_sign(sheet: Sheet) -> None:
-    _, correlation = sheet.slope(np.ones(len(sheet.tests), dtype=bool))
+    _, correlation = sheet.slope()
     if not correlation < TURNED:
         return
     expected, cure = sheet.sign or f"the twin's sign of readings in {sheet.unit}", "reverse the sign of the readings"
-    if sheet.load_names == ONE_LOAD and sheet.is_microstrain:
+    names = sheet.campaign.load_names
+    if names == ONE_LOAD and sheet.is_microstrain:
         expected += ", and positive load factors for lift"
-    if len(sheet.load_names) == 1:
-        cure += f" or of the column {sheet.load_names[0]}"
+    if len(names) == 1:
+        cure += f" or of the column {names[0]}"
     raise DataError(
-        f"{sheet.where}: readings have the opposite sign of the twin's (correlation {correlation:.2f}); expected "
+        f"{sheet.where()}: readings have the opposite sign of the twin's (correlation {correlation:.2f}); expected "
         f"{expected}; {cure}"
     )
 
 
 def _refuse_divided(sheet: Sheet) -> None:
     """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
-    if sheet.load_names != ONE_LOAD or not sheet.is_microstrain:
+    applied = sheet.campaign.applied[:, :1].ravel()
+    greatest = float(np.abs(applied).max(initial=0.0))
+    if sheet.campaign.load_names != ONE_LOAD or not sheet.is_microstrain or greatest < 2.0:
         return
-    applied = np.array([amounts_of(load)[0] for load in sheet.loads])
-    loads = [load for load in sorted(set(applied.tolist())) if load != 0.0]
-    if not loads or max(np.abs(loads)) < 2.0:
-        return
-    slopes = [sheet.slope(applied == load)[0] * load for load in loads]
+    slopes = [sheet.slope(applied == load)[0] * load for load in np.unique(applied[applied != 0.0]).tolist()]
     if all(abs(slope - 1.0) < DIVIDED for slope in slopes):
-        row = int(np.flatnonzero(np.abs(applied) == max(np.abs(loads)))[0])
+        row = int(np.flatnonzero(np.abs(applied) == greatest)[0])
         raise DataError(
-            f"row {sheet.numbers[row]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: readings at "
-            f"{sheet.words(row)} are 1/{abs(applied[row]):g} of what the twin predicts; expected microstrain at "
-            "that load, not divided by the load factor; multiply them by it"
+            f"{sheet.where([row])}: readings at {sheet.words(row)} are 1/{greatest:g} of what the twin predicts; "
+            "expected microstrain at that load, not divided by the load factor; multiply them by it"
         )
 
 
 def _refuse_column_units(sheet: Sheet) -> None:
-    rows = np.ones(len(sheet.tests), dtype=bool)
-    for k, name in enumerate(sheet.gauges):
-        if len(np.unique(sheet.readings[:, k])) < DISTINCT:
-            continue  # stuck: reported with the noise
-        slope, correlation = sheet.slope(rows, [k])
-        if correlation > 0.9 and not sheet.unit_factor**-1 < slope < sheet.unit_factor:
-            first = int(np.flatnonzero(np.isfinite(sheet.readings[:, k]))[0])
+    for name, one in sheet.gauges():
+        slope, correlation = one.slope()
+        is_stuck = len(np.unique(one.readings)) < DISTINCT  # reported with the noise
+        if not is_stuck and correlation > 0.9 and not one.unit_factor**-1 < slope < one.unit_factor:
+            first = sheet.campaign.row_number(int(np.flatnonzero(np.isfinite(one.readings))[0]))
             raise DataError(
-                f"row {sheet.numbers[first]}, column {name}: its readings follow the twin at {slope:.3g} times its "
-                f"size while the other gauges fit; expected {sheet.unit} in every column; convert this one"
+                f"row {first}, column {name}: its readings follow the twin at {slope:.3g} times its size while the "
+                f"other gauges fit; expected {sheet.unit} in every column; convert this one"
             )
 
 
 def _refuse_twin_columns(sheet: Sheet) -> None:
     """Two gauges of an analogue chain never agree to the last digit: one column was copied."""
-    filled = np.nan_to_num(sheet.readings, nan=-1e300)
-    first: dict[bytes, int] = {}
-    for k, name in enumerate(sheet.gauges):
-        if len(np.unique(filled[:, k])) < DISTINCT:
+    first: dict[bytes, str] = {}
+    for name, one in sheet.gauges():
+        if len(np.unique(one.readings)) < DISTINCT:
             continue  # stuck, empty or coarse: reported elsewhere
-        twin = first.setdefault(np.ascontiguousarray(filled[:, k]).tobytes(), k)
-        if twin != k:
+        twin = first.setdefault(np.nan_to_num(one.readings, nan=-1e300).tobytes(), name)
+        if twin != name:
+            rows = sheet.where().partition(",")[0]
             raise DataError(
-                f"rows {sheet.numbers[0]} to {sheet.numbers[-1]}: columns {sheet.gauges[twin]} and {name} hold the "
-                "same readings; expected each gauge's own; one was copied over the other: export them again"
+                f"{rows}: columns {twin} and {name} hold the same readings; expected each gauge's own; one was copied "
+                "over the other: export them again"
             )
 
 
 def _refuse_copies(sheet: Sheet) -> None:
-    repeated = [rows for rows in sheet.cells() if len(rows) > 1]
-    if not repeated:
-        return
-    for rows in repeated:
-        spread = sheet.readings[rows] - sheet.readings[rows[0]]
-        if np.nanmax(np.abs(spread), initial=0.0) > 0.0:
-            return
-    rows = repeated[0]
-    raise DataError(
-        f"rows {sheet.numbers[rows[0]]} to {sheet.numbers[rows[-1]]}, columns {sheet.gauges[0]} to {sheet.gauges[-1]}: "
-        "the repeats of a load are copies of one reading, here and at every other load; expected readings that "
-        "scatter, from which the noise is estimated; export every repeat"
-    )
+    repeated = [cell.rows for cell in sheet.campaign.cells if len(cell.rows) > 1]
+    apart = [sheet.readings[rows] - sheet.readings[rows[0]] for rows in repeated]
+    if repeated and not any(np.nanmax(np.abs(spread), initial=0.0) > 0.0 for spread in apart):
+        raise DataError(
+            f"{sheet.where(repeated[0].tolist())}: the repeats of a load are copies of one reading, here and at every "
+            "other load; expected readings that scatter, from which the noise is estimated; export every repeat"
+        )
 
 
 def warnings_on(sheet: Sheet) -> list[str]:
     """Return a sentence on each thing that may be real but should be looked at, and on what is missing."""
-    return [*_missing(sheet), *_turned_gauges(sheet), *_outliers(sheet)]
-
-
-def _missing(sheet: Sheet) -> list[str]:
-    empty = [name for k, name in enumerate(sheet.gauges) if not np.isfinite(sheet.readings[:, k]).any()]
+    empty = [name for name, one in sheet.gauges() if not np.isfinite(one.readings).any()]
     notes = [f"Column {name} holds no reading; the gauge is not used." for name in empty]
-    missing = float(np.isnan(sheet.readings).mean()) - len(empty) / len(sheet.gauges)
+    missing = float(np.isnan(sheet.readings).mean()) - len(empty) / len(sheet.chosen)
     if missing > 1e-9:
         notes.append(f"{100 * missing:.2g} % of the readings are missing; every mean uses what was recorded.")
-    return notes
-
-
-def _turned_gauges(sheet: Sheet) -> list[str]:
-    rows = np.ones(len(sheet.tests), dtype=bool)
-    return [
+    notes += [
         f"Column {name} has the opposite sign of the twin at every load: its bridge may be wired the wrong way round."
-        for one in sheet.of_units()
-        for k, name in enumerate(one.gauges)
-        if one.slope(rows, [k])[1] < TURNED
+        for name, one in sheet.gauges()
+        if one.slope()[1] < TURNED
     ]
+    return [*notes, *_outliers(sheet)]
 
 
 def _outliers(sheet: Sheet) -> list[str]:
     """Return a sentence on readings far from the other repeats, the first few by row and column."""
     left = np.full_like(sheet.readings, np.nan)
-    for rows in sheet.cells():
-        here = sheet.readings[rows]
-        enough = np.isfinite(here).sum(axis=0) >= FEW
-        left[np.ix_(rows, np.flatnonzero(enough))] = here[:, enough] - np.nanmedian(here[:, enough], axis=0)
-    if not np.isfinite(left).any():
-        return []
-    known = np.isfinite(left).any(axis=0)
-    sd = np.full(left.shape[1], np.nan)
-    sd[known] = 1.4826 * np.nanmedian(np.abs(left[:, known]), axis=0)
-    far = np.argwhere(np.abs(left) > FAR_OUT * np.where(sd > 0.0, sd, np.inf))
+    for cell in sheet.campaign.cells:
+        enough = np.flatnonzero(cell.count >= FEW)
+        here = sheet.readings[np.ix_(cell.rows, enough)]
+        left[np.ix_(cell.rows, enough)] = here - np.nanmedian(here, axis=0)
+    known = np.flatnonzero(np.isfinite(left).any(axis=0))
+    sd = 1.4826 * np.nanmedian(np.abs(left[:, known]), axis=0)
+    far = np.argwhere(np.abs(left[:, known]) > FAR_OUT * np.where(sd > 0.0, sd, np.inf))
     if not len(far):
         return []
     shown = "; ".join(
-        f"row {sheet.numbers[row]}, column {sheet.gauges[gauge]}: {sheet.readings[row, gauge]:g}"
-        for row, gauge in far[:FEW].tolist()
+        f"row {sheet.campaign.row_number(row)}, column {sheet.campaign.gauges[known[k]]}: "
+        f"{sheet.readings[row, known[k]]:g}"
+        for row, k in far[:FEW].tolist()
     )
     return [
         f"{len(far)} reading{'s are' if len(far) > 1 else ' is'} more than {FAR_OUT:g} standard deviations from the "

@@ -7,6 +7,7 @@ numbers its lines.
 """
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.campaign.table import CampaignTable, read_campaign_table
 from octmip.gap.twins.cached import CachedTwin
-from octmip.twin import Twin, amounts_of, load_of, loads_of, sign_of, state_parameters, units_of
+from octmip.twin import Twin, loads_of, sign_of, state_parameters, units_of
 
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
@@ -35,70 +36,54 @@ def read_campaign(path: str | Path, twin: Twin) -> Campaign:
         units a factor off, a turned sign, all readings equal; the message names the row and the column.
     """
     table = read_campaign_table(path)
-    parameters = state_parameters(twin)
+    parameters, names, units = state_parameters(twin), loads_of(twin), units_of(twin)
     _check_header(table, twin)
     gauges = tuple(name for name in table.header if name in twin.gauges)
+    order = [twin.gauges.index(name) for name in gauges]
     tests = _tests(table)
-    names = loads_of(twin)
     applied = np.array([_load_column(table, name) for name in names]).reshape(len(names), len(tests)).T
-    states = _states(table, parameters, tests)
-    readings = np.array([table.floats(name) for name in gauges]).T
-    sheet = _sheet(table, twin, gauges, tests, applied, readings)
-    refuse_nonsense(sheet)
-    time, temperature = _optional(table, "time"), _optional(table, "temperature")
-    notes = [
-        *table.notes,
-        *warnings_on(sheet),
-        *_notes(table, twin, gauges, states),
-        *_side_notes(table, time, temperature),
-    ]
-    return Campaign(
+    campaign = Campaign(
         gauges=gauges,
         parameters=parameters,
         test=tests,
         load_factor=applied[:, 0] if len(names) == 1 else applied,
-        states=states,
-        readings=readings,
-        time=time,
-        temperature=temperature,
-        notes=tuple(notes),
+        states=_states(table, parameters, tests),
+        readings=np.array([table.floats(name) for name in gauges]).T,
+        time=_optional(table, "time"),
+        temperature=_optional(table, "temperature"),
         numbers=table.numbers,
         load_names=names,
-        units=sheet.units,
+        units=tuple(units[k] for k in order),
     )
+    healthy = np.zeros_like(campaign.readings)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    for cell in campaign.cells:
+        healthy[cell.rows] = asked.predict({}, cell.load)[order]
+    sheet = Sheet(campaign, healthy, sign_of(twin), tuple(range(len(gauges))))
+    refuse_nonsense(sheet)
+    notes = (*table.notes, *warnings_on(sheet), *_notes(table, twin, campaign))
+    return replace(campaign, notes=notes)
 
 
 def _load_column(table: CampaignTable, name: str) -> NDArray[np.float64]:
+    """Return the loads of a column, none missing, none at which a twin's own numbers overflow.
+
+    Newtons for load factors are found later, beside the twin's strains.
+    """
     values = table.floats(name)
-    _refuse_missing(values, table, name)
-    _refuse_huge(values, table, name)
+    missing, huge = np.flatnonzero(np.isnan(values)), np.flatnonzero(np.abs(values) > MOST_LOAD)
+    if missing.size:
+        raise DataError(
+            f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such "
+            f"row{'s' * (missing.size != 1)}); give it for every reading"
+        )
+    if huge.size:
+        of = "a load factor, 1 in steady level flight," if name == "load_factor" else "a number"
+        raise DataError(
+            f"row {table.numbers[huge[0]]}, column {name} is {values[huge[0]]:g}; expected {of} of at most "
+            f"{MOST_LOAD:g}; correct it"
+        )
     return values
-
-
-def _sheet(
-    table: CampaignTable,
-    twin: Twin,
-    gauges: tuple[str, ...],
-    tests: tuple[str, ...],
-    applied: NDArray[np.float64],
-    readings: NDArray[np.float64],
-) -> Sheet:
-    order, names = [twin.gauges.index(name) for name in gauges], loads_of(twin)
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    loads = tuple(load_of(names, tuple(row)) for row in applied.tolist())
-    healthy = {load: asked.predict({}, load)[order] for load in sorted(set(loads), key=amounts_of)}
-    units = units_of(twin)
-    return Sheet(
-        numbers=table.numbers,
-        tests=tests,
-        gauges=gauges,
-        load_names=names,
-        loads=loads,
-        readings=readings,
-        healthy=np.array([healthy[load] for load in loads]),
-        units=tuple(units[k] for k in order),
-        sign=sign_of(twin),
-    )
 
 
 def _check_header(table: CampaignTable, twin: Twin) -> None:
@@ -137,26 +122,6 @@ def _tests(table: CampaignTable) -> tuple[str, ...]:
     return tests
 
 
-def _refuse_missing(values: NDArray[np.float64], table: CampaignTable, name: str) -> None:
-    missing = np.flatnonzero(np.isnan(values))
-    if missing.size:
-        raise DataError(
-            f"row {table.numbers[missing[0]]}, column {name} is empty ({missing.size} such "
-            f"row{'s' * (missing.size != 1)}); give it for every reading"
-        )
-
-
-def _refuse_huge(loads: NDArray[np.float64], table: CampaignTable, name: str) -> None:
-    """Refuse loads at which a twin's own numbers overflow; newtons are found later, beside the twin's strains."""
-    huge = np.flatnonzero(np.abs(loads) > MOST_LOAD)
-    if huge.size:
-        of = "a load factor, 1 in steady level flight," if name == "load_factor" else "a number"
-        raise DataError(
-            f"row {table.numbers[huge[0]]}, column {name} is {loads[huge[0]]:g}; expected {of} of at most "
-            f"{MOST_LOAD:g}; correct it"
-        )
-
-
 def _optional(table: CampaignTable, name: str) -> NDArray[np.float64]:
     return table.floats(name) if name in table.header else np.full(len(table.rows), np.nan)
 
@@ -189,18 +154,14 @@ def _shown(value: float) -> str:
     return "empty" if np.isnan(value) else f"{value:g}"
 
 
-def _notes(table: CampaignTable, twin: Twin, gauges: tuple[str, ...], states: NDArray[np.float64]) -> list[str]:
-    notes = []
-    absent = [name for name in twin.gauges if name not in gauges]
+def _notes(table: CampaignTable, twin: Twin, campaign: Campaign) -> list[str]:
+    """Return a sentence on what the file leaves out, and on times and temperatures that cannot be."""
+    notes, time, temperature = [], campaign.time, campaign.temperature
+    absent = [name for name in twin.gauges if name not in campaign.gauges]
     if absent:
         notes.append(f"{len(absent)} of the twin's gauges are not in the file ({', '.join(absent[:6])}); not used.")
-    if states.size and np.isnan(states).any():
+    if np.isnan(campaign.states).any():
         notes.append("Some states are unknown; the diagnosis marginalises over them.")
-    return notes
-
-
-def _side_notes(table: CampaignTable, time: NDArray[np.float64], temperature: NDArray[np.float64]) -> list[str]:
-    notes = []
     missing = np.flatnonzero(np.isnan(time))
     if 0 < missing.size < len(time):
         notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: times are not used.")
