@@ -105,8 +105,9 @@ pub(crate) fn search_with(
     }
 }
 
-/// The restarts of each group that go on, group after group, and those that rest; all come from best to worst, the first of
-/// them with the number `first`.
+/// The restarts of each group that go on, group after group, and those that rest.
+///
+/// All come from best to worst, and the first of them has the number `first`.
 fn best_of_each_group(begun: Vec<Restart>, first: usize) -> (Vec<Restart>, Vec<Restart>) {
     let mut groups: Vec<Vec<Restart>> = Vec::new();
     for restart in begun {
