@@ -156,22 +156,21 @@ def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
     )
 
 
-def _means(model: LinearModel) -> _Means:
-    cell = model.cells
+def whole_means(model: LinearModel) -> tuple[NDArray[np.int64], Floats]:
+    """Return cell and gauge (2, n_means) of every mean reading, and the weights (n_means, n) that join its halves."""
     count = np.array([average.count for average in model.inputs.averages])[model.average, model.gauge]
-    places, entry = np.unique(np.stack([cell, model.gauge]), axis=1, return_inverse=True)
+    places, entry = np.unique(np.stack([model.cells, model.gauge]), axis=1, return_inverse=True)
     mix = np.zeros((places.shape[1], model.n))
     mix[entry.ravel(), np.arange(model.n)] = count
-    mix = mix / mix.sum(axis=1, keepdims=True)
+    return places, mix / mix.sum(axis=1, keepdims=True)
+
+
+def _means(model: LinearModel) -> _Means:
+    places, mix = whole_means(model)
     covariance = mix @ model.covariance @ mix.T
     noise = np.einsum("ij,jk,ik->i", mix, noise_covariance(model), mix)
     units, scale = tuple(model.inputs.units[g] for g in places[1]), model.inputs.scale[places[1]]
     return _Means(places[0], places[1], mix @ model.residual, covariance, noise, units, scale)
-
-
-def noise_variance(model: LinearModel) -> Floats:
-    """Return the variance (n,) that noise alone gives each averaged reading [microstrain^2]."""
-    return np.asarray(np.diag(noise_covariance(model)))
 
 
 def noise_covariance(model: LinearModel) -> Floats:

@@ -226,7 +226,7 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
     readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
     campaign = replace(whole, readings=readings)
     found = clipped_in(campaign)
-    assert [(fault.gauge, fault.value) for fault in found] == [(6, 900.0), (6, -900.0)]
+    assert [(fault.gauge, fault.value) for fault in found] == [("g07", 900.0), ("g07", -900.0)]
     left_out = np.concatenate([fault.rows for fault in found])
     assert [float(c.load) for c in campaign.cells if not np.isin(c.rows, left_out).any()] == [0.0]
     assert found[1].words.startswith("Clipped: column g07 stops at -900 microstrain")

@@ -9,7 +9,8 @@ from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell
-from octmip.gap.campaign.noise import JUMP_SD, Jump, Noise, NoisePart, given_noise, least_moment
+from octmip.gap.campaign.fault import Fault
+from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
 from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _Mixture, _scale
@@ -96,7 +97,9 @@ def test_means_of_white_noise_have_its_variance_over_their_repeats():
 
 
 def test_the_offset_of_a_jump_acts_from_its_first_row_on():
-    noise = Noise(("a", "b"), (NoisePart(np.diag([4.0, 9.0]), WHITE),), jumps=(Jump("b", 3, 1.0),))
+    noise = Noise(
+        ("a", "b"), (NoisePart(np.diag([4.0, 9.0]), WHITE),), faults=(Fault("jump", "b", np.zeros(0, int), "", 1.0, 3),)
+    )
     rows = [np.array([0, 1, 2]), np.array([2, 3]), np.array([3, 4])]
     cells = [AveragedCell(k, np.zeros(2), np.full(2, len(r)), 0.0, r, r + 1.0) for k, r in enumerate(rows)]
     at = [cells, (1.0, 1.0, 1.0), np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0])]

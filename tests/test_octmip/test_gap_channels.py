@@ -50,10 +50,10 @@ def test_a_stuck_channel_is_named_first_and_left_out(name):
     change, count = STUCK[name]
     campaign = changed(change)
     (found,) = stuck_in(campaign)
-    assert found.gauge == 6
+    assert found.gauge == "g07"
     assert abs(len(found.rows) - count) <= 1
     checks = checked(campaign)
-    assert checks.stuck == ("g07",)
+    assert [(fault.kind, fault.gauge) for fault in checks.faults] == [("stuck", "g07")]
     assert checks.notes[0].startswith("Stuck: ")
     assert "g07" in checks.notes[0]
     assert ("g07" in checks.campaign.gauges) == (count < 199)
@@ -89,7 +89,7 @@ def test_a_clipped_channel_is_clipped_and_not_stuck(sign):
 
     campaign = changed(change)
     assert stuck_in(campaign) == []
-    assert checked(campaign).clipped == {"g02": sign * 900.0}
+    assert [(f.kind, f.gauge, f.value) for f in checked(campaign).faults] == [("clipped", "g02", sign * 900.0)]
 
 
 def with_outliers(share, draw, one_sided=True):
@@ -163,10 +163,10 @@ def test_outliers_accuse_no_sound_asset():
 @pytest.mark.parametrize("row", [20, 75, 120])
 def test_a_jump_is_named_with_its_gauge_and_row(size, row):
     campaign = changed(lambda r: r.__setitem__((slice(row, None), 8), r[row:, 8] + size * SD))
-    (jump,) = checked(campaign).jumps
+    (jump,) = checked(campaign).faults
     assert jump.gauge == "g09"
-    assert abs(jump.row - row) <= 2
-    assert jump.size == pytest.approx(size * SD, rel=0.35)
+    assert abs(jump.first - row) <= 2
+    assert jump.value == pytest.approx(size * SD, rel=0.35)
 
 
 def test_a_jump_accuses_no_sound_asset():

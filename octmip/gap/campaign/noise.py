@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.campaign.averages import AveragedCell
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.campaign.spectrum import WHITE, Serial
 from octmip.twin import Load
 
@@ -83,25 +84,6 @@ def least_moment(one: Floats, other: Floats) -> float:
     return float(np.mean(sums[below] + one * (len(ordered) - below))) / len(ordered)
 
 
-@dataclass(frozen=True, slots=True)
-class Jump:
-    """A gauge that jumped.
-
-    Attributes
-    ----------
-    gauge
-        its name.
-    row
-        first row of the campaign after it.
-    size
-        in the unit of the gauge's readings.
-    """
-
-    gauge: str
-    row: int
-    size: float
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Noise:
     """The noise of the readings, from their repeats.
@@ -120,14 +102,10 @@ class Noise:
         excess kurtosis, 0 for a normal distribution.
     step
         quantisation step in the unit of the readings, 0 when none is seen.
-    stuck
-        gauges that stand still, always or for a time.
     properties
         names of what is not plain white noise, of the effects' list, a walk left out.
-    clipped
-        by gauge that met the end of its range, where that lies in its unit.
-    jumps
-        gauges that jumped.
+    faults
+        readings that were left out.
     """
 
     gauges: tuple[str, ...]
@@ -136,10 +114,8 @@ class Noise:
     scale: Mapping[Load, float] = field(default_factory=dict)
     kurtosis: float = 0.0
     step: float = 0.0
-    stuck: tuple[str, ...] = ()
     properties: tuple[str, ...] = ()
-    clipped: Mapping[str, float] = field(default_factory=dict)
-    jumps: tuple[Jump, ...] = ()
+    faults: tuple[Fault, ...] = ()
 
     @property
     def covariance(self) -> Floats:
@@ -159,6 +135,20 @@ class Noise:
         return (*self.properties, *[RANDOM_WALK] * wanders)
 
     @property
+    def stuck(self) -> tuple[str, ...]:
+        """Gauges that stand still, always or for a time."""
+        return tuple(fault.gauge for fault in self.faults if fault.kind == "stuck")
+
+    @property
+    def clipped(self) -> Mapping[str, float]:
+        """By gauge that met the end of its range, where that lies in its unit: of two ends the upper one."""
+        found: dict[str, float] = {}
+        for fault in self.faults:
+            if fault.kind == "clipped":
+                found.setdefault(fault.gauge, fault.value)
+        return found
+
+    @property
     def walk_sd(self) -> float:
         """Standard deviation of one step of the typical gauge's walk; 0 where nothing wanders."""
         own = self.parts[0]
@@ -169,8 +159,7 @@ class Noise:
         """Return the noise of these gauges, in their order."""
         order = [self.gauges.index(name) for name in gauges]
         parts = tuple(replace(part, covariance=part.covariance[np.ix_(order, order)]) for part in self.parts)
-        jumps = tuple(jump for jump in self.jumps if jump.gauge in gauges)
-        return replace(self, gauges=tuple(gauges), parts=parts, jumps=jumps)
+        return replace(self, gauges=tuple(gauges), parts=parts)
 
     def with_own(self, serial: Serial) -> "Noise":
         """Return the noise with another memory of what single gauges have."""
@@ -195,9 +184,9 @@ class Noise:
     ) -> Floats:
         """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
         total = self.of_scatter(averages, loads, average, gauge)
-        for jump in self.jumps:
+        for jump in (fault for fault in self.faults if fault.kind == "jump" and fault.gauge in self.gauges):
             k = self.gauges.index(jump.gauge)
-            after = np.array([float((part.rows >= jump.row).mean()) for part in averages])[average] * (gauge == k)
+            after = np.array([float((part.rows >= jump.first).mean()) for part in averages])[average] * (gauge == k)
             total += JUMP_SD**2 * self.covariance[k, k] * np.outer(after, after)
         return total
 

@@ -15,6 +15,7 @@ from scipy.special import digamma, polygamma
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.campaign.noise import Noise, NoisePart
 from octmip.gap.campaign.noise_parts import parts_of
 from octmip.twin import Load, amounts_of
@@ -72,9 +73,15 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
         scale=scale,
         kurtosis=kurtosis,
         step=step,
-        stuck=tuple(name for name, is_stuck in zip(campaign.gauges, scatter.stuck, strict=True) if is_stuck),
+        faults=tuple(_stuck(campaign, int(k)) for k in np.flatnonzero(scatter.stuck)),
         properties=tuple(name for name, is_there in names.items() if is_there),
     )
+
+
+def _stuck(campaign: Campaign, gauge: int) -> Fault:
+    name, rows = campaign.gauges[gauge], np.arange(len(campaign.test))
+    words = f"Readings of {name} never change between repeats: a stuck channel."
+    return Fault("stuck", name, rows, words, float(campaign.cells[0].mean[gauge]), 0)
 
 
 def _fits(campaign: Campaign, run: Campaign) -> bool:

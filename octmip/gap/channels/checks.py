@@ -15,14 +15,15 @@ import numpy as np
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.campaign.noise import Jump
-from octmip.gap.channels.fault import Fault
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.channels.flat import clipped_in, stuck_in
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.channels.outliers import robust
 
 KINDS = (stuck_in, clipped_in, jumps_in)
 """What is looked for, each in what the one before has left."""
+FINDINGS = {"stuck": "stuck_channel", "clipped": "clipping", "jump": "jump"}
+"""Name of the finding that a kind of fault is, of the effects' list."""
 NAMED = 4
 """Channels named one by one in a sentence about many."""
 
@@ -35,8 +36,6 @@ class Checked:
     ----------
     campaign
         what is left.
-    gauges
-        names of the channels before, to which the faults refer.
     faults
         what is left out.
     outliers
@@ -46,28 +45,9 @@ class Checked:
     """
 
     campaign: Campaign
-    gauges: tuple[str, ...]
     faults: tuple[Fault, ...]
     outliers: Mapping[str, float]
     is_one_sided: bool
-
-    @property
-    def stuck(self) -> tuple[str, ...]:
-        """Channels that stand still, always or for a time."""
-        return tuple(self.gauges[fault.gauge] for fault in self._of("stuck"))
-
-    @property
-    def clipped(self) -> Mapping[str, float]:
-        """By channel that met the end of its range, where that lies in its unit: of two ends the upper one."""
-        found: dict[str, float] = {}
-        for fault in self._of("clipped"):
-            found.setdefault(self.gauges[fault.gauge], fault.value)
-        return found
-
-    @property
-    def jumps(self) -> tuple[Jump, ...]:
-        """Gauges that jumped."""
-        return tuple(Jump(self.gauges[fault.gauge], fault.first, fault.value) for fault in self._of("jump"))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -84,17 +64,10 @@ class Checked:
     @property
     def findings(self) -> tuple[str, ...]:
         """Names of what was found."""
-        found = {
-            "stuck_channel": bool(self.stuck),
-            "clipping": bool(self.clipped),
-            "jump": bool(self.jumps),
-            "outliers": self.is_one_sided,
-            "heavy_tailed_noise": bool(self.outliers) and not self.is_one_sided,
-        }
-        return tuple(name for name, is_there in found.items() if is_there)
-
-    def _of(self, kind: str) -> list[Fault]:
-        return [fault for fault in self.faults if fault.kind == kind]
+        kinds = {fault.kind for fault in self.faults}
+        found = [name for kind, name in FINDINGS.items() if kind in kinds]
+        far = "outliers" if self.is_one_sided else "heavy_tailed_noise"
+        return (*found, *[far] * bool(self.outliers))
 
 
 def checked(campaign: Campaign) -> Checked:
@@ -112,7 +85,7 @@ def checked(campaign: Campaign) -> Checked:
         faults += found
     sturdy = robust(left)
     left = _without_silent(replace(left, readings=sturdy.readings), campaign)
-    return Checked(left, campaign.gauges, tuple(faults), sturdy.share, sturdy.is_one_sided)
+    return Checked(left, tuple(faults), sturdy.share, sturdy.is_one_sided)
 
 
 def calm(run: Campaign) -> Campaign:
@@ -123,8 +96,8 @@ def calm(run: Campaign) -> Campaign:
     found = checked(run)
     readings = np.full_like(run.readings, np.nan)
     readings[:, [run.gauges.index(name) for name in found.campaign.gauges]] = found.campaign.readings
-    for jump in found.jumps:
-        readings[jump.row :, run.gauges.index(jump.gauge)] = np.nan
+    for jump in (fault for fault in found.faults if fault.kind == "jump"):
+        readings[jump.first :, run.gauges.index(jump.gauge)] = np.nan
     return replace(run, readings=readings) if np.isfinite(readings).any() else run
 
 
@@ -133,7 +106,7 @@ def _without(campaign: Campaign, faults: Sequence[Fault]) -> Campaign:
         return campaign
     readings = np.array(campaign.readings)
     for fault in faults:
-        readings[fault.rows, fault.gauge] = np.nan
+        readings[fault.rows, campaign.gauges.index(fault.gauge)] = np.nan
     if not np.isfinite(readings).any():
         raise DataError(
             f"of {len(campaign.gauges)} gauges no reading is left ({faults[0].words}); expected readings that scatter; "

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.campaign.noise_estimate import least_variance, quantisation_step
-from octmip.gap.channels.fault import Fault
 from octmip.twin import Load, amounts_of
 
 CHANCE = 1e-6
@@ -44,7 +44,7 @@ def stuck_in(campaign: Campaign) -> list[Fault]:
         if sd > 0.0:
             step = quantisation_step(campaign.readings[:, gauges])
             found += [fault for k in gauges.tolist() for fault in _stuck(campaign, k, sd, step)]
-    return sorted(found, key=lambda fault: fault.gauge)
+    return sorted(found, key=lambda fault: campaign.gauges.index(fault.gauge))
 
 
 def _stuck(campaign: Campaign, gauge: int, sd: float, step_of_all: float) -> list[Fault]:
@@ -68,7 +68,7 @@ def _stuck(campaign: Campaign, gauge: int, sd: float, step_of_all: float) -> lis
     else:
         which = f"{len(rows)} readings (first in row {campaign.row_number(first)})"
         words = f"Stuck: channel {name} stands still {at} in {which}; they are left out. Repair it."
-    return [Fault("stuck", gauge, rows, words, float(levels[0]), first)]
+    return [Fault("stuck", name, rows, words, float(levels[0]), first)]
 
 
 def _typical_sd(campaign: Campaign, gauges: NDArray[np.int64]) -> float:
@@ -130,7 +130,7 @@ def clipped_in(campaign: Campaign) -> list[Fault]:
                 f"(first in row {campaign.row_number(first)}); it is left out of "
                 f"{', '.join(cell.name for cell in cells)}. Widen the channel's range."
             )
-            found.append(Fault("clipped", k, np.concatenate([cell.rows for cell in cells]), words, rail, first))
+            found.append(Fault("clipped", name, np.concatenate([cell.rows for cell in cells]), words, rail, first))
     return found
 
 

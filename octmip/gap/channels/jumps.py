@@ -18,8 +18,8 @@ from scipy import linalg
 from scipy.ndimage import median_filter
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.campaign.spectrum import SHORTEST, Serial, coefficients, fit
-from octmip.gap.channels.fault import Fault
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ def jumps_in(campaign: Campaign) -> list[Fault]:
             f"({cells[k].name}); its readings there are left out, and later ones have an unknown offset. Look at its "
             "wiring."
         )
-        found.append(Fault("jump", gauge, rows, words, size, first))
+        found.append(Fault("jump", name, rows, words, size, first))
     return found
 
 

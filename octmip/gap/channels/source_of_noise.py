@@ -15,17 +15,11 @@ def noise_of(
 ) -> tuple[Noise, list[str]]:
     """Return the noise with what the channels do wrong, and notes on where it is from."""
     noise, notes = _from_repeats_or_known(checks.campaign, run, noise_sd)
-    quiet = tuple(name for name in noise.stuck if name not in checks.stuck)
-    if quiet:
-        notes.append(f"Readings of {', '.join(quiet)} never change between repeats: a stuck channel.")
-    noise = replace(
-        noise,
-        stuck=(*checks.stuck, *quiet),
-        clipped=checks.clipped,
-        jumps=tuple(jump for jump in checks.jumps if jump.gauge in noise.gauges),  # the others have no reading left
-        properties=tuple(dict.fromkeys((*noise.properties, *checks.findings))),
-    )
-    return noise, notes
+    known = {fault.gauge for fault in checks.faults if fault.kind == "stuck"}
+    quiet = [fault for fault in noise.faults if fault.gauge not in known]
+    properties = tuple(dict.fromkeys((*noise.properties, *checks.findings)))
+    noise = replace(noise, faults=(*checks.faults, *quiet), properties=properties)
+    return noise, [*notes, *(fault.words for fault in quiet)]
 
 
 def _from_repeats_or_known(
@@ -56,4 +50,4 @@ def noise_of_run(run: Campaign, known: Noise) -> tuple[Noise, list[str]]:
     if run.has_repeats:
         return estimate_noise(run).of_gauges(known.gauges), []
     note = "The commissioning run holds too few repeats to estimate its noise; the campaign's is used."
-    return replace(known, jumps=()), [note]
+    return replace(known, faults=()), [note]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
-from octmip.gap.location import noise_covariance
+from octmip.gap.location import noise_covariance, whole_means
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
@@ -76,10 +76,14 @@ def noise_sds(diagnosis: Diagnosis) -> dict[str, float]:
 def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
     """Return every cell of the campaign, halves of its repeats taken together."""
     model, after = _after_first_cause(diagnosis)
-    noise = noise_covariance(model)
+    noise, inputs = noise_covariance(model), model.inputs
     states = OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
     usual = np.sqrt(np.maximum(0.0, np.diag(model.covariance) - np.diag(noise) - states))
-    return tuple(_cell(model, number, after, noise, usual) for number in range(len(model.inputs.campaign.cells)))
+    (cell, gauge), mix = whole_means(model)
+    sd = np.sqrt(np.einsum("ij,jk,ik->i", mix, noise, mix))
+    table = np.full((4, len(inputs.campaign.cells), len(inputs.campaign.gauges)), np.nan)
+    table[:, cell, gauge] = [mix @ model.residual, mix @ after, WIDTH * sd, WIDTH * mix @ usual]
+    return tuple(_cell(model, k, table[:, k]) for k in range(table.shape[1]))
 
 
 def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
@@ -93,21 +97,10 @@ def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
     return model, np.asarray(model.residual - model.signatures[:, list(own.members)] @ own.size - moved)
 
 
-def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: Floats) -> MeasuredCell:
-    campaign = model.inputs.campaign
-    cell, n = campaign.cells[number], len(campaign.gauges)
-    count = np.array([average.count for average in model.inputs.averages])[model.average, model.gauge]
-    means = np.full((4, n), np.nan)
-    for gauge in range(n):
-        rows = np.flatnonzero((model.cells == number) & (model.gauge == gauge))
-        if rows.size:
-            share = count[rows] / count[rows].sum()
-            means[:, gauge] = [
-                share @ model.residual[rows],
-                share @ after[rows],
-                WIDTH * np.sqrt(share @ noise[np.ix_(rows, rows)] @ share),
-                WIDTH * share @ usual[rows],
-            ]
+def _cell(model: LinearModel, number: int, means: Floats) -> MeasuredCell:
+    """Return a cell of which `means` (4, n_gauges) holds residuals before and after, half-widths and usual ones."""
+    inputs = model.inputs
+    cell = inputs.campaign.cells[number]
     measured = np.where(np.isnan(means[0]), np.nan, cell.mean)
     return MeasuredCell(
         test=cell.test,
@@ -118,7 +111,7 @@ def _cell(model: LinearModel, number: int, after: Floats, noise: Floats, usual: 
         twin=measured - means[0],
         repaired=measured - means[1],
         usual=means[3],
-        units=model.inputs.units,
-        unit=model.inputs.unit,
-        scale=model.inputs.scale,
+        units=inputs.units,
+        unit=inputs.unit,
+        scale=inputs.scale,
     )

@@ -15,7 +15,7 @@ class Fault:
     kind
         "stuck", "clipped" or "jump".
     gauge
-        index of the channel.
+        name of the channel.
     rows
         (n,) rows of the campaign.
     words
@@ -27,7 +27,7 @@ class Fault:
     """
 
     kind: str
-    gauge: int
+    gauge: str
     rows: NDArray[np.int64]
     words: str
     value: float
