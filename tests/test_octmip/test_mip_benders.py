@@ -14,8 +14,8 @@ from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.memory import Memory
-from octmip.trees.mip.benders.question import Question
 from octmip.trees.mip.benders.solver import solve_benders
+from octmip.trees.mip.benders.subproblem import Subproblem
 from octmip.trees.mip.prices import own_prices
 
 
@@ -146,7 +146,7 @@ def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
         memory.add(1, rows, best_price(problem, np.isin(np.arange(12), rows)))
     inside = np.flatnonzero(rng.random(12) < 0.8)
     part = Problem(problem.features[inside], problem.targets[inside], depth=2)
-    recalled = memory.recall(Question(part, own_prices(part), inside))
+    recalled = memory.recall(Subproblem(part, own_prices(part), inside))
     assert recalled
     for samples, price in recalled:
         assert price <= best_price(part, samples)

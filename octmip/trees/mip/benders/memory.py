@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.mip.benders.question import Question
+from octmip.trees.mip.benders.subproblem import Subproblem
 
 LAST = 2000
 """So many subproblems are looked at, the latest ones."""
@@ -45,15 +45,15 @@ class Memory:
         samples[rows] = True
         self.entries.append((depth, samples, price))
 
-    def recall(self, question: Question) -> list[tuple[NDArray[np.bool_], float]]:
-        """Return samples of a question, as a mask of its own, and what a tree one level below costs there at least."""
-        depth = question.problem.depth - 1
+    def recall(self, subproblem: Subproblem) -> list[tuple[NDArray[np.bool_], float]]:
+        """Return samples of a subproblem, as a mask of its own, and the least cost of a tree one level below there."""
+        depth = subproblem.problem.depth - 1
         known = [(samples, price) for level, samples, price in self.entries[-LAST:] if level == depth]
         if not known:
             return []
         masks, prices = np.array([samples for samples, _ in known]), np.array([price for _, price in known])
         outside = self.worst.copy()
-        outside[question.rows] = 0.0
+        outside[subproblem.rows] = 0.0
         left = prices - masks @ outside
         best = np.argsort(-left, kind="stable")[:RECALLED]
-        return [(masks[k][question.rows], float(left[k])) for k in best if left[k] > 0]
+        return [(masks[k][subproblem.rows], float(left[k])) for k in best if left[k] > 0]

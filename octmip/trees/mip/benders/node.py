@@ -19,7 +19,7 @@ from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.cuts import Cut
 from octmip.trees.mip.benders.master import Master
 from octmip.trees.mip.benders.memory import Memory
-from octmip.trees.mip.benders.question import Answer, Question
+from octmip.trees.mip.benders.subproblem import Answer, Subproblem
 from octmip.trees.mip.blocks import axis
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, Split, leaf_index, leaves
@@ -52,19 +52,19 @@ class Evaluated:
     both: float = 0.0
 
 
-Answerer = Callable[[Question, Memory], Answer]
-"""Answers the question of a side, and adds to the memory."""
-Together = Callable[[Question, Cut, Node], Answer]
-"""Answers a question for the trees that make a cut at the root, or are the tree given."""
+Answerer = Callable[[Subproblem, Memory], Answer]
+"""Answers the subproblem of a side, and adds to the memory."""
+Together = Callable[[Subproblem, Cut, Node], Answer]
+"""Answers a subproblem for the trees that make a cut at the root, or are the tree given."""
 Tasks = Callable[[list[Callable[[], Evaluated]]], Iterable[Evaluated]]
 """Runs tasks, side by side or in turn, and returns their results in order."""
 
 
 @dataclass(slots=True, eq=False)
 class NodeSearch:
-    """The search for the best tree of a question; its state can be read at any time."""
+    """The search for the best tree of a subproblem; its state can be read at any time."""
 
-    question: Question
+    subproblem: Subproblem
     answer: Answerer
     together: Together
     best: Node
@@ -75,20 +75,22 @@ class NodeSearch:
     tried: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, question: Question, best: Node, answer: Answerer, together: Together, memory: Memory) -> "NodeSearch":
+    def of(
+        cls, subproblem: Subproblem, best: Node, answer: Answerer, together: Together, memory: Memory
+    ) -> "NodeSearch":
         """Return the search before its first round, with the bounds of class counts and of the memory."""
-        problem, prices = question.problem, question.prices
+        problem, prices = subproblem.problem, subproblem.prices
         bounds = Bounds.of_class_counts(problem, prices)
         if problem.sensor_budget is None:  # with one, a value holds for one sensor above only
-            for samples, price in memory.recall(question):
+            for samples, price in memory.recall(subproblem):
                 bounds.learn(samples, price)
         leaf = float(prices.of_labels(np.arange(problem.n_samples)).min())
         tried = np.zeros(len(bounds.cuts.feature), dtype=bool)
-        return cls(question, answer, together, best, prices.of_tree(problem, best), leaf, bounds, memory, tried)
+        return cls(subproblem, answer, together, best, prices.of_tree(problem, best), leaf, bounds, memory, tried)
 
     @property
     def bound(self) -> float:
-        """No tree of the question is cheaper."""
+        """No tree of the subproblem is cheaper."""
         return min(self.price, self.leaf, float(self.bounds.price.min(initial=math.inf)))
 
     @property
@@ -98,9 +100,9 @@ class NodeSearch:
 
     def run(self, tasks: Tasks, after_round: Callable[[], bool] = lambda: False) -> Answer:
         """Search until the answer is proven, the target is reached, or `after_round` wants an end."""
-        master = Master(self.bounds, self.leaf, min(self.price, self.question.target))
+        master = Master(self.bounds, self.leaf, min(self.price, self.subproblem.target))
         while True:
-            goal = min(self.price, self.question.target)
+            goal = min(self.price, self.subproblem.target)
             price = np.where(self.tried, math.inf, self.bounds.price)
             order = TIE / (1 + self.bounds.depth_in_run(price < goal))
             places = master.cheapest(price, goal, ROUND, order)
@@ -112,7 +114,7 @@ class NodeSearch:
                 return self.result
 
     def _learn(self, evaluated: Evaluated) -> None:
-        cut, problem = evaluated.cut, self.question.problem
+        cut, problem = evaluated.cut, self.subproblem.problem
         sensor = int(problem.sensor_index[cut.feature]) if math.isfinite(problem.sensor_limit) else None
         for lesson in evaluated.lessons:
             self.bounds.learn(lesson.samples, lesson.price, within=lesson.within, sensor=sensor)
@@ -120,14 +122,14 @@ class NodeSearch:
         self.tried[cut.place] = True
         self.memory.merge(evaluated.memory)
         if evaluated.tree is not None:
-            price = self.question.prices.of_tree(problem, evaluated.tree)
+            price = self.subproblem.prices.of_tree(problem, evaluated.tree)
             if price < self.price:
                 self.best, self.price = evaluated.tree, price
 
     def _evaluated(self, cut: Cut, goal: float) -> Evaluated:
         """Answer the left side of a cut, then the right one unless the cut is already too expensive."""
         left = self.bounds.is_left(cut)
-        room = goal - self.question.prices.penalty
+        room = goal - self.subproblem.prices.penalty
         lessons: list[Lesson] = []
         memory = self.memory.branch()
         on_left = self._side(cut, left, room - self.bounds.right[cut.place], lessons, memory)
@@ -141,13 +143,13 @@ class NodeSearch:
             return Evaluated(cut, tuple(lessons), memory, tree)
         if on_left.bound + on_right.bound >= room:
             return Evaluated(cut, tuple(lessons), memory, None)
-        half = replace(tree, right=_leaf_answer(self.question, ~left).tree)
-        both = self.together(self.question, cut, half)  # a budget joins the sides: one model for the two
-        return Evaluated(cut, tuple(lessons), memory, both.tree, both.bound - self.question.prices.penalty)
+        half = replace(tree, right=_leaf_answer(self.subproblem, ~left).tree)
+        both = self.together(self.subproblem, cut, half)  # a budget joins the sides: one model for the two
+        return Evaluated(cut, tuple(lessons), memory, both.tree, both.bound - self.subproblem.prices.penalty)
 
     def _fits(self, tree: Node) -> bool:
         try:
-            checked_leaf_index(self.question.problem, tree)
+            checked_leaf_index(self.subproblem.problem, tree)
         except CertificateError:
             return False
         return True
@@ -156,42 +158,42 @@ class NodeSearch:
         self, cut: Cut, samples: NDArray[np.bool_], target: float, lessons: list[Lesson], memory: Memory
     ) -> Answer:
         """Answer one side of a cut; without its leaf size first, as that bounds other cuts' sides too."""
-        at_leaf = _leaf_answer(self.question, samples)
+        at_leaf = _leaf_answer(self.subproblem, samples)
         if at_leaf.is_proven:
             lessons.append(Lesson(samples, at_leaf.bound, within=True))
             return at_leaf
-        question = _side_of(self.question, samples, cut.feature, target)
-        problem = question.problem
+        subproblem = _side_of(self.subproblem, samples, cut.feature, target)
+        problem = subproblem.problem
         if problem.leaf_size == 1:
-            found = self.answer(question, memory)
-            memory.add(problem.depth, question.rows, found.bound)
+            found = self.answer(subproblem, memory)
+            memory.add(problem.depth, subproblem.rows, found.bound)
             lessons.append(Lesson(samples, found.bound, within=False))
             return found
-        free = self.answer(replace(question, problem=replace(problem, leaf_size=1)), memory)
-        memory.add(problem.depth, question.rows, free.bound)
+        free = self.answer(replace(subproblem, problem=replace(problem, leaf_size=1)), memory)
+        memory.add(problem.depth, subproblem.rows, free.bound)
         lessons.append(Lesson(samples, free.bound, within=False))
         if free.bound >= target or _holds_leaf_size(problem, free.tree):
             return free
-        found = self.answer(question, memory)
+        found = self.answer(subproblem, memory)
         lessons.append(Lesson(samples, found.bound, within=True))
         return found
 
 
-def _leaf_answer(question: Question, samples: NDArray[np.bool_]) -> Answer:
+def _leaf_answer(subproblem: Subproblem, samples: NDArray[np.bool_]) -> Answer:
     """Return the answer of one leaf for some samples: proven where no split can help or none fits."""
-    rows, prices = np.flatnonzero(samples), question.prices
+    rows, prices = np.flatnonzero(samples), subproblem.prices
     by_label = prices.of_labels(rows)
     label = int(by_label.argmin())
     price = float(by_label[label])
     least = float((prices.weights[rows] * prices.costs[prices.profile[rows]].min(axis=1)).sum())
-    is_one_class = bool((question.problem.codes[rows] == question.problem.codes[rows[0]]).all())
-    is_final = is_one_class or least >= price or len(rows) < 2 * question.problem.leaf_size
+    is_one_class = bool((subproblem.problem.codes[rows] == subproblem.problem.codes[rows[0]]).all())
+    is_final = is_one_class or least >= price or len(rows) < 2 * subproblem.problem.leaf_size
     return Answer(Leaf(label), price, price if is_final else least)
 
 
-def _side_of(question: Question, samples: NDArray[np.bool_], feature: int, target: float) -> Question:
-    """Return the question of the samples on one side of a cut: one level less, the cut's sensor paid for."""
-    problem, prices = question.problem, question.prices
+def _side_of(subproblem: Subproblem, samples: NDArray[np.bool_], feature: int, target: float) -> Subproblem:
+    """Return the subproblem of the samples on one side of a cut: one level less, the cut's sensor paid for."""
+    problem, prices = subproblem.problem, subproblem.prices
     inside = replace(
         problem,
         features=problem.features[samples],
@@ -201,7 +203,7 @@ def _side_of(question: Question, samples: NDArray[np.bool_], feature: int, targe
         **_budget_below(problem, feature),
     )
     inside_prices = replace(prices, weights=prices.weights[samples], profile=prices.profile[samples])
-    return Question(inside, inside_prices, question.rows[samples], target)
+    return Subproblem(inside, inside_prices, subproblem.rows[samples], target)
 
 
 def _budget_below(problem: Problem, feature: int) -> dict[str, Any]:

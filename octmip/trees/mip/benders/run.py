@@ -14,8 +14,8 @@ import numpy as np
 from octmip.trees.mip.benders.cuts import Cut
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import Evaluated, NodeSearch
-from octmip.trees.mip.benders.question import Answer, Question
 from octmip.trees.mip.benders.stump import best_stump
+from octmip.trees.mip.benders.subproblem import Answer, Subproblem
 from octmip.trees.mip.engine import Clock, LimitReachedError, Request, run_formulation
 from octmip.trees.mip.flow import encode
 from octmip.trees.mip.incumbent import starting_tree
@@ -50,20 +50,20 @@ class Runner:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _is_ending: threading.Event = field(default_factory=threading.Event)
 
-    def answer(self, question: Question, memory: Memory) -> Answer:
+    def answer(self, subproblem: Subproblem, memory: Memory) -> Answer:
         """Return the best tree of a side, or the proof that its target is reached."""
         self.clock.check()
         self._poll()
-        if question.problem.depth == 1:
+        if subproblem.problem.depth == 1:
             with self._lock:
                 self.n_subproblems += 1
-            return best_stump(question)
-        first = starting_tree(question.problem, None, self.seed)
-        return NodeSearch.of(question, first, self.answer, self.together, memory).run(self.in_turn)
+            return best_stump(subproblem)
+        first = starting_tree(subproblem.problem, None, self.seed)
+        return NodeSearch.of(subproblem, first, self.answer, self.together, memory).run(self.in_turn)
 
-    def together(self, question: Question, cut: Cut, first: Node) -> Answer:
+    def together(self, subproblem: Subproblem, cut: Cut, first: Node) -> Answer:
         """Return the best of a tree that makes a cut and of all others that make it, both sides in one flow model."""
-        problem, prices = question.problem, question.prices
+        problem, prices = subproblem.problem, subproblem.prices
         self.clock.check()
         known = Known(first, problem.objective(first), prices, Rows(limit_check=self.clock.check))
         cuts = {cut.feature: np.array([cut.rank])}

@@ -13,8 +13,8 @@ import numpy as np
 from octmip.trees.methods.options import BendersOptions
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import NodeSearch, Tasks
-from octmip.trees.mip.benders.question import Question
 from octmip.trees.mip.benders.run import Runner
+from octmip.trees.mip.benders.subproblem import Subproblem
 from octmip.trees.mip.blocks import axis
 from octmip.trees.mip.columns import over_columns
 from octmip.trees.mip.engine import Clock, LimitReachedError
@@ -70,7 +70,7 @@ def solve_benders(
     runner = Runner(clock, seed, lambda: None)
     try:
         clock.check()
-        _run(problem, Question(problem, prices, np.arange(problem.n_samples)), runner, result, n_jobs, progress)
+        _run(problem, Subproblem(problem, prices, np.arange(problem.n_samples)), runner, result, n_jobs, progress)
     except LimitReachedError as reached:
         result.stop = reached.stop
     except KeyboardInterrupt:
@@ -84,33 +84,33 @@ def solve_benders(
 
 def _run(
     problem: Problem,
-    question: Question,
+    subproblem: Subproblem,
     runner: Runner,
     result: RunResult,
     n_jobs: int,
     progress: ProgressCallback | None,
 ) -> None:
     """Search at the root, keeping tree, bound and reason in `result` as they are found."""
-    prices = question.prices
+    prices = subproblem.prices
     memory = Memory(prices.weights * prices.costs[prices.profile].max(axis=1))
     if problem.depth == 1:
-        answer = runner.answer(question, memory)
+        answer = runner.answer(subproblem, memory)
         result.better(problem, canonicalise(problem, answer.tree))
         result.price_bound, result.stop = math.floor(answer.bound), Stop.OPTIMAL
         return
-    root = NodeSearch.of(question, result.tree, runner.answer, runner.together, memory)
-    keep = _Keeper(problem, root, runner, result, progress)
-    runner.report = keep.report
+    root = NodeSearch.of(subproblem, result.tree, runner.answer, runner.together, memory)
+    rounds = _RootRounds(problem, root, runner, result, progress)
+    runner.report = rounds.report
     with ThreadPoolExecutor(max(1, n_jobs)) as pool:
         tasks: Tasks = runner.in_turn if n_jobs <= 1 else partial(runner.side_by_side, pool)
         try:
-            root.run(tasks, keep.after_round)
-            result.stop = keep.stop
+            root.run(tasks, rounds.after_round)
+            result.stop = rounds.stop
         finally:
-            keep.after_round()
+            rounds.after_round()
 
 
-class _Keeper:
+class _RootRounds:
     """Keeps the root's state in the result of the run, reports it, and says when a limit of gap or nodes is reached."""
 
     def __init__(

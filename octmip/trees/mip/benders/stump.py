@@ -7,17 +7,17 @@ import numpy as np
 
 from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.master import Master
-from octmip.trees.mip.benders.question import Answer, Question
+from octmip.trees.mip.benders.subproblem import Answer, Subproblem
 from octmip.trees.mip.blocks import axis
 from octmip.trees.tree import Leaf, Split
 
 
-def best_stump(question: Question) -> Answer:
+def best_stump(subproblem: Subproblem) -> Answer:
     """Return the best tree of one split, or of none; where the target is reached, one leaf and the target's proof."""
-    problem, prices = question.problem, question.prices
+    problem, prices = subproblem.problem, subproblem.prices
     by_label = prices.of_labels(np.arange(problem.n_samples))
     leaf = float(by_label.min())
-    bounds, goal = Bounds.of_class_counts(problem, prices), min(leaf, question.target)
+    bounds, goal = Bounds.of_class_counts(problem, prices), min(leaf, subproblem.target)
     places = Master(bounds, leaf, goal).cheapest(bounds.price, goal, 1)
     if not places:
         return Answer(Leaf(int(by_label.argmin())), leaf, min(leaf, float(bounds.price.min(initial=np.inf))))

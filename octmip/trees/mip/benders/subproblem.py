@@ -1,4 +1,4 @@
-"""Questions and answers: the best tree for some samples, and the price below which there is none."""
+"""Subproblems and answers: the best tree for some samples, and the price below which there is none."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from octmip.trees.tree import Node
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Question:
+class Subproblem:
     """The samples of a node and the trees for them.
 
     Attributes
@@ -35,7 +35,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """The best tree found for a question, and the price below which there is none."""
+    """The best tree found for a subproblem, and the price below which there is none."""
 
     tree: Node
     price: float
