@@ -78,22 +78,30 @@ class Rows:
         return index
 
     def add(self, name: str, lower: ArrayLike, upper: ArrayLike, *terms: Term) -> None:
-        """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row."""
+        """Add a family of rows: ``lower <= sum of coefficients * columns <= upper``, one row for each term row.
+
+        Rows without a coefficient that hold anyway are left out: they are none to some solvers.
+        """
         n_rows = max(len(np.atleast_2d(columns)) for columns, _ in terms)
         self.check_limits(entries=n_rows * sum(np.atleast_2d(columns).shape[1] for columns, _ in terms))
         self._matrix = None
+        low, high = (np.broadcast_to(np.asarray(end, dtype=float), (n_rows,)) for end in (lower, upper))
+        is_row = (low > 0) | (high < 0)
+        entries = []
         for columns, coefficients in terms:
             wide = np.atleast_2d(columns)
             full = np.broadcast_to(wide, (n_rows, wide.shape[1]))
-            numbers = np.broadcast_to(np.asarray(coefficients, dtype=float), full.shape).ravel()
-            row = np.repeat(np.arange(self.n_rows, self.n_rows + n_rows), full.shape[1])
+            numbers = np.broadcast_to(np.asarray(coefficients, dtype=float), full.shape)
+            is_row = is_row | (numbers != 0).any(axis=1)
+            entries.append((full, numbers))
+        place = self.n_rows + np.cumsum(is_row) - 1
+        for full, numbers in entries:
             keep = numbers != 0
-            self._entries.append((row[keep], full.ravel()[keep], numbers[keep]))
+            self._entries.append((np.repeat(place, full.shape[1])[keep.ravel()], full[keep], numbers[keep]))
             self._n_entries += len(self._entries[-1][0])
-        bounds = (np.broadcast_to(np.asarray(v, dtype=float), (n_rows,)) for v in (lower, upper))
-        self._bounds.append((next(bounds), next(bounds)))
-        self.row_families.append((name, n_rows))
-        self.n_rows += n_rows
+        self._bounds.append((low[is_row], high[is_row]))
+        self.row_families.append((name, int(is_row.sum())))
+        self.n_rows += self.row_families[-1][1]
 
     def bound_objective(self, bound: float) -> None:
         """Make the objective a column of its own, at least `bound`: HiGHS then knows it before it solves anything."""
