@@ -1,8 +1,8 @@
 """One optimum from six programs on 200 random problems of depth 1 to 3.
 
-The model in Pyomo under every solver outside that is installed, the rows on HiGHS as octmip drives it, Benders, the exact
-core, and enumeration. The problems have weights, costs, leaf sizes, penalties, budgets and ties; the seeds are not those
-of the tests.
+The model in Pyomo under every solver outside that is installed, the rows on HiGHS as octmip drives it, Benders, the
+exact core, and enumeration. The problems have weights, costs, leaf sizes, penalties, budgets and ties; the seeds are not
+those of the tests.
 """
 
 from collections.abc import Iterator
@@ -14,6 +14,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.outside import BY_PYOMO, is_installed
 from benchmarks.tables import Line
+from octmip.errors import SolverError
 from octmip.trees.certificate import certify
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.pyomo_model import model, solution_of
@@ -32,21 +33,29 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
         problem = random_problem(np.random.default_rng(seed), max_samples=9, max_features=2)
         watch = Stopwatch()
         found = {name: solve(problem, name, Limits(limit), n_jobs=threads[0]) for name in ("exact", "benders", "oct")}
-        found |= by_pyomo(problem)
+        by_others, refused = by_pyomo(problem)
         cpu, _ = watch.read()
-        yield {"size": repr(problem), "seed": seed, "threads": threads[0]} | judged(problem, found) | {
-            "cpu_seconds": round(cpu, 3),
-            "version": f"HiGHS {highs.VERSION}",
-        }
+        yield (
+            {"size": repr(problem), "seed": seed, "threads": threads[0]}
+            | judged(problem, found | by_others)
+            | {
+                "refused": refused,
+                "cpu_seconds": round(cpu, 3),
+                "version": f"HiGHS {highs.VERSION}",
+            }
+        )
 
 
-def by_pyomo(problem: Problem) -> dict[str, Solution]:
-    """Return the certified solution of OCT's model by each solver outside that is installed."""
-    found = {}
+def by_pyomo(problem: Problem) -> tuple[dict[str, Solution], dict[str, str]]:
+    """Return the certified solution of OCT's model by each solver outside that is installed; why others are refused."""
+    found, refused = {}, {}
     for solver in filter(is_installed, BY_PYOMO):
         M = model(problem, "oct")
-        found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M))
-    return found
+        try:
+            found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M))
+        except SolverError as error:
+            refused[solver] = str(error)
+    return found, refused
 
 
 def judged(problem: Problem, found: dict[str, Solution]) -> Line:
@@ -66,11 +75,21 @@ def judged(problem: Problem, found: dict[str, Solution]) -> Line:
 
 def summary(lines: list[Line]) -> str:
     """Return one line of counts, and the problems that are not as they ought to be."""
-    proven = {name: sum(name not in line["unproven"] for line in lines) for name in lines[0]["by"]}
+    proven = {name: sum(name in set(line["by"]) - set(line["unproven"]) for line in lines) for name in lines[0]["by"]}
     n_other, n_high = (sum(bool(line[key]) for line in lines) for key in ("other", "too_high"))
     said = (
         f"{len(lines)} problems: {n_other} with another optimum in one of them, {n_high} with a bound too high; proven "
         f"by {', '.join(f'{name} {count}' for name, count in proven.items())}; "
+        f"answers refused {sum(len(line['refused']) for line in lines)}; "
         f"{sum(line['cpu_seconds'] for line in lines):.1f} CPU s."
     )
-    return "\n".join([said, *(f"seed {line['seed']}: {line}" for line in lines if line["other"] or line["too_high"])])
+    return "\n".join(
+        [
+            said,
+            *(
+                f"seed {line['seed']}: {line}"
+                for line in lines
+                if any(line[key] for key in ("other", "too_high", "refused"))
+            ),
+        ]
+    )

@@ -123,7 +123,7 @@ class Model:
         Raises
         ------
         SolverError
-            the values are no solution of the model.
+            the values are no solution of the model, or the bound denies a tree that is one.
         CertificateError
             the tree breaks a limit of the problem.
         """
@@ -139,6 +139,8 @@ class Model:
         outcome = Outcome(values, price, price, answer.bound, Stop.FINISHED, "", 0, 0.0, math.inf, math.inf)
         if reason := refutation(self.problem, outcome, bound, decoded):
             raise SolverError(f"{reason.replace('HiGHS', answer.solver)}; solve it again with finer tolerances")
+        if not answer.n_added and (start := self.start()) is not None:
+            self._refuse_above(formulation.rows.objective(start), bound, answer.solver)
         tree, scope = decoded.tree, formulation.scope.trees
         if answer.n_added:
             tree = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
@@ -150,6 +152,14 @@ class Model:
         )
         certify(self.problem, solution)
         return replace(solution, version=answer.solver)
+
+    def _refuse_above(self, price: float, bound: int, solver: str) -> None:
+        """Raise a SolverError where a solver's bound denies the tree to start from, which the model holds."""
+        if bound > price + 0.5:
+            raise SolverError(
+                f"{solver} claims that no tree is below {bound} but one of the model costs {price:g}: its answer is "
+                "false; solve the model without presolve, or with another solver"
+            )
 
 
 def model_of(
