@@ -36,7 +36,7 @@ def _scip(model: Any) -> Any:
 
 
 def _cbc(model: Any) -> Any:
-    import pulp
+    import pulp  # type: ignore[import-untyped]  # without annotations
     import pyomo.environ as pyo
 
     with warnings.catch_warnings():

@@ -114,6 +114,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     run = replace(run, options=options_for(problem, name, run.options))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent, run)
+    _write_model(problem, name, run, first)
     start = time.perf_counter()
 
     def result() -> Solution:
@@ -122,6 +123,19 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
+
+
+def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) -> None:
+    """Write the model of a problem where the options name a file for it: whole, whatever tree is known."""
+    options = run.options
+    if not isinstance(options, MipOptions) or options.write is None:
+        return
+    from octmip.trees.mip.model_rows import model_of
+
+    made = model_of(
+        problem, name, start=first, max_splits=options.max_splits, mu=options.mu, seed=run.seed, limits=run.limits
+    )
+    made.write(options.write)
 
 
 def _kept_solve(problem: Problem, run: Run, path: PathLike, incumbent: Node | Solution | None) -> Solution:

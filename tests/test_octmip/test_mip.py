@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Limits, Problem, Split, Stop, certify
+from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
@@ -297,7 +297,7 @@ def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
     import highspy
 
     problem = blobs(depth=1)
-    solution = solve_oct(problem, options=MipOptions(write=tmp_path / f"model{suffix}"))
+    solution = solve(problem, "oct", options=MipOptions(write=tmp_path / f"model{suffix}"))
     reader = highspy.Highs()
     reader.setOptionValue("output_flag", False)
     reader.readModel(str(tmp_path / f"model{suffix}"))

@@ -1,7 +1,7 @@
 """One optimum from six programs on 200 random problems of depth 1 to 3.
 
 The model in Pyomo under every solver outside that is installed, the rows on HiGHS as octmip drives it, Benders, the
-exact core, and enumeration. The problems have weights, costs, leaf sizes, penalties, budgets and ties; the seeds are not
+exact core, and enumeration. Weights, costs, leaf sizes, penalties, budgets and ties are drawn; the seeds are not
 those of the tests.
 """
 

@@ -25,6 +25,7 @@ from octmip.interfaces.cli.arguments import (
     limits_of,
     method_options,
 )
+from octmip.interfaces.cli.foreign_solution import read_solution, refuse_alone
 from octmip.interfaces.cli.samples.question import Question, ask
 from octmip.interfaces.report.new_rows import (
     choice_text,
@@ -56,6 +57,7 @@ OF_A_DEPTH = {
     "checkpoint": None,
     "option": [],
     "write_problem": None,
+    "read_solution": None,
 }
 """Options of a problem whose depth is given, and what they are when they are not."""
 
@@ -63,6 +65,8 @@ OF_A_DEPTH = {
 def run(arguments: argparse.Namespace) -> int:
     """Solve, show, write."""
     limits = limits_of(arguments)
+    if arguments.read_solution is None:
+        refuse_alone(arguments)
     if arguments.depth is None:
         return _choose(arguments, limits)
     question = ask(arguments)
@@ -74,16 +78,19 @@ def run(arguments: argparse.Namespace) -> int:
     unproven: ProofError | None = None
     with method_options(arguments, question.problem) as options, ProgressLine() as progress:
         try:
-            solution = solve(
-                question.problem,
-                arguments.method,
-                limits,
-                incumbent,
-                seed=arguments.seed,
-                n_jobs=arguments.threads,
-                progress=progress,
-                options=options,
-            )
+            if arguments.read_solution:
+                solution = read_solution(arguments, question.problem, options, limits, incumbent)
+            else:
+                solution = solve(
+                    question.problem,
+                    arguments.method,
+                    limits,
+                    incumbent,
+                    seed=arguments.seed,
+                    n_jobs=arguments.threads,
+                    progress=progress,
+                    options=options,
+                )
         except ProofError as error:
             solution, unproven = error.solution, error
     _show(arguments, question, solution)

@@ -30,7 +30,6 @@ from octmip.trees.mip.incumbent import canonicalise, starting_tree
 from octmip.trees.mip.prices import Prices, whole_prices
 from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
-from octmip.trees.mip.rows_file import title_of, write_rows
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Node, Split, depth
@@ -178,8 +177,7 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
     known = _known(problem, request, clock)
     result = RunResult(known, known.tree, Stop.TIME, {"start": {"objective": known.objective, "accepted": False}})
     try:
-        # Nothing is smaller than this, and ranges over the nodes of a deep heap alone can fill the memory.
-        known.rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
+        check_heap(problem, known.rows)
         formulation = formulate(problem, known, request.options)
         clock.check(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
         run_formulation(problem, formulation, request, clock, result)
@@ -195,6 +193,11 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
         given_bound=request.lower_bound,
         gap=request.limits.gap,
     )
+
+
+def check_heap(problem: Problem, rows: Rows) -> None:
+    """Check that the nodes alone are within the limits: their ranges can fill the memory, and no model is smaller."""
+    rows.check_limits(columns=2**problem.depth * (problem.n_features + problem.n_samples + COLUMNS_OF_NODE))
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
@@ -215,8 +218,6 @@ def run_formulation(
     rows, prices = formulation.rows, formulation.prices
     if not math.isinf(request.lower_bound):
         rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
-    if request.options.write is not None:
-        write_rows(rows, request.options.write, title_of(problem, request.method))
     result.details |= _describe(problem, formulation, request)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)

@@ -8,6 +8,7 @@ bound is lowered by what a solver's tolerances may have added to it (`octmip.tre
 """
 
 import math
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -21,7 +22,7 @@ from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct, oct_h
 from octmip.trees.mip.blocks.heap import place, to_tree
-from octmip.trees.mip.engine import START_SLACK, Formulate, Formulation, decode, refutation
+from octmip.trees.mip.engine import START_SLACK, Clock, Formulate, Formulation, check_heap, decode, refutation
 from octmip.trees.mip.highs.claims import foreign_bound
 from octmip.trees.mip.highs.highs import Outcome
 from octmip.trees.mip.incumbent import starting_tree
@@ -32,7 +33,7 @@ from octmip.trees.mip.rows import Rows
 from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_values
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_gaps
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Node
 
 FORMULATIONS: Mapping[str, Formulate] = {
@@ -130,7 +131,10 @@ class Model:
         formulation, values = self.formulation, answer.values
         worst, where = formulation.rows.violation(values)
         if worst > MOST_VIOLATION:
-            raise SolverError(f"the solution of {answer.solver} breaks {where} by {worst:.3g}; solve the model again")
+            raise SolverError(
+                f"the solution of {answer.solver} breaks {where} by {worst:.3g}; give the "
+                "method of the model that was solved, or solve it again"
+            )
         decoded = decode(self.problem, formulation, values, self.max_splits)
         price, bound = (
             formulation.rows.objective(values),
@@ -148,7 +152,7 @@ class Model:
         # A known tree outside the model, or against a row that was added, contradicts no bound.
         result = RunResult(replace(self.known, tree=tree), tree, Stop.FINISHED, {"scope": scope}, price_bound=bound)
         solution = solution_of_run(
-            self.problem, result, method=self.method, seed=0, seconds=math.nan, given_bound=-math.inf, gap=0.0
+            self.problem, result, method=self.method, seed=0, seconds=0.0, given_bound=-math.inf, gap=0.0
         )
         certify(self.problem, solution)
         return replace(solution, version=answer.solver)
@@ -170,22 +174,27 @@ def model_of(
     max_splits: int | None = None,
     mu: float | None = None,
     seed: int = 0,
+    limits: Limits = Limits(),  # noqa: B008  (frozen)
 ) -> Model:
-    """Return the model of a problem; the arguments are those of `pyomo_model.model`.
+    """Return the model of a problem, built within limits; the other arguments are those of `pyomo_model.model`.
 
     Raises
     ------
     ProblemError
         there is no such model, or none for this loss or split.
+    SolverError
+        a limit was reached.
     """
     if method not in FORMULATIONS:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(FORMULATIONS)}")
     if problem.loss.predicts != "class":
         raise ProblemError(f"the loss {problem.loss.name!r} has no mixed-integer model; expected classes")
     refuse_gaps(problem.n_missing, "the model has no side for them", "fill them in")
+    rows = Rows(limit_check=Clock(limits, time.perf_counter()).check)
+    check_heap(problem, rows)
     own = own_prices(problem)
     tree = starting_tree(problem, checked_incumbent(problem, start), seed, max_splits)
     most = own.worst + own.penalty * (2**problem.depth - 1) * problem.max_split_size  # no tree costs more
-    known = Known(tree, problem.objective(tree), whole_prices(problem, most), Rows())
+    known = Known(tree, problem.objective(tree), whole_prices(problem, most), rows)
     options = MipOptions(max_splits=max_splits, mu=mu)
     return Model(problem, method, FORMULATIONS[method](problem, known, options), known, max_splits)

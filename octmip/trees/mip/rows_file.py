@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.files import PathLike, read_bytes, read_text, write_bytes
+from octmip.formats.messages import shown
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.highs import VERSION, arrays
 from octmip.trees.mip.rows import Rows
@@ -29,6 +30,8 @@ COMMENT = {".lp": "\\", ".mps": "*", ".mst": "#"}
 """How a line of a comment begins, by kind of file."""
 CONSTANT = "constant"
 """Column of value 1 whose cost is the constant of the objective: not every solver reads a number there."""
+TITLE = re.compile(r"octmip model (\w+), problem (\w+)")
+"""What `title_of` makes."""
 WORD = re.compile(r'[^\s"<>=]+')
 NEAR = 6
 """Words behind a column's name among which its value stands."""
@@ -64,6 +67,23 @@ def write_rows(rows: Rows, path: PathLike, title: str) -> None:
     write_bytes(target, _title(title, target) + read_bytes(target))
 
 
+def read_title(path: PathLike) -> tuple[str, str]:
+    """Return the method and the problem's digest in the first line of a model's file.
+
+    Raises
+    ------
+    DataError
+        octmip did not write it.
+    """
+    found = TITLE.search(read_text(path).partition("\n")[0])
+    if found is None:
+        raise DataError(
+            f"model {path} does not begin with 'octmip model'; expected a file that octmip wrote; give that one, "
+            "or leave it out"
+        )
+    return found[1], found[2]
+
+
 def write_values(rows: Rows, values: NDArray[np.float64], path: PathLike, title: str) -> None:
     """Write a solution (n_columns,) to start from, line by line a column and its value."""
     lines = [f"{name} {value:.17g}" for name, value in zip(names(rows), values, strict=True) if value]
@@ -76,11 +96,18 @@ def read_values(rows: Rows, path: PathLike) -> NDArray[np.float64]:
     Raises
     ------
     DataError
-        the file names no column of the model.
+        the file names no column of the model, or one that the model lacks.
     """
     column, words = {name: j for j, name in enumerate(names(rows))}, WORD.findall(read_text(path))
     found: dict[int, float] = {}
     for at, word in enumerate(words):
+        letter, bracket, _ = word.partition("(")
+        if bracket and letter in rows.families and word not in column:
+            raise DataError(
+                f"solution {path} names the column {shown(word)}, which the model lacks; expected those up to "
+                f"{names(rows)[int(rows.families[letter][0].flat[-1])]}; give table, "
+                "depth and method of the model that was solved"
+            )
         value = _value(words[at + 1 : at + NEAR]) if word in column else None
         if value is not None:
             found.setdefault(column[word], value)  # HiGHS may list reduced costs after the values

@@ -31,6 +31,8 @@ EXAMPLES = """\
   octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
   octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10
   octmip solve houses.csv --target price --loss absolute --depth 3 --out tree.json
+  octmip solve iris.csv --label species --depth 1 --method flow --option write=iris.lp
+  octmip solve iris.csv --label species --depth 1 --read-solution iris.sol --of-model iris.lp --stated-bound 50
   zcat big.csv.gz | octmip solve - --label class --depth 2 --json
 """
 
@@ -44,6 +46,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     writes(output.add_argument("--out", metavar="TREE.json", help="write the tree to this file"))
     add_run_arguments(parser)
     reads(rarely(method.add_argument("--incumbent", metavar="TREE.json", help="start from this tree of the problem")))
+    foreign = method.add_argument(
+        "--read-solution", metavar="FILE.sol", help="certify the solution that another solver wrote for a model's file"
+    )
+    model = method.add_argument(
+        "--of-model", metavar="FILE", help="the model's file, by whose first line table and method are checked"
+    )
+    for action in (foreign, model):
+        reads(rarely(action))
+    rarely(
+        method.add_argument(
+            "--stated-bound", metavar="B", type=float, help="the lower bound that the other solver stated"
+        )
+    )
     add_flag(method, "cluster", "ADDRESS")
     writes(add_flag(method, "checkpoint", "FILE"))
     add_method_options(parser)
