@@ -21,21 +21,21 @@ def is_installed(solver: str) -> bool:
     return importlib.util.find_spec(PACKAGES[solver]) is not None
 
 
-def _highs(model: Any) -> Any:
+def _highs(model: Any, seconds: float) -> Any:
     import pyomo.environ as pyo
 
     solver = pyo.SolverFactory("appsi_highs")
-    solver.highs_options = dict(TIGHT)
+    solver.highs_options = TIGHT | {"time_limit": seconds}
     return solver.solve(model)
 
 
-def _scip(model: Any) -> Any:
+def _scip(model: Any, seconds: float) -> Any:
     from pyomo.contrib.solver.common.factory import SolverFactory
 
-    return SolverFactory("scip_direct").solve(model, rel_gap=0.0, abs_gap=0.0)
+    return SolverFactory("scip_direct").solve(model, rel_gap=0.0, abs_gap=0.0, time_limit=seconds)
 
 
-def _cbc(model: Any) -> Any:
+def _cbc(model: Any, seconds: float) -> Any:
     import pulp  # type: ignore[import-untyped]  # without annotations
     import pyomo.environ as pyo
 
@@ -43,12 +43,12 @@ def _cbc(model: Any) -> Any:
         warnings.simplefilter("ignore", DeprecationWarning)  # PuLP 4 brings CBC as a package of its own
         program = pulp.apis.PULP_CBC_CMD().path
     solver = pyo.SolverFactory("cbc", executable=program)
-    solver.options.update({"ratioGap": 0, "allowableGap": 0})
+    solver.options.update({"ratioGap": 0, "allowableGap": 0, "sec": seconds})
     return solver.solve(model)
 
 
-BY_PYOMO: dict[str, Callable[[Any], Any]] = {"HiGHS": _highs, "SCIP": _scip, "CBC": _cbc}
-"""Solves a ConcreteModel to the end and returns Pyomo's results."""
+BY_PYOMO: dict[str, Callable[[Any, float], Any]] = {"HiGHS": _highs, "SCIP": _scip, "CBC": _cbc}
+"""Solves a ConcreteModel within so many seconds and returns Pyomo's results."""
 
 PROGRAMS = {
     "HiGHS": """

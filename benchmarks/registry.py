@@ -33,6 +33,7 @@ FAMILIES = {
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
     "fuzz_drift": "benchmarks.cases.fuzz.drift",
     "fuzz_exact": "benchmarks.cases.fuzz.exact",
+    "fuzz_sample_costs": "benchmarks.cases.fuzz.sample_costs",
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
     "gaps_strains": "benchmarks.cases.gaps.strains",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",

@@ -46,7 +46,7 @@ def optimum(problem: Problem) -> Optimum:
 
 def _whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
     """Return prices[i][k] of predicting k for sample i, last row the penalty; all times the denominator returned."""
-    costs = [[Fraction(float(c)) for c in problem.costs[code]] for code in problem.codes]
+    costs = [[Fraction(float(c)) for c in problem.cost_table[row]] for row in problem.cost_rows]
     exact = [[Fraction(float(w)) * c for c in row] for w, row in zip(problem.weights, costs, strict=True)]
     exact.append([Fraction(problem.leaf_penalty)])
     denominator = math.lcm(*(c.denominator for row in exact for c in row))

@@ -35,7 +35,7 @@ from octmip.formats.messages import several, shown
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
-from octmip.trees.losses import Loss, loss_of
+from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
@@ -261,7 +261,7 @@ def read_tree_file(path: PathLike, predicts: Literal["class", "number"] | None =
 def _decode(content: dict[str, Any]) -> TreeFile:
     features, classes = (different(content[name], name) for name in ("feature_names", "class_names"))
     loss = content["problem"]["loss"]["name"]
-    if bool(classes) != (loss == "classes"):
+    if bool(classes) != (loss not in NUMBER_LOSSES):
         raise TreeError(f"class_names has {len(classes)} names but problem.loss is {loss!r}; expected them of classes")
     tree = decode_tree(content["tree"], features, classes)
     claims, training = content["solution"], content["training"]
@@ -270,7 +270,7 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         solution=Solution(tree=tree, **claims | {"stop": Stop(claims["stop"])}),
         feature_names=features,
         class_names=classes,
-        settings=_sized(content["problem"], len(features), len(classes)),
+        settings=_sized(content["problem"], len(features), len(classes), training["n_samples"]),
         sha256=training["sha256"],
         n_samples=training["n_samples"],
         target_column=training["target"],
@@ -318,11 +318,12 @@ def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[
     return np.array(rows, dtype=np.int64)
 
 
-def _sized(settings: dict[str, Any], n_features: int, n_classes: int) -> dict[str, Any]:
+def _sized(settings: dict[str, Any], n_features: int, n_classes: int, n_samples: int) -> dict[str, Any]:
     """Return the settings, once their sizes fit the names."""
     costs = settings["loss"].get("costs", [])
-    if [len(row) for row in costs] != [n_classes] * n_classes:
-        raise TreeError(f"problem.loss.costs has {len(costs)} rows; expected {(n_classes, n_classes)} numbers")
+    n_rows = n_samples if settings["loss"]["name"] == SAMPLE_COSTS else n_classes
+    if [len(row) for row in costs] != [n_classes] * n_rows:
+        raise TreeError(f"problem.loss.costs has {len(costs)} rows; expected {(n_rows, n_classes)} numbers")
     if len(settings["sensor_of_feature"]) != n_features:
         got = len(settings["sensor_of_feature"])
         raise TreeError(f"problem.sensor_of_feature has {got} names; expected one for each of {n_features} features")

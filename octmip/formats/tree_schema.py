@@ -25,7 +25,7 @@ from octmip.formats.checked import (
 )
 from octmip.formats.columns.columns import COLUMNS
 from octmip.formats.messages import shown
-from octmip.trees.losses import NUMBER_LOSSES, ClassCosts
+from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, ClassCosts
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Stop
 from octmip.trees.tree import SIDES
@@ -90,6 +90,7 @@ class LossKind:
 
 _PARAMETERS: dict[str, dict[str, Kind]] = {
     ClassCosts.name: {"costs": ListOf(ListOf(COST))},
+    SAMPLE_COSTS: {"costs": ListOf(ListOf(COST))},
     **{name: {key: Number(*ends) for key, ends in loss.parameters.items()} for name, loss in NUMBER_LOSSES.items()},
 }
 _LOSSES = {name: Record({"name": Choice((name,)), **kinds}, closed=True) for name, kinds in _PARAMETERS.items()}

@@ -62,8 +62,8 @@ class Problem(Shape):
         (n_samples,) what is to be predicted, an array or a series: the class of each sample, as values of
         `class_names`, or a finite number of each (then float64), as the loss has it.
     loss
-        what a wrong prediction costs: `ClassCosts` (0/1 unless given a matrix), `SquaredError`,
-        `AbsoluteError`, `QuantileError`.
+        what a wrong prediction costs: `ClassCosts` (0/1 unless given a matrix, or costs of each sample),
+        `SquaredError`, `AbsoluteError`, `QuantileError`.
     weights
         (n_samples,) risk weights, 0 or more; None: all 1.
     gaps
@@ -132,7 +132,7 @@ class Problem(Shape):
                 f"targets has shape {targets.shape} but features has {self.n_samples} rows; give one for each row"
             )
         present, inverse = distinct_labels(targets)
-        if len(present) < 2:
+        if len(present if self.class_names is None else tuple(self.class_names)) < 2:
             raise ProblemError(f"targets holds one class only ({present[0]!r}); expected two or more")
         names = tuple(present) if self.class_names is None else tuple(self.class_names)
         position = {name: k for k, name in enumerate(names)}
@@ -145,7 +145,7 @@ class Problem(Shape):
         set_field(self, "targets", targets)
         set_field(self, "class_names", names)
         set_field(self, "codes", np.array([position[label] for label in present], dtype=np.int64)[inverse])
-        set_field(self, "loss", self.loss.over(names))
+        set_field(self, "loss", self.loss.over(names, self.n_samples))
 
     def _set_numbers(self) -> None:
         if self.class_names:
@@ -222,6 +222,28 @@ class Problem(Shape):
         return self.loss.matrix
 
     @property
+    def has_sample_costs(self) -> bool:
+        """Whether costs are those of single samples."""
+        return isinstance(self.loss, ClassCosts) and self.loss.per_sample
+
+    @property
+    def cost_table(self) -> NDArray[np.float64]:
+        """Costs (n_rows, n_classes) of a loss of classes, a row for each class, or for each sample."""
+        if not isinstance(self.loss, ClassCosts):
+            raise ProblemError(f"{self.loss} is a loss of numbers; what is asked for needs classes")
+        return self.loss.table
+
+    @property
+    def cost_rows(self) -> NDArray[Any]:
+        """The row (n_samples,) of `cost_table` that each sample pays by; of numbers the targets."""
+        return np.arange(self.n_samples) if self.has_sample_costs else self.codes
+
+    @property
+    def _loss_of_rows(self) -> Loss:
+        """The loss, to be asked with `cost_rows`."""
+        return self.loss.by_row if isinstance(self.loss, ClassCosts) and self.loss.per_sample else self.loss
+
+    @property
     def number_loss(self) -> NumberLoss:
         """The loss, of numbers.
 
@@ -245,12 +267,13 @@ class Problem(Shape):
 
         A proof whose tolerance is not below it cannot tell a tree from one that answers a sample better.
         """
-        excess = self.costs - self.costs.min(axis=1, keepdims=True)
-        by_class = np.where(excess > 0, excess, np.inf).min(axis=1)
-        lightest = np.full(self.n_classes, np.inf)
+        table = self.cost_table
+        excess = table - table.min(axis=1, keepdims=True)
+        by_row = np.where(excess > 0, excess, np.inf).min(axis=1)
+        lightest = np.full(len(table), np.inf)
         positive = self.weights > 0
-        np.minimum.at(lightest, self.codes[positive], self.weights[positive])
-        pairs = zip(lightest.tolist(), by_class.tolist(), strict=True)
+        np.minimum.at(lightest, self.cost_rows[positive], self.weights[positive])
+        pairs = zip(lightest.tolist(), by_row.tolist(), strict=True)
         # A product below the least float64 is something all the same.
         savings = [max(w * c, math.ulp(0.0)) for w, c in pairs if math.isfinite(w)]
         return float(min([*savings, self.leaf_penalty or math.inf]))
@@ -285,13 +308,13 @@ class Problem(Shape):
 
     def class_costs(self, rows: NDArray[np.int64] | None = None) -> NDArray[np.float64]:
         """Return the cost of predicting each class for all the samples (or those of `rows`), shape (n_classes,)."""
-        codes = self.codes if rows is None else self.codes[rows]
+        of_rows = self.cost_rows if rows is None else self.cost_rows[rows]
         weights = self.weights if rows is None else self.weights[rows]
-        return np.bincount(codes, weights, self.n_classes) @ self.costs
+        return np.bincount(of_rows, weights, len(self.cost_table)) @ self.cost_table
 
     def best_leaf(self, rows: NDArray[np.int64] | slice = slice(None)) -> Leaf:
         """Return the leaf that predicts these samples (all of them) at the least cost by one value."""
-        value = self.loss.best_value(self.weights[rows], self.codes[rows])
+        value = self._loss_of_rows.best_value(self.weights[rows], self.cost_rows[rows])
         return Leaf(int(value)) if self.loss.predicts == "class" else ValueLeaf(value)
 
     def leaf_and_cost(self, rows: NDArray[np.int64]) -> tuple[Leaf, float]:
@@ -323,11 +346,12 @@ class Problem(Shape):
 
     def objective_of(self, tree: Node, predicted: NDArray[Any]) -> float:
         """Return the objective of a tree whose predictions (n_samples,) are known."""
-        return self.loss.cost(self.weights, self.codes, predicted, self._prices(tree))
+        return self._loss_of_rows.cost(self.weights, self.cost_rows, predicted, self._prices(tree))
 
     def exact_objective(self, tree: Node) -> Fraction:
         """Return the objective of a tree as a rational number: nothing is rounded."""
-        return self.loss.exact_cost(self.weights, self.codes, self.predictions(tree)) + self._prices(tree)
+        paid = self._loss_of_rows.exact_cost(self.weights, self.cost_rows, self.predictions(tree))
+        return paid + self._prices(tree)
 
     def _prices(self, tree: Node) -> Fraction:
         return Fraction(self.leaf_penalty) * complexity(tree)
@@ -367,7 +391,8 @@ class Problem(Shape):
     def digest(self) -> str:
         """Return the sha256 of the training data (features, targets, weights), as a tree file records it."""
         sha = hashlib.sha256()
-        for array in (self.features, self.codes, self.weights):
+        per_sample = (self.cost_table,) if self.has_sample_costs else ()  # they are data, not a question
+        for array in (self.features, self.codes, self.weights, *per_sample):
             sha.update(str(array.shape).encode())
             for block in in_blocks(array):  # float32 readings as the float64 that they stand for
                 sha.update(block.astype(np.float64 if block.dtype.kind == "f" else block.dtype).tobytes())

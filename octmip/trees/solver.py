@@ -30,7 +30,15 @@ from octmip.formats.solves_file import SolvesFile, key_of
 from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.cluster import opened
 from octmip.trees.methods.interruption import held_back
-from octmip.trees.methods.options import METHODS, NO_OPTIONS, BendersOptions, MipOptions, Options, SearchOptions
+from octmip.trees.methods.options import (
+    METHODS,
+    NO_OPTIONS,
+    BendersOptions,
+    ExactOptions,
+    MipOptions,
+    Options,
+    SearchOptions,
+)
 from octmip.trees.problem import Problem
 from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
@@ -115,6 +123,8 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent, run)
     _write_model(problem, name, run, first)
+    if problem.has_sample_costs:
+        return _by_weighted_rows(problem, replace(run, method=name), first)
     start = time.perf_counter()
 
     def result() -> Solution:
@@ -123,6 +133,36 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
     return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
+
+
+def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
+    """Return the solution of a problem with costs of single samples, found over weighted rows.
+
+    Raises
+    ------
+    ProblemError
+        a proof log is asked for, or `weighted_rows` refuses the problem.
+    """
+    from octmip.trees.encoding.numbers import rounded_down
+    from octmip.trees.encoding.sample_costs import weighted_rows
+
+    options = run.options
+    if isinstance(options, ExactOptions) and options.proof is not None:
+        raise ProblemError("proof is given with costs of single samples, which no log knows; leave proof out")
+    made = weighted_rows(problem)
+    if made is None:
+        leaf = problem.best_leaf()
+        objective = problem.objective(leaf)
+        bound = min(rounded_down(problem.exact_objective(leaf)), objective)
+        return Solution(
+            leaf, objective, bound, Stop.OPTIMAL, 0.0, 0, run.method, "no decision matters", 0, objective - bound
+        )
+    if isinstance(options, MipOptions):
+        options = replace(options, write=None)  # it is written already, with the costs as they are
+    # A relative gap of the rows is another one of the problem.
+    limits = replace(run.limits, gap=0.0)
+    run = replace(run, options=options, limits=limits, progress=made.progress(run.progress))
+    return _checked(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)), options)
 
 
 def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) -> None:

@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import octmip
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
+from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
@@ -297,7 +298,7 @@ def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
     import highspy
 
     problem = blobs(depth=1)
-    solution = solve(problem, "oct", options=MipOptions(write=tmp_path / f"model{suffix}"))
+    solution = octmip.solve(problem, "oct", options=MipOptions(write=tmp_path / f"model{suffix}"))
     reader = highspy.Highs()
     reader.setOptionValue("output_flag", False)
     reader.readModel(str(tmp_path / f"model{suffix}"))

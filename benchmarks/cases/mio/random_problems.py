@@ -33,7 +33,7 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
         problem = random_problem(np.random.default_rng(seed), max_samples=9, max_features=2)
         watch = Stopwatch()
         found = {name: solve(problem, name, Limits(limit), n_jobs=threads[0]) for name in ("exact", "benders", "oct")}
-        by_others, refused = by_pyomo(problem)
+        by_others, refused = by_pyomo(problem, limit)
         cpu, _ = watch.read()
         yield (
             {"size": repr(problem), "seed": seed, "threads": threads[0]}
@@ -46,13 +46,13 @@ def results(limit: float, threads: list[int]) -> Iterator[Line]:
         )
 
 
-def by_pyomo(problem: Problem) -> tuple[dict[str, Solution], dict[str, str]]:
+def by_pyomo(problem: Problem, seconds: float) -> tuple[dict[str, Solution], dict[str, str]]:
     """Return the certified solution of OCT's model by each solver outside that is installed; why others are refused."""
     found, refused = {}, {}
     for solver in filter(is_installed, BY_PYOMO):
         M = model(problem, "oct")
         try:
-            found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M))
+            found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M, seconds))
         except SolverError as error:
             refused[solver] = str(error)
     return found, refused

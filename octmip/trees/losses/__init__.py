@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from octmip.errors import ProblemError
-from octmip.trees.losses.class_costs import ClassCosts
+from octmip.trees.losses.class_costs import SAMPLE_COSTS, ClassCosts
 from octmip.trees.losses.errors_of_numbers import AbsoluteError, NumberLoss, SquaredError
 from octmip.trees.losses.loss import Loss
 from octmip.trees.losses.quantile_error import QuantileError
@@ -34,11 +34,14 @@ def number_loss(given: str | NumberLoss) -> NumberLoss:
 def loss_of(content: Mapping[str, Any]) -> Loss:
     """Return the loss that `Loss.to_json` has described."""
     name, parameters = content["name"], {key: value for key, value in content.items() if key != "name"}
-    return ClassCosts(**parameters) if name == ClassCosts.name else NUMBER_LOSSES[name](**parameters)
+    if name in (ClassCosts.name, SAMPLE_COSTS):
+        return ClassCosts(**parameters, per_sample=name == SAMPLE_COSTS)
+    return NUMBER_LOSSES[name](**parameters)
 
 
 __all__ = [
     "NUMBER_LOSSES",
+    "SAMPLE_COSTS",
     "SPELLINGS",
     "AbsoluteError",
     "ClassCosts",

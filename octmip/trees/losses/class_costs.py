@@ -1,6 +1,7 @@
-"""ClassCosts: a cost matrix of classes, 0/1 unless another is given.
+"""ClassCosts: what each decision costs, by the class of a sample (0/1 unless given) or sample by sample.
 
-``cost(k, l) = costs[k, l]``; the best leaf predicts the class of least cost, the first of equals
+``cost(k, l) = costs[k, l]``, k the class or the sample; the best leaf predicts the class of least cost, the first of
+equals.
 """
 
 import math
@@ -17,37 +18,66 @@ from octmip.trees.losses.exact_sums import whole_numbers
 from octmip.trees.losses.loss import Floats, Loss
 from octmip.trees.problem_values import numbers_of
 
+SAMPLE_COSTS = "sample costs"
+"""Name of costs of single samples in files."""
 LEAST_COST, MOST_COST = 1e-280, 1e303  # of the worst tree
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClassCosts(Loss):
-    """What it costs to predict one class for a sample of another.
+    """What it costs to predict one class for a sample of another, or for one sample.
 
     Attributes
     ----------
     costs
         (n_classes, n_classes) cost, 0 or more, of predicting column k for a sample of class row i, in the order of
         `Problem.class_names`; None: 0 for the own class and 1 for any other. In a Problem it is always the matrix.
+    per_sample
+        whether the rows are the samples instead, (n_samples, n_classes): the classes are decisions, and the targets
+        only say which of them counts as right.
     """
 
     costs: ArrayLike | None = None
+    per_sample: bool = False
 
     name = "classes"
     predicts = "class"
     measured = ("errors",)
 
     def __repr__(self) -> str:
+        if self.per_sample:
+            return f"ClassCosts(<{len(self.table)} samples>, per_sample=True)"
         return "ClassCosts()" if self.costs is None else f"ClassCosts({np.asarray(self.costs).tolist()})"
 
     @property
-    def matrix(self) -> Floats:
-        """The costs (n_classes, n_classes) of a Problem's loss, as they were settled by `over`."""
-        matrix: Floats = np.asarray(self.costs)
-        return matrix
+    def table(self) -> Floats:
+        """The costs of a Problem's loss as they were settled by `over`, a row for each class or sample."""
+        table: Floats = np.asarray(self.costs)
+        return table
 
-    def over(self, class_names: tuple[Any, ...]) -> "ClassCosts":
-        """Return the loss with its matrix, for classes of these names; a Problem's own.
+    @property
+    def matrix(self) -> Floats:
+        """The costs (n_classes, n_classes) of a Problem's loss.
+
+        Raises
+        ------
+        ProblemError
+            they are those of single samples.
+        """
+        if self.per_sample:
+            raise ProblemError(
+                "the costs are those of single samples; what is asked for needs costs of classes; solve, certify and "
+                "model answer costs of samples"
+            )
+        return self.table
+
+    @property
+    def by_row(self) -> "ClassCosts":
+        """The loss with the rows of its table for classes: of a sample its own row."""
+        return ClassCosts(self.table)
+
+    def over(self, class_names: tuple[Any, ...], n_samples: int) -> "ClassCosts":
+        """Return the loss with its matrix, for so many samples of classes of these names; a Problem's own.
 
         Raises
         ------
@@ -55,19 +85,23 @@ class ClassCosts(Loss):
             the matrix has another size, or holds what is no cost.
         """
         k = len(class_names)
+        if self.per_sample and self.costs is None:
+            raise ProblemError("per_sample is True but costs are left out; give a row of costs for each sample")
         matrix = 1.0 - np.eye(k) if self.costs is None else numbers_of(self.costs, "costs", 2)
-        if matrix.shape != (k, k):
-            raise ProblemError(f"costs has shape {matrix.shape}; expected ({k}, {k}), rows and columns {class_names}")
+        expected = (n_samples if self.per_sample else k, k)
+        if matrix.shape != expected:
+            rows = "a row for each sample and columns" if self.per_sample else "rows and columns"
+            raise ProblemError(f"costs has shape {matrix.shape}; expected {expected}, {rows} {class_names}")
         if (matrix < 0).any():
             i, j = (int(index) for index in np.argwhere(matrix < 0)[0])
             raise ProblemError(f"costs[{i}, {j}] is {matrix[i, j]}; expected 0 or more")
         matrix.flags.writeable = False
-        return ClassCosts(matrix)
+        return ClassCosts(matrix, self.per_sample)
 
     @property
     def is_zero_one(self) -> bool:
         """Whether every wrong class costs 1."""
-        return bool((self.matrix == 1 - np.eye(len(self.matrix))).all())
+        return not self.per_sample and bool((self.matrix == 1 - np.eye(len(self.matrix))).all())
 
     @property
     def words(self) -> str:
@@ -77,15 +111,15 @@ class ClassCosts(Loss):
     def check_range(self, weights: Floats, codes: NDArray[Any], most_prices: float) -> None:
         """Raise unless costs neither overflow nor vanish."""
         with np.errstate(over="ignore"):
-            most = float(weights.sum() * self.matrix.max())
-        if self.matrix.any() and not LEAST_COST <= most <= MOST_COST:
+            most = float(weights.sum() * self.table.max())
+        if self.table.any() and not LEAST_COST <= most <= MOST_COST:
             raise ProblemError(
                 f"weights and costs make trees that cost up to {most}; expected from {LEAST_COST:g} to {MOST_COST:g}, "
                 "beyond which sums of float64 are no longer what they say; scale weights or costs"
             )
         if not math.isfinite(most + most_prices):
             raise ProblemError(
-                f"weights up to {weights.max()}, costs up to {self.matrix.max()} and leaf_penalty, up to {most_prices} "
+                f"weights up to {weights.max()}, costs up to {self.table.max()} and leaf_penalty, up to {most_prices} "
                 "in all, add up to more than float64 holds (1.8e308); divide them all by one number"
             )
 
@@ -118,8 +152,8 @@ class ClassCosts(Loss):
 
     def has_whole_costs(self, weights: Floats) -> bool:
         """Whether weights and costs are whole numbers, small enough together."""
-        whole = all((array == np.floor(array)).all() for array in (weights, self.matrix))
-        return bool(whole and weights.sum() * max(self.matrix.max(), 1.0) < 2.0**52)
+        whole = all((array == np.floor(array)).all() for array in (weights, self.table))
+        return bool(whole and weights.sum() * max(self.table.max(), 1.0) < 2.0**52)
 
     def measures(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Mapping[str, float]:
         """Return how many samples are wrong, unweighted."""
@@ -131,5 +165,5 @@ class ClassCosts(Loss):
         return f"{errors} of {n_samples} samples wrong ({100 * errors / n_samples:.3g} %)"
 
     def to_json(self) -> dict[str, Any]:
-        """Return the name and the matrix."""
-        return {"name": self.name, "costs": self.matrix.tolist()}
+        """Return the name, another one for costs of single samples, and the costs."""
+        return {"name": SAMPLE_COSTS if self.per_sample else self.name, "costs": self.table.tolist()}

@@ -103,7 +103,7 @@ class Prices:
 
 def own_prices(problem: Problem) -> Prices:
     """Return the prices of a problem as they stand."""
-    return Prices(problem.weights, problem.codes, problem.costs, problem.leaf_penalty)
+    return Prices(problem.weights, problem.cost_rows, problem.cost_table, problem.leaf_penalty)
 
 
 def whole_prices(problem: Problem, known: float) -> Prices:
@@ -112,13 +112,13 @@ def whole_prices(problem: Problem, known: float) -> Prices:
     if problem.has_integer_costs and max(own.worst, own.penalty) <= LARGEST:
         return own
     kinds, kind_of, counts = np.unique(
-        np.column_stack([problem.weights, problem.codes]), axis=0, return_inverse=True, return_counts=True
+        np.column_stack([problem.weights, problem.cost_rows]), axis=0, return_inverse=True, return_counts=True
     )
-    of_class = [[Fraction(c) for c in row] for row in problem.costs.tolist()]
+    of_class = [[Fraction(c) for c in row] for row in problem.cost_table.tolist()]
     table = [[Fraction(w) * c for c in of_class[int(y)]] for w, y in kinds.tolist()]
     rounding = _rounding(problem, table, counts.tolist(), Fraction(known))
     whole = np.array([[rounding.whole(price) for price in row] for row in table], dtype=float)
-    weights, profile, costs = _profiles(whole, kinds[:, 1].astype(np.int64))
+    weights, profile, costs = _profiles(whole, None if problem.has_sample_costs else kinds[:, 1].astype(np.int64))
     kind_of = kind_of.ravel()
     return Prices(
         weights[kind_of],
@@ -176,7 +176,7 @@ def _unit(kept: list[Fraction], total: Fraction) -> Fraction:
 
 
 def _profiles(
-    whole: NDArray[np.float64], codes: NDArray[np.int64]
+    whole: NDArray[np.float64], codes: NDArray[np.int64] | None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
     """Return weights (n_rows,), profiles (n_rows,) and costs whose products are the rows of `whole`.
 
@@ -185,7 +185,7 @@ def _profiles(
     n_rows, n_classes = whole.shape
     weights = whole.max(axis=1)
     zero_one = 1 - np.eye(n_classes)
-    if np.array_equal(weights[:, None] * zero_one[codes], whole):
+    if codes is not None and np.array_equal(weights[:, None] * zero_one[codes], whole):
         return weights, codes, zero_one
     costs, profile = np.unique(whole, axis=0, return_inverse=True)
     return np.ones(n_rows), profile.ravel().astype(np.int64), costs

@@ -1,4 +1,4 @@
-"""octmip solve --read-solution: the answer of a solver outside becomes a certified tree, or is refused in a sentence."""
+"""octmip solve --read-solution: another solver's answer becomes a certified tree, or is refused in a sentence."""
 
 import json
 
