@@ -124,7 +124,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     first = _known(problem, incumbent, run)
     _write_model(problem, name, run, first)
     if problem.has_sample_costs:
-        return _by_weighted_rows(problem, replace(run, method=name), first)
+        return _by_weighted_rows(problem, run, first)
     start = time.perf_counter()
 
     def result() -> Solution:

@@ -283,7 +283,11 @@ def test_a_tree_of_numbers_comes_back_the_same_and_is_of_the_published_schema(tm
             {"name": "classes", "costs": []},
             "class_names has 0 names but problem.loss is 'classes'",
         ),
-        (("problem", "loss"), {"name": "cubic"}, "problem.loss.name is 'cubic'; expected one of 'classes', 'sample costs', 'squared'"),
+        (
+            ("problem", "loss"),
+            {"name": "cubic"},
+            "problem.loss.name is 'cubic'; expected one of 'classes', 'sample costs'",
+        ),
         (("problem", "loss"), {"name": "squared", "costs": []}, "problem.loss has the entry 'costs'"),
         (("problem", "loss"), "squared", "problem.loss is 'squared'; expected an object with name"),
         (("training", "leaf_counts"), [[4, 0], [4, 0]], r"leaf_counts has shape \(2, 2\); expected \(2, 1\)"),

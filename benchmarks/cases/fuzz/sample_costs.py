@@ -19,7 +19,7 @@ from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.pyomo_model import model, solution_of
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
-from octmip.trees.solver import solve
+from octmip.trees.solver import Method, solve
 
 COUNT, FIRST_SEED, CHUNK = 1_000, 70_000, 50
 SECONDS = 60.0
@@ -41,12 +41,13 @@ def sample_problem(rng: np.random.Generator) -> Problem:
     if k == 2 and rng.random() < 0.5:
         options["leaf_size"] = int(rng.integers(1, 4))
     features = rng.integers(0, 5, (n, 2)).astype(float)
-    return Problem(features, costs.argmin(axis=1), loss=ClassCosts(costs, per_sample=True), **options)
+    options["loss"] = ClassCosts(costs, per_sample=True)
+    return Problem(features, costs.argmin(axis=1), **options)
 
 
 def answers(problem: Problem, *, by_all: bool) -> dict[str, Solution]:
     """Return certified solutions by the exact core, or by every method and OCT's own model."""
-    names = ("exact", "cart", "search", "oct", "benders") if by_all else ("exact",)
+    names: tuple[Method, ...] = ("exact", "cart", "search", "oct", "benders") if by_all else ("exact",)
     found = {name: solve(problem, name) for name in names}
     if by_all:
         M = model(problem, "oct")
