@@ -210,16 +210,8 @@ class Problem(Shape):
 
     @property
     def costs(self) -> NDArray[np.float64]:
-        """The cost matrix (n_classes, n_classes) of a loss of classes.
-
-        Raises
-        ------
-        ProblemError
-            the loss is one of numbers.
-        """
-        if not isinstance(self.loss, ClassCosts):
-            raise ProblemError(f"{self.loss} is a loss of numbers; what is asked for needs classes")
-        return self.loss.matrix
+        """The cost matrix (n_classes, n_classes); a ProblemError of numbers, and of costs of single samples."""
+        return self._class_costs.matrix
 
     @property
     def has_sample_costs(self) -> bool:
@@ -228,10 +220,14 @@ class Problem(Shape):
 
     @property
     def cost_table(self) -> NDArray[np.float64]:
-        """Costs (n_rows, n_classes) of a loss of classes, a row for each class, or for each sample."""
+        """Costs (n_rows, n_classes), a row for each class or for each sample; a ProblemError of numbers."""
+        return self._class_costs.table
+
+    @property
+    def _class_costs(self) -> ClassCosts:
         if not isinstance(self.loss, ClassCosts):
             raise ProblemError(f"{self.loss} is a loss of numbers; what is asked for needs classes")
-        return self.loss.table
+        return self.loss
 
     @property
     def cost_rows(self) -> NDArray[Any]:
