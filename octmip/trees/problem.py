@@ -241,13 +241,7 @@ class Problem(Shape):
 
     @property
     def number_loss(self) -> NumberLoss:
-        """The loss, of numbers.
-
-        Raises
-        ------
-        ProblemError
-            it is one of classes.
-        """
+        """The loss, of numbers; a ProblemError of classes."""
         if not isinstance(self.loss, NumberLoss):
             raise ProblemError("the loss is one of classes; what is asked for needs numbers")
         return self.loss

@@ -1,6 +1,6 @@
 """Costs of single samples against enumeration: `python -m benchmarks.run fuzz_sample_costs`, 1,000 small problems.
 
-Of every problem the exact core over weighted rows; of every fiftieth also the local search, CART, OCT over the rows, and
+Of every problem the exact core over weighted rows; of every fiftieth also local search, CART, OCT over the rows, and
 OCT's own model in whose rows each sample has its prices. Costs are whole, decimal, real, or span twelve orders; some
 decisions are nobody's best.
 """

@@ -193,4 +193,4 @@ def test_an_option_of_the_methods_goes_to_those_compared_that_take_it(data, run)
     assert ["error" in row for row in rows] == [False, False]
     code, _, err = run(*words, "--option", "assist=exact")
     assert code == 2
-    assert "--option names 'assist'; expected what one of the methods takes: cluster, every, perturbations" in err
+    assert "--option names 'assist'; expected what one of the methods takes: cluster, perturbations, restarts" in err
