@@ -90,44 +90,44 @@ class Shrinkage:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Left:
-    """Held-out rows: residuals without and with the effect, variance of noise alone and of the floor, (n_held,) each.
+    """Held-out rows (n_held,): residuals without and with the effect, variance of noise alone and of the floor."""
 
-    Attributes
-    ----------
-    name
-        what was held out.
-    rows
-        (n_held,) rows of the model.
-    """
-
-    name: str
-    rows: NDArray[np.int64]
     before: Floats
     after: Floats
     noise: Floats
     floor: Floats
+
+    def of(self, kept: NDArray[np.bool_]) -> "_Left":
+        return _Left(self.before[kept], self.after[kept], self.noise[kept], self.floor[kept])
+
+    def held_out(self, name: str) -> HeldOut:
+        gap = _square(self.before, self.noise) - float(self.floor.mean())
+        closed = (_square(self.before, self.noise) - _square(self.after, self.noise)) / gap if gap > 0.0 else np.nan
+        return HeldOut(name, _rms(self.before, self.noise), _rms(self.after, self.noise), closed)
 
 
 def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 0) -> Shrinkage:
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
     allowing, own = inference.allowing(chosen).model, inference.judge([chosen])[0].fit
-    shared = noise_covariance(model)
-    noise = np.diag(shared)
-    floor = np.diag(model.covariance) - noise - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
-    parts = [_left(model, chosen, name, rows, noise, floor) for name, rows in _folds(model)]
-    whole = _together(parts)
-    scale = model.inputs.scale[model.gauge]
-    closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale), seed)[:, whole.rows])
+    scale, shared = model.inputs.scale[model.gauge], noise_covariance(model)
+    floor = np.diag(model.covariance) - np.diag(shared) - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
+    names, held = _folds(model)
+    rows = np.concatenate([np.zeros(0, dtype=np.int64), *held])
+    fold = np.repeat(np.arange(len(held)), [len(part) for part in held])
+    residuals = np.concatenate([np.zeros((2, 0)), *(_residuals(model, chosen, part) for part in held)], axis=1)
+    before, after = residuals / scale[rows]
+    whole = _Left(before, after, (np.diag(shared) / scale**2)[rows], (floor / scale**2)[rows])
+    closed, low, high = _closed(whole, _drawn(shared / np.outer(scale, scale), seed)[:, rows])
     remaining = allowing.rest(chosen, own.size)
     return Shrinkage(
         before=_rms(whole.before, whole.noise),
         after=_rms(whole.after, whole.noise),
-        floor=float(np.sqrt(max(0.0, float(whole.floor.mean())))) if len(whole.floor) else float("nan"),
+        floor=_rms(np.sqrt(np.maximum(0.0, whole.floor)), np.zeros(len(rows))),
         closed=closed,
         low=low,
         high=high,
-        held_out=tuple(_held_out(part) for part in parts),
+        held_out=tuple(whole.of(fold == k).held_out(name) for k, name in enumerate(names)),
         chi2_before=float(model.whitened.residual @ model.whitened.residual) / model.n,
         chi2_after=float(remaining @ remaining) / model.n,
         p_after=chance_of_rest(allowing, own),
@@ -141,38 +141,32 @@ def chance_of_rest(model: LinearModel, own: Fit) -> float:
     return float(chi2.sf(float(left @ left), max(1, model.n - len(own.members))))
 
 
-def _folds(model: LinearModel) -> list[tuple[str, NDArray[np.int64]]]:
-    """Return the rows of every load level and test that can be held out: the rest keeps two loads or another test."""
-    cells = model.inputs.campaign.cells
-    loads, tests = model.loads, np.array([cells[k].test for k in model.cells])
-    folds = []
+def _folds(model: LinearModel) -> tuple[list[str], list[NDArray[np.int64]]]:
+    """Return names and rows of load levels and tests that can be held out: the rest keeps two loads or another test."""
+    cells, words = model.inputs.campaign.cells, model.inputs.campaign.load_words
+    loads, tests = model.loads, [cells[k].test for k in model.cells]
+    folds = {}
     if len(set(loads)) >= 2:
-        words = model.inputs.campaign.load_words
         distinct = sorted(set(loads), key=amounts_of)
-        folds = [(words(load), np.flatnonzero([own == load for own in loads])) for load in distinct]
-    one_load_each = len(set(zip(tests.tolist(), loads, strict=True))) == len(set(tests.tolist()))
+        folds = {words(load): np.flatnonzero([own == load for own in loads]) for load in distinct}
     open_tests = {cells[k].test for group in model.inputs.groups for k in group}
-    if not one_load_each and len(set(tests.tolist())) >= 2:
-        known = [test for test in dict.fromkeys(tests.tolist()) if test not in open_tests]
-        folds += [(f"test {test}", np.flatnonzero(tests == test)) for test in known]
-    return folds
+    if len(set(zip(tests, loads, strict=True))) > len(set(tests)) >= 2:  # tests of one load each are loads held out
+        known = [test for test in dict.fromkeys(tests) if test not in open_tests]
+        folds |= {f"test {test}": np.flatnonzero([own == test for own in tests]) for test in known}
+    return list(folds), list(folds.values())
 
 
-def _left(
-    model: LinearModel, members: Sequence[int], name: str, held: NDArray[np.int64], noise: Floats, floor: Floats
-) -> _Left:
-    """Return what is left of the held-out rows without and with the effect, both fitted to the other rows."""
+def _residuals(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:
+    """Return residuals (2, n_held) of held-out rows without and with the effect, both fitted to the other rows."""
     rest = np.setdiff1d(np.arange(model.n), held)
-    covariance = model.covariance[np.ix_(rest, rest)]
     columns = model.signatures[:, list(members)]
-    solved = np.asarray(np.linalg.solve(covariance, np.column_stack([columns[rest], model.residual[rest]])), np.float64)
+    right = np.column_stack([columns[rest], model.residual[rest]])
+    solved = np.asarray(np.linalg.solve(model.covariance[np.ix_(rest, rest)], right))
     size = _size(model, members, columns[rest], solved)
     through = OPEN_STATE**2 * model.tangents[held] @ model.tangents[rest].T
     without = model.residual[held] - through @ solved[:, -1]
     within = columns[held] @ size + through @ (solved[:, -1] - solved[:, :-1] @ size)
-    scale = model.inputs.scale[model.gauge[held]]
-    after, squared = (model.residual[held] - within) / scale, scale**2
-    return _Left(name, held, without / scale, after, noise[held] / squared, floor[held] / squared)
+    return np.stack([without, model.residual[held] - within])
 
 
 def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: Floats) -> Floats:
@@ -188,23 +182,13 @@ def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: F
     return np.asarray(np.clip(size, low, high))
 
 
-def _together(parts: Sequence[_Left]) -> _Left:
-    def joined(name: str) -> Floats:
-        return np.concatenate([np.zeros(0), *(getattr(part, name) for part in parts)])
-
-    rows = np.concatenate([np.zeros(0, dtype=np.int64), *(part.rows for part in parts)])
-    return _Left("all", rows, joined("before"), joined("after"), joined("noise"), joined("floor"))
-
-
-def _held_out(part: _Left) -> HeldOut:
-    squared = float(np.mean(part.before**2 - part.noise)), float(np.mean(part.after**2 - part.noise))
-    gap = squared[0] - float(part.floor.mean())
-    closed = (squared[0] - squared[1]) / gap if gap > 0.0 else float("nan")
-    return HeldOut(part.name, _rms(part.before, part.noise), _rms(part.after, part.noise), closed)
+def _square(left: Floats, noise: Floats) -> float:
+    """Return the mean square of residuals, noise taken off; NaN of none."""
+    return float(np.mean(left**2 - noise)) if len(left) else float("nan")
 
 
 def _rms(left: Floats, noise: Floats) -> float:
-    return float(np.sqrt(max(0.0, float(np.mean(left**2 - noise))))) if len(left) else float("nan")
+    return float(np.sqrt(np.maximum(0.0, _square(left, noise))))
 
 
 def _drawn(covariance: Floats, seed: int) -> Floats:
@@ -220,7 +204,7 @@ def _closed(whole: _Left, draws: Floats) -> tuple[float, float, float]:
     nan = float("nan")
     if not len(before):
         return nan, nan, nan
-    first, second = float(np.mean(before**2 - noise)), float(np.mean(after**2 - noise))
+    first, second = _square(before, noise), _square(after, noise)
     floor = float(whole.floor.mean())
     gap = first - floor
     error = float(np.sqrt(np.mean(2 * noise**2 + 4 * noise * before**2) / len(before)))
