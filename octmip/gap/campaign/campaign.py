@@ -4,7 +4,7 @@ Readings are in the twin's units and signs at their load (never divided by it); 
 parameter that is NaN is unknown: it is marginalised, not guessed. All rows of one test share one state.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -229,21 +229,21 @@ class Campaign:
         """Whether some cell has enough repeats to estimate the noise."""
         return any(int(cell.count.max()) >= FEWEST_REPEATS for cell in self.cells)
 
+    def spreads(self) -> NDArray[np.float64]:
+        """Return the standard deviation of the repeats of every cell (n_cells, n_gauges), NaN of fewer than two."""
+        found = np.full((len(self.cells), len(self.gauges)), np.nan)
+        for k, cell in enumerate(self.cells):
+            some = np.flatnonzero(cell.count > 1)
+            found[k, some] = np.nanstd(self.readings[np.ix_(cell.rows, some)], axis=0, ddof=1)
+        return found
+
     def without(self, cells: set[int]) -> "Campaign":
         """Return the campaign without the cells of these positions in `cells` (held-out data)."""
-        dropped = np.concatenate([self.cells[k].rows for k in sorted(cells)]) if cells else np.zeros(0, dtype=np.int64)
-        keep = np.setdiff1d(np.arange(len(self.test)), dropped)
-        return Campaign(
-            gauges=self.gauges,
-            parameters=self.parameters,
+        keep = np.sort(np.concatenate([cell.rows for k, cell in enumerate(self.cells) if k not in cells]))
+        by_row = ("load_factor", "states", "readings", "time", "temperature")
+        return replace(
+            self,
             test=tuple(self.test[k] for k in keep),
-            load_factor=self.load_factor[keep],
-            states=self.states[keep],
-            readings=self.readings[keep],
-            time=self.time[keep],
-            temperature=self.temperature[keep],
-            notes=self.notes,
             numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
-            load_names=self.load_names,
-            units=self.units,
+            **{name: getattr(self, name)[keep] for name in by_row},
         )

@@ -37,11 +37,12 @@ FEWEST_AT_RAIL = 4
 def stuck_in(campaign: Campaign) -> list[Fault]:
     """Return what stands still, one fault per channel."""
     units = np.array([campaign.unit_of(name) for name in campaign.gauges])
-    found = []
+    found, spreads = [], campaign.spreads()
     for unit in dict.fromkeys(units.tolist()):
         gauges = np.flatnonzero(units == unit)
-        sd = _typical_sd(campaign, gauges)
-        if sd > 0.0:
+        scattering = spreads[:, gauges] ** 2 > least_variance(campaign.readings[:, gauges]).max()
+        if scattering.any():
+            sd = float(np.median(spreads[:, gauges][scattering]))
             step = quantisation_step(campaign.readings[:, gauges])
             found += [fault for k in gauges.tolist() for fault in _stuck(campaign, k, sd, step)]
     return sorted(found, key=lambda fault: campaign.gauges.index(fault.gauge))
@@ -69,16 +70,6 @@ def _stuck(campaign: Campaign, gauge: int, sd: float, step_of_all: float) -> lis
         which = f"{len(rows)} readings (first in row {campaign.row_number(first)})"
         words = f"Stuck: channel {name} stands still {at} in {which}; they are left out. Repair it."
     return [Fault("stuck", name, rows, words, float(levels[0]), first)]
-
-
-def _typical_sd(campaign: Campaign, gauges: NDArray[np.int64]) -> float:
-    """Return the median over the gauges that scatter of the standard deviation within cells, 0 where none does."""
-    seen = [gauges[cell.count[gauges] > 1] for cell in campaign.cells]
-    pairs = zip(campaign.cells, seen, strict=True)
-    spreads = [np.nanvar(campaign.readings[np.ix_(cell.rows, some)], axis=0, ddof=1) for cell, some in pairs]
-    every = np.concatenate(spreads)
-    every = every[every > least_variance(campaign.readings[:, gauges]).max()]
-    return float(np.sqrt(np.median(every))) if every.size else 0.0
 
 
 def _runs(values: NDArray[np.float64], recorded: NDArray[np.int64]) -> list[NDArray[np.int64]]:
@@ -147,7 +138,6 @@ def _rails(campaign: Campaign, gauge: int) -> list[float]:
 
 def _is_fine(campaign: Campaign, gauge: int, levels: NDArray[np.float64], rails: list[float]) -> bool:
     """Return whether the resolution is finer than the noise away from the rails: coarse steps repeat any reading."""
-    of_cells = (campaign.readings[cell.rows, gauge] for cell in campaign.cells)
-    recorded = [values[np.isfinite(values)] for values in of_cells]
-    spreads = [float(v.std(ddof=1)) for v in recorded if len(v) >= 3 and not np.isin(v, rails).any()]
-    return bool(spreads) and float(np.diff(levels).min()) < float(np.median(spreads))
+    cells = enumerate(campaign.cells)
+    free = [k for k, c in cells if c.count[gauge] > 2 and not np.isin(campaign.readings[c.rows, gauge], rails).any()]
+    return bool(free) and float(np.diff(levels).min()) < float(np.median(campaign.spreads()[free, gauge]))
