@@ -17,6 +17,8 @@ from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default
+from octmip.trees.tradeoff.family import trace_families
+from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.validation import Judged
 from octmip.trees.tree import Leaf, Node, depth, leaves, n_splits
 
@@ -176,15 +178,60 @@ def test_a_time_limit_leaves_out_families_but_not_cart():
     assert choice.chosen.validation_cost < 0.1
 
 
-def test_ctrl_c_leaves_carts_tree(monkeypatch):
-    def interrupted(*_, **__):
-        raise KeyboardInterrupt
+def interrupted_after(monkeypatch, n_calls):
+    """Let Ctrl-C come when so many problems have their paths."""
+    calls = []
 
-    monkeypatch.setattr("octmip.trees.tradeoff.default.choose_default", interrupted)
-    found = answer_of(IRIS)
+    def traced(*arguments, **named):
+        if len(calls) == n_calls:
+            raise KeyboardInterrupt
+        calls.append(1)
+        return trace_families(*arguments, **named)
+
+    monkeypatch.setattr(choice_module, "trace_families", traced)
+    return answer_of(WEIGHED)
+
+
+@pytest.mark.parametrize("n_calls", [0, 1])
+def test_ctrl_c_before_the_end_of_a_fold_leaves_carts_tree(monkeypatch, n_calls):
+    found = interrupted_after(monkeypatch, n_calls)
     assert found.solution.stop is Stop.INTERRUPTED
     assert found.solution.solver == "cart"
-    assert choice_module.DEFAULT_RULE == "half_se"
+    assert found.choice is None
+
+
+def test_ctrl_c_after_two_folds_leaves_the_choice_by_these_folds(monkeypatch):
+    found = interrupted_after(monkeypatch, 3)
+    assert found.solution.stop is Stop.INTERRUPTED
+    assert found.solution.details["choice"]["n_folds"] == 2
+    assert {step.family.words for step in found.choice.steps} == {f.words for f in default_families(WEIGHED)}
+    assert found.choice.chosen.validation_cost == min(
+        step.validation_cost for step in found.choice.steps if step.complexity <= found.choice.chosen.complexity
+    )
+    assert set(found.choice.fold.tolist()) == {-1, 0, 1}
+    certify(found.problem, found.solution)
+
+
+def test_a_sample_is_as_many_rows_as_its_weight_holds_units_of_its_class():
+    features, targets = [[0.0], [1], [1], [2], [3]], ["b", "a", "a", "b", "a"]
+    rows = counted(Problem(features, targets, depth=1, weights=[5, 2, 1, 5, 1]))
+    assert rows.features[:, 0].tolist() == [0, 1, 1, 1, 2, 3]
+    assert rows.weights.tolist() == [5, 1, 1, 1, 5, 1]
+    assert counted(replace(rows, weights=[5, 2, 2, 2, 7.5, 2])).weights.tolist() == [2.5] * 2 + [2] * 3 + [2.5] * 3 + [
+        2
+    ]
+    irregular = counted(replace(rows, weights=[5, 1, 1, 1, 5 * math.pi, 1]))
+    assert irregular.weights.tolist() == [5, 1, 1, 1, 5 * math.pi, 1]
+    assert counted(Problem(features, targets, depth=1, leaf_size=2)).n_samples == 5
+
+
+def test_a_table_of_few_patterns_that_repeat_is_learned_by_heart():
+    rng = np.random.default_rng(0)
+    X = rng.integers(2, size=(400, 5))
+    y = rng.integers(2, size=32)[X @ [16, 8, 4, 2, 1]]  # 32 patterns, each with a class of its own
+    found = answer_of(Problem(X, y, depth=1))
+    assert found.choice.chosen.validation_cost == 0
+    assert replace(found.problem, leaf_penalty=0.0).objective(found.solution.tree) == 0
 
 
 def test_the_expected_cost_is_corrected_for_the_choice():

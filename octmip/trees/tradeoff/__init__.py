@@ -7,11 +7,13 @@ held_out   rows kept from training, and what a tree and CART lose there
 leaf_shares  leaf probabilities, corrected by rows held out of refits
 family     the kinds of trees that are chosen among, each with its path
 validation what trees cost on rows held out, and the chosen one on new rows
+repeats    samples as rows that folds can part, so that weight 2 is as two rows
+steps      the intervals of the penalty on which the cost on rows held out does not change
 choice     kind, depth and leaf penalty by cross-validation over those paths
 default    the answer to whoever names no depth
 """
 
-from octmip.trees.tradeoff.choice import RULES, Choice, Rule, Step, choose_default, choose_tree
+from octmip.trees.tradeoff.choice import RULES, Choice, Rule, choose_default, choose_tree
 from octmip.trees.tradeoff.default import DefaultAnswer, solve_default
 from octmip.trees.tradeoff.family import Family, default_families
 from octmip.trees.tradeoff.frontier import OVERS, Over, Point, default_values, trace_frontier
@@ -19,6 +21,7 @@ from octmip.trees.tradeoff.held_out import Comparison, Samples, Score, beside_ca
 from octmip.trees.tradeoff.leaf_shares import leaves_on_fresh_rows
 from octmip.trees.tradeoff.path import PathTree, PenaltyPath, trace_path
 from octmip.trees.tradeoff.risk import RiskPoint, trace_risk_frontier
+from octmip.trees.tradeoff.steps import Step
 from octmip.trees.tradeoff.validation import Expectation, Expected
 
 __all__ = [

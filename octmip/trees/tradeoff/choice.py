@@ -19,10 +19,9 @@ Dask cluster), and come out the same in all of them unless a time limit strikes.
 
 import math
 import time
-from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -31,17 +30,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
-from octmip.trees.methods.merging import merged
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import Method
 from octmip.trees.tradeoff.family import Family, default_families, solve_in_family, trace_families
-from octmip.trees.tradeoff.folds import Fold, Rows, checked_folds, fold_numbers, part_of, stratified_folds
-from octmip.trees.tradeoff.path import MOST_SOLVES, PenaltyPath, middle
-from octmip.trees.tradeoff.validation import Expectation, Judged
-from octmip.trees.tree import Node, depth, predict, predict_values
+from octmip.trees.tradeoff.folds import Fold, checked_folds, fold_numbers, part_of, stratified_folds
+from octmip.trees.tradeoff.path import MOST_SOLVES, PenaltyPath
+from octmip.trees.tradeoff.repeats import counted
+from octmip.trees.tradeoff.steps import Step, all_together, judged_steps
+from octmip.trees.tradeoff.validation import Expectation
+from octmip.trees.tree import Node, depth
 
 Rule = Literal["least", "half_se", "one_se"]
 RULES: Mapping[Rule, float] = {"least": 0.0, "half_se": 0.5, "one_se": 1.0}
@@ -54,50 +54,6 @@ PATH_WORK = 5e7
 """Nodes times readings that a solve of a path may take, some tenths of a second: a limit that no other work moves."""
 SHARE_OF_PATHS = 0.7
 """Of the time limit of a default choice; the rest is the chosen tree's."""
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """A family of trees and an interval of alpha on which the cross-validated cost does not change.
-
-    Attributes
-    ----------
-    family
-        the kind of trees.
-    alpha_low, alpha_high
-        ends of the interval; the last of each depth has no upper one (inf).
-    validation_cost
-        mean over all samples of weight * cost when they were not trained on, divided by mean weight.
-    standard_error
-        of that mean, from the spread of the samples.
-    complexity
-        features summed over the splits of the tree fitted to all samples, in the middle of the interval.
-    training_cost
-        of that tree, per unit of weight like `validation_cost`.
-    """
-
-    family: Family
-    alpha_low: float
-    alpha_high: float
-    validation_cost: float
-    standard_error: float
-    complexity: int
-    training_cost: float
-
-    @property
-    def depth(self) -> int:
-        """The depth of the family."""
-        return self.family.depth
-
-    @property
-    def kind(self) -> str:
-        """The family, in words."""
-        return self.family.words
-
-    @property
-    def alpha(self) -> float:
-        """The middle of the interval; twice its lower end where it has no upper one."""
-        return middle(self.alpha_low, self.alpha_high)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -236,7 +192,8 @@ def choose_tree(
     SolverError
         a solver failed.
     KeyboardInterrupt
-        Ctrl-C; there is no choice from half the folds.
+        Ctrl-C before the paths over all samples and over one fold are there. Later it leaves the choice among what is
+        finished, by the folds that are, and `Stop.INTERRUPTED`.
     """
     start = time.perf_counter()
     kinds = [Family(d, method) for d in _checked_depths(problem, depths)] if families is None else list(families)
@@ -248,28 +205,32 @@ def choose_tree(
     run = Run(method, limits, seed, options=replace(options, cluster=None))
     with opened(options, n_jobs) as shared:
         turns = math.ceil((len(parts) + 1) / effective_n_jobs(n_jobs))
-        tasks = (
-            delayed(trace_families)(part, kinds, run, most_solves, SHARE_OF_PATHS * seconds / turns)
-            for part in (*parts, problem)
+        trace = partial(
+            trace_families,
+            families=kinds,
+            run=run,
+            most_solves=most_solves,
+            seconds=SHARE_OF_PATHS * seconds / turns,
         )
-        traced = Parallel(n_jobs=n_jobs)(tasks)
-        if any(path.is_interrupted for paths in traced for path in paths):
-            raise KeyboardInterrupt
-        *of_folds, paths = traced
-        n_kinds = min(map(len, traced))  # those that all had time for
-        judged = [_judged(problem, paths[f], kinds[f], [fold[f] for fold in of_folds], pairs) for f in range(n_kinds)]
+        traced, is_interrupted = _traced([problem, *parts], trace, n_jobs)
+        paths, of_folds, pairs = _usable(traced, pairs)
+        n_kinds = min(map(len, (paths, *of_folds)))  # those that all had time for
+        judged = [
+            judged_steps(problem, paths[f], kinds[f], [fold[f] for fold in of_folds], pairs) for f in range(n_kinds)
+        ]
         steps = tuple(step for found, _ in judged for step in found)
-        together = _together([one for _, one in judged], steps)
+        together = all_together([one for _, one in judged], steps)
         chosen = steps[together.best(RULES[rule])]
         final, known = _fitted(problem, chosen, paths[kinds.index(chosen.family)])
-        left = replace(
-            limits, nodes=math.inf, seconds=max(0.0, min(limits.seconds, start + seconds - time.perf_counter()))
-        )
+        ends = -math.inf if is_interrupted else start + seconds
+        left = replace(limits, nodes=math.inf, seconds=max(0.0, min(limits.seconds, ends - time.perf_counter())))
         solution = solve_in_family(final, chosen.family, Run(method, left, seed, options=shared), known)
     is_cart = np.array([step.family.method == "cart" for step in steps])
     expectation = together.expectation(RULES[rule], is_cart, seed)
     choice = Choice(final, solution, chosen, steps, tuple(paths), fold_numbers(problem, pairs), rule, expectation)
-    return replace(choice, solution=replace(solution, details={**solution.details, "choice": choice.to_json()}))
+    stop = Stop.INTERRUPTED if is_interrupted else solution.stop
+    details = {**solution.details, "choice": choice.to_json()}
+    return replace(choice, solution=replace(solution, stop=stop, details=details))
 
 
 def choose_default(
@@ -282,17 +243,16 @@ def choose_default(
 ) -> Choice | None:
     """Return the tree that holds on new rows as far as five folds can tell; None where rows are too few to tell.
 
-    Equal samples are one of their common weight, so that none judges a tree which was trained on its like, and a sample
-    of weight 2 is as two of them; the choice's `problem` holds them so. The families are those of `default_families`,
-    the parameters those of `choose_tree`. A solve of a path is limited by its work and not by time, so one seed gives
-    one tree wherever it runs, unless `seconds` strike.
+    A sample of weight 2 is as two of them (octmip.trees.tradeoff.repeats); the choice's `problem` holds them so. The
+    families are those of `default_families`, the parameters those of `choose_tree`. A solve of a path is limited by its
+    work and not by time, so one seed gives one tree wherever it runs, unless `seconds` strike.
 
     Raises
     ------
     ProblemError, SolverError, KeyboardInterrupt
         as `choose_tree`.
     """
-    problem, _ = merged(problem)
+    problem = counted(problem)
     pairs = _usable_folds(problem, seed)
     if len(pairs) < 2 or problem.baseline == 0:
         return None
@@ -324,6 +284,41 @@ def _usable_folds(problem: Problem, seed: int) -> list[Fold]:
     return usable if any(problem.weights[held].any() for _, held in usable) else []
 
 
+def _traced(
+    problems: Sequence[Problem], trace: Callable[[Problem], list[PenaltyPath]], n_jobs: int | None
+) -> tuple[list[list[PenaltyPath]], bool]:
+    """Return the finished paths of each problem, after Ctrl-C of the first ones only, and whether it was heard."""
+    found: list[list[PenaltyPath]] = []
+    try:
+        for paths in Parallel(n_jobs=n_jobs, return_as="generator")(delayed(trace)(problem) for problem in problems):
+            found.append([path for path in paths if not path.is_interrupted])
+            if len(found[-1]) < len(paths):
+                return found, True
+    except KeyboardInterrupt:
+        return found, True
+    return found, False
+
+
+def _usable(
+    traced: Sequence[list[PenaltyPath]], pairs: Sequence[Fold]
+) -> tuple[list[PenaltyPath], list[list[PenaltyPath]], list[Fold]]:
+    """Return the paths over all samples, those of the folds that have as many, or any where none has, and these folds.
+
+    Raises
+    ------
+    KeyboardInterrupt
+        there is no fold with a path.
+    """
+    paths, of_folds = (traced[0], traced[1:]) if traced else ([], [])
+    most = len(paths) if any(len(fold) >= len(paths) for fold in of_folds) else 1
+    if len(of_folds) == len(pairs):
+        most = 1  # a family for which one fold has no time is left out, not the fold
+    usable = [k for k, fold in enumerate(of_folds) if len(fold) >= most]
+    if not paths or not usable:
+        raise KeyboardInterrupt
+    return paths, [of_folds[k] for k in usable], [pairs[k] for k in usable]
+
+
 def _checked_depths(problem: Problem, depths: Sequence[int] | None) -> list[int]:
     levels = sorted(set(range(1, problem.depth + 1) if depths is None else depths))
     if not levels or levels[0] < 1 or levels[-1] > problem.depth:
@@ -340,56 +335,3 @@ def _fitted(problem: Problem, chosen: Step, path: PenaltyPath) -> tuple[Problem,
     known = path.best_at(penalty).tree
     levels = max(1, depth(known)) if chosen.family.method in ("cart", "search") else chosen.depth
     return replace(problem, depth=levels, leaf_penalty=penalty), known
-
-
-def _judged(
-    problem: Problem, path: PenaltyPath, family: Family, of_folds: Sequence[PenaltyPath], pairs: Sequence[Fold]
-) -> tuple[list[Step], Judged]:
-    """Return the steps of one family, neighbours of equal validation cost as one, and what they were judged by."""
-    held = [rows for _, rows in pairs]
-    weights = [problem.weights[rows] for rows in held]
-    losses = [_held_losses(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
-    costs = [np.array([math.fsum(column) for column in fold.T]) for fold in losses]
-    ends = sorted({c.penalty_low / f.problem.baseline for f in of_folds for c in f.trees})
-    known: list[tuple[float, list[int], NDArray[np.float64]]] = []
-    for low, high in pairwise([*ends, math.inf]):
-        at = [_index_at(f, middle(low, high) if high > low else low) for f in of_folds]
-        cost = np.array([fold[k] for fold, k in zip(costs, at, strict=True)])
-        if not known or (cost != known[-1][2]).any():
-            known.append((low, at, cost))
-    judged = Judged(losses, weights, np.array([at for _, at, _ in known]), np.arange(len(known)))
-    sums, steps = judged.sums(), []
-    ends_of = [*(low for low, _, _ in known[1:]), math.inf]
-    means, errors = sums.means().tolist(), sums.standard_errors().tolist()
-    for (low, _, _), high, mean, error in zip(known, ends_of, means, errors, strict=True):
-        tree = path.best_at(middle(low, high) * problem.baseline)
-        steps.append(Step(family, low, high, mean, error, tree.complexity, tree.cost / float(problem.weights.sum())))
-    return steps, judged
-
-
-def _together(judged: Sequence[Judged], steps: Sequence[Step]) -> Judged:
-    """Return the steps of all families as one, ranked from the simplest; among equals by cost, proven before CART."""
-    losses = [np.concatenate(fold, axis=1) for fold in zip(*(one.losses for one in judged), strict=True)]
-    before = np.cumsum([[0] * len(losses), *([fold.shape[1] for fold in one.losses] for one in judged[:-1])], axis=0)
-    trees = np.concatenate([one.trees + first for one, first in zip(judged, before, strict=True)])
-    keys = [
-        (step.complexity, step.validation_cost, step.family.method == "cart", step.depth, -step.alpha_low)
-        for step in steps
-    ]
-    rank = np.empty(len(steps), dtype=np.int64)
-    rank[sorted(range(len(steps)), key=keys.__getitem__)] = np.arange(len(steps))
-    return Judged(losses, judged[0].weights, trees, rank)
-
-
-def _held_losses(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[np.float64]:
-    """Return weight times cost of the held-out rows by every tree of a path, shape (n_rows, n_trees)."""
-    part = problem.weights[rows], problem.codes[rows]
-    how = predict if problem.loss.predicts == "class" else predict_values
-    features = problem.features[rows]
-    return np.stack([problem.loss.row_costs(*part, how(best.tree, features)) for best in path.trees], axis=1)
-
-
-def _index_at(path: PenaltyPath, alpha: float) -> int:
-    """Return the index of the tree that is best at an alpha of the path's own problem."""
-    lows = [best.penalty_low for best in path.trees]
-    return bisect_right(lows, alpha * path.problem.baseline) - 1

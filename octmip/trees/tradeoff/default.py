@@ -16,7 +16,7 @@ from octmip.trees.tradeoff.choice import Choice, choose_default
 FEW_ROWS_DEPTH = 1
 """Where rows are too few to choose by, one split at most."""
 INTERRUPTED_DEPTH = 3
-"""Of CART's tree, which is all that there is when a signal ends the cross-validation."""
+"""Of CART's tree, which is all that there is when a signal ends the cross-validation before its second fold."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +41,8 @@ class DefaultAnswer:
 def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     """Return the tree that `choose_default` chooses, within the seconds of the run's limits and by so many threads.
 
-    Of the run, method, progress and other limits have no effect. Ctrl-C during the cross-validation leaves CART's tree.
+    Of the run, method, progress and other limits have no effect. Ctrl-C leaves the choice among what is finished, or
+    CART's tree before there is anything to choose by.
 
     Parameters
     ----------

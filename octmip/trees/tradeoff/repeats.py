@@ -1,0 +1,59 @@
+"""Samples as counted rows: what cross-validation deals out, so that a sample of weight 2 is as two of weight 1.
+
+    rows      x = 1, class a, weight 2      x = 1, class a, weight 1      x = 0, class b, weight 5
+    counted   x = 0, class b, weight 5      x = 1, class a, weight 1, three times
+
+New rows repeat known ones as often as known rows repeat each other. So equal rows are dealt to different folds, and a
+tree that knows a row by heart is right where the row comes again. Kept together, they would speak against every tree
+that learns a table of few values, in which most new rows have been seen.
+
+How often a sample came is its weight over the unit of its class: the largest weight of which all weights of the class
+are multiples. So risk weights, which are one number for each class, repeat nothing. Weights without such a unit are one
+row each, and so are more rows than `MOST_ROWS`.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.methods.merging import merged
+from octmip.trees.problem import Problem
+
+MOST_ROWS = 100_000
+"""With more the folds would take longer than their answer is worth."""
+LARGEST_DIVISOR = 12
+"""The unit is the least weight of the class, or it divided by a whole number up to this."""
+ROUNDING = 1e-9
+"""Of a multiple of the unit: weights are sums of float64."""
+
+
+def counted(problem: Problem) -> Problem:
+    """Return a problem of the same trees at the same cost, each sample so often as it came, in the order of values.
+
+    Equal problems give equal rows, whether a sample is repeated or weighs more. Where leaves have a size, which counts
+    rows, every row stays what it is.
+    """
+    problem, _ = merged(problem)
+    if problem.leaf_size > 1:
+        return problem
+    times = np.ones(problem.n_samples, dtype=np.int64)
+    classes = problem.codes if problem.loss.predicts == "class" else np.zeros(problem.n_samples)
+    for code in np.unique(classes):
+        rows = np.flatnonzero((classes == code) & (problem.weights > 0))
+        times[rows] = _multiples(problem.weights[rows])
+    if not problem.n_samples < times.sum() <= MOST_ROWS:
+        return problem
+    rows = np.repeat(np.arange(problem.n_samples), times)
+    weights = (problem.weights / times)[rows]
+    return replace(problem, features=problem.features[rows], targets=problem.targets[rows], weights=weights)
+
+
+def _multiples(weights: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return each weight as a multiple of their unit; ones where there is none, shape (n_rows,)."""
+    for divisor in range(1, LARGEST_DIVISOR + 1):
+        multiples = weights / (weights.min(initial=np.inf) / divisor)
+        whole: NDArray[np.float64] = np.round(multiples)
+        if (np.abs(multiples - whole) <= ROUNDING * whole).all() and whole.sum() <= MOST_ROWS:
+            return np.asarray(whole, dtype=np.int64)
+    return np.ones(len(weights), dtype=np.int64)
