@@ -8,19 +8,20 @@ import joblib
 import numpy as np
 import pytest
 from sklearn.datasets import load_diabetes, load_iris
+from sklearn.tree import DecisionTreeClassifier
 
 from octmip import AbsoluteError, Problem, SquaredError, certify
 from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.methods.pruning import prunings
+from octmip.trees.methods.pruning import priced_prunings, prunings
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
-from octmip.trees.tradeoff.validation import Judged
-from octmip.trees.tree import Leaf, Node, depth, leaves, n_splits
+from octmip.trees.tradeoff.validation import Judged, Nearness
+from octmip.trees.tree import Leaf, Node, depth, leaves, n_splits, predict
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=1)
 RNG = np.random.default_rng(3)
@@ -154,8 +155,8 @@ def test_numbers_are_chosen_for_by_the_same_mechanism():
 def test_hyperplanes_are_searched_and_beside_cart():
     planes = replace(WEIGHED, split="hyperplane", split_size=2, depth=1)
     families = default_families(planes)
-    assert families[0].method == "cart"
-    assert {family.method for family in families[1:]} == {"search"}
+    assert [family.method for family in families[:2]] == ["cart", "cart"]
+    assert {family.method for family in families[2:]} == {"search"}
 
 
 def test_of_noise_nothing_is_expected():
@@ -239,12 +240,41 @@ def test_the_expected_cost_is_corrected_for_the_choice():
     losses = [(rng.random((60, 40)) < 0.5).astype(float) for _ in range(3)]  # forty trees that know nothing
     trees = np.repeat(np.arange(40)[:, None], 3, axis=1)
     judged = Judged(losses, [np.ones(60)] * 3, trees, np.arange(40))
-    chosen = judged.sums().means()[judged.best(0.0)]
-    expected = judged.expectation(0.0, np.arange(40) < 5, seed=0)
+    chosen = judged.sums().means()[judged.best(Nearness(0.0))]
+    expected = judged.expectation(Nearness(0.0), np.arange(40) < 5, seed=0)
     assert chosen < 0.45
     assert expected.tree.mean == pytest.approx(0.5, abs=0.03)
     assert expected.tree.low < 0.5 < expected.tree.high
     assert expected.difference.mean == pytest.approx(expected.tree.mean - expected.cart.mean)
+
+
+def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_errs_on_others():
+    least = np.arange(200) < 20
+    same, others = np.arange(200) < 21, (np.arange(200) >= 100) & (np.arange(200) < 121)
+    trees, simplicity = np.zeros((2, 1), dtype=np.int64), np.array([1, 0])
+    trees[1] = 1
+    for simpler, errors in ((same, np.sqrt(1 / 200 - 1 / 200**2)), (others, np.sqrt(41 / 200 - 1 / 200**2))):
+        judged = Judged([np.stack([least, simpler], axis=1) * 1.0], [np.ones(200)], trees, simplicity)
+        just = 1 / (200 * errors / np.sqrt(200))
+        assert judged.best(Nearness(just * 1.001, is_paired=True)) == 1
+        assert judged.best(Nearness(just * 0.999, is_paired=True)) == 0
+
+
+def test_prunings_by_impurity_are_those_of_scikit_learn():
+    X, y = load_iris(return_X_y=True)
+    problem = Problem(X, y, depth=30)
+    grown = DecisionTreeClassifier(random_state=0).fit(X, y)
+    sizes = {model.get_n_leaves() for model in pruned_models(grown.cost_complexity_pruning_path(X, y).ccp_alphas, X, y)}
+    found = list(priced_prunings(problem, greedy_tree(problem).tree, by_impurity=True))
+    assert {n_splits(tree) + 1 for _, tree in found} <= sizes
+    assert len(found) > 3
+    for price, tree in found:
+        model = DecisionTreeClassifier(random_state=0, ccp_alpha=(price + 1e-9) / 150).fit(X, y)
+        assert (predict(tree, X) == model.predict(X)).all()
+
+
+def pruned_models(prices, X, y):
+    return [DecisionTreeClassifier(random_state=0, ccp_alpha=max(0.0, price)).fit(X, y) for price in prices]
 
 
 def test_standard_errors_are_those_of_the_rows():

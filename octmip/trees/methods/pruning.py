@@ -7,8 +7,11 @@ The price at which a subtree of node t with m splits pays no more than the leaf 
 The node of least g becomes a leaf first (the weakest link), then that of the tree which is left, up to the root: a
 nested sequence of trees that holds, for every price, the best pruning.
 
-Source: Breiman, Friedman, Olshen & Stone (1984), Classification and Regression Trees, section 3.3, with the cost of the
-problem as R.
+R is the cost of the problem; or, of classes, the Gini impurity by which CART grew, as scikit-learn prunes:
+
+    R(leaf at t) = W - sum over classes c of W_c^2 / W      W_c weight of the class in the node, W of all of it
+
+Source: Breiman, Friedman, Olshen & Stone (1984), Classification and Regression Trees, section 3.3.
 """
 
 from collections.abc import Iterator
@@ -73,7 +76,12 @@ def prunings(problem: Problem, tree: Node) -> Iterator[Node]:
 
     Of large trees not all are yielded (`RATIO`). Costs are sums of float64, not exact.
     """
-    links = _links_of(problem, tree)
+    return (pruned for _, pruned in priced_prunings(problem, tree))
+
+
+def priced_prunings(problem: Problem, tree: Node, *, by_impurity: bool = False) -> Iterator[tuple[float, Node]]:
+    """Yield what `prunings` yields with the price from which on each is best; by impurity, of a problem of classes."""
+    links = _links_of(problem, tree, by_impurity)
     prices = links.prices()
     last = np.inf
     for price in np.unique(prices[links.right >= 0]).tolist():
@@ -81,10 +89,16 @@ def prunings(problem: Problem, tree: Node) -> Iterator[Node]:
         size = n_splits(pruned)
         if size < SMALL or size * RATIO <= last:
             last = size
-            yield pruned
+            yield price, pruned
 
 
-def _links_of(problem: Problem, tree: Node) -> _Links:
+def _impurity(problem: Problem, rows: NDArray[np.int64]) -> float:
+    weights = np.bincount(problem.codes[rows], problem.weights[rows])
+    total = float(weights.sum())
+    return total - float(weights @ weights) / total if total > 0 else 0.0
+
+
+def _links_of(problem: Problem, tree: Node, by_impurity: bool) -> _Links:
     leaves: list[Leaf] = []
     as_leaf: list[float] = []
     right: list[int] = []
@@ -95,7 +109,7 @@ def _links_of(problem: Problem, tree: Node) -> _Links:
         here = len(leaves)
         leaf, cost = problem.leaf_and_cost(rows)
         leaves.append(leaf)
-        as_leaf.append(cost)
+        as_leaf.append(_impurity(problem, rows) if by_impurity else cost)
         right.append(-1)
         parent.append(above)
         if is_right:

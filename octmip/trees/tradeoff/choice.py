@@ -40,13 +40,17 @@ from octmip.trees.tradeoff.folds import Fold, checked_folds, fold_numbers, part_
 from octmip.trees.tradeoff.path import MOST_SOLVES, PenaltyPath
 from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.steps import Step, all_together, judged_steps
-from octmip.trees.tradeoff.validation import Expectation
+from octmip.trees.tradeoff.validation import Expectation, Nearness
 from octmip.trees.tree import Node, depth
 
-Rule = Literal["least", "half_se", "one_se"]
-RULES: Mapping[Rule, float] = {"least": 0.0, "half_se": 0.5, "one_se": 1.0}
-"""Standard errors above the least validation cost within which the simplest is chosen."""
-DEFAULT_RULE: Rule = "half_se"
+Rule = Literal["least", "paired", "one_se"]
+RULES: Mapping[Rule, Nearness] = {
+    "least": Nearness(0.0),
+    "paired": Nearness(0.5, is_paired=True),
+    "one_se": Nearness(1.0),
+}
+"""How near the least validation cost the simplest is chosen."""
+DEFAULT_RULE: Rule = "paired"
 N_FOLDS = 5
 DEFAULT_SOLVES = 8
 """Of each path of the default choice."""
@@ -168,8 +172,8 @@ def choose_tree(
     folds
         the number of stratified folds, or pairs of training and validation rows (B&D use a single pair).
     rule
-        "least" validation cost, the simplest of equals; "half_se", "one_se": the simplest within half a standard error
-        of it, or one.
+        "least" validation cost, the simplest of equals; "one_se": the simplest within a standard error of it; "paired":
+        the simplest whose cost exceeds it by half a standard error of the difference or less.
     method
         of `octmip.solve`.
     limits
@@ -330,8 +334,9 @@ def _fitted(problem: Problem, chosen: Step, path: PenaltyPath) -> tuple[Problem,
     """Return the problem that a step means over all samples, and the tree of the path that answers it.
 
     A tree that was not proven seldom has all the levels it might: a proof among trees of as many as it has ends sooner.
+    A price in impurity is none in cost: the problem of such a pruning has no penalty.
     """
     penalty = chosen.alpha * problem.baseline
     known = path.best_at(penalty).tree
     levels = max(1, depth(known)) if chosen.family.method in ("cart", "search") else chosen.depth
-    return replace(problem, depth=levels, leaf_penalty=penalty), known
+    return replace(problem, depth=levels, leaf_penalty=0.0 if chosen.family.by_impurity else penalty), known

@@ -17,7 +17,7 @@ from octmip.trees.run import Method, Run
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve_run
-from octmip.trees.tradeoff.path import PenaltyPath, trace_run
+from octmip.trees.tradeoff.path import PenaltyPath, trace_impurity, trace_run
 from octmip.trees.tree import Node
 
 PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
@@ -43,18 +43,21 @@ class Family:
         a feature is cut at so many quantiles at most; None: anywhere.
     options
         of the method, instead of those of the run but for its cluster and file of solves.
+    by_impurity
+        CART's tree is pruned by its Gini impurity, as scikit-learn prunes it, and not by its cost.
     """
 
     depth: int
     method: Method = "auto"
     n_cuts: int | None = None
     options: Options | None = None
+    by_impurity: bool = False
 
     @property
     def words(self) -> str:
         """The kind of trees, for a sentence."""
         if self.method == "cart":
-            return "CART's tree, pruned"
+            return "CART's tree, pruned by impurity" if self.by_impurity else "CART's tree, pruned"
         found = "searched" if self.method == "search" else "optimal"
         cuts = "" if self.n_cuts is None else f", at most {self.n_cuts} cuts of a feature"
         return f"{found}, depth {self.depth} or less{cuts}"
@@ -78,7 +81,8 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
         found += [Family(depth, "search", SEARCHED_CUTS, quick) for depth in SEARCHED_DEPTHS if is_class]
     else:
         found = [Family(depth, "search", None, quick) for depth in UNPROVEN_DEPTHS]
-    return (Family(MAX_DEPTH, "cart"), *found)
+    by_impurity = [Family(MAX_DEPTH, "cart", by_impurity=True)] if is_class else []
+    return (Family(MAX_DEPTH, "cart"), *by_impurity, *found)
 
 
 def trace_families(
@@ -111,7 +115,12 @@ def trace_families(
             grids[n_cuts] = Coarse.of(problem, n_cuts)
         cut = free if n_cuts is None else replace(grids[n_cuts].problem, depth=family.depth)
         limits = replace(run.limits, seconds=max(0.0, min(run.limits.seconds, left)))
-        path = trace_run(cut, family.run(replace(run, limits=limits)), known.get(n_cuts, ()), most_solves)
+        limited = family.run(replace(run, limits=limits))
+        path = (
+            trace_impurity(cut, limited)
+            if family.by_impurity
+            else trace_run(cut, limited, known.get(n_cuts, ()), most_solves)
+        )
         if paths and time.perf_counter() > start + seconds:
             break
         if family.method != "cart":  # whose trees may be deeper than the next family's

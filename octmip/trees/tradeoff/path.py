@@ -29,6 +29,7 @@ from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
 from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
+from octmip.trees.methods.pruning import priced_prunings, prunings
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
@@ -178,6 +179,29 @@ def trace_run(
     return tracer.path(is_whole)
 
 
+def trace_impurity(problem: Problem, run: Run) -> PenaltyPath:
+    """Return the prunings of CART's tree by its Gini impurity, whose price takes the place of the penalty.
+
+    Trees of equal cost differ in it, so it keeps splits which the cost cuts away first. Nothing is proven.
+
+    Raises
+    ------
+    SolverError
+        the solver failed.
+    """
+    free = replace(problem, leaf_penalty=0.0)
+    grown = solve_run(free, replace(run, method="cart"))
+    assert grown.tree is not None
+    found = [(0.0, grown.tree), *priced_prunings(free, grown.tree, by_impurity=True)]
+    ends = [*(price for price, _ in found), math.inf]
+    trees = tuple(
+        PathTree(tree, free.objective(tree), complexity(tree), low, high, False)
+        for (_, tree), (low, high) in zip(found, pairwise(ends), strict=True)
+        if low < high
+    )
+    return PenaltyPath(free, trees, (), 1, True, grown.stop is Stop.INTERRUPTED)
+
+
 def trace_depths(
     problem: Problem,
     depths: Sequence[int],
@@ -286,8 +310,6 @@ class _Tracer:
     def by_pruning(self, most_solves: int) -> bool:
         """Add the prunings of one tree; there is no more to look at."""
         assert most_solves >= 1
-        from octmip.trees.methods.pruning import prunings
-
         grown = self._solve(self.free, self.free.best_leaf(), self.run.options).tree
         assert grown is not None
         for tree in prunings(self.free, grown):

@@ -30,6 +30,23 @@ PERCENTILES = (2.5, 97.5)
 
 
 @dataclass(frozen=True, slots=True)
+class Nearness:
+    """How near the least validated cost a simpler tree must be to be chosen.
+
+    Attributes
+    ----------
+    standard_errors
+        so many above the least.
+    is_paired
+        those of the difference of both costs on the same rows; else those of the least cost. Trees that err on the same
+        rows differ by less than either is uncertain.
+    """
+
+    standard_errors: float
+    is_paired: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Expected:
     """A cost per unit of weight that is expected on new rows, with an interval of 95 %."""
 
@@ -129,24 +146,40 @@ class Judged:
             total = [a + b for a, b in zip(total, [*of_fold, count @ weights, count @ weights**2], strict=True)]
         return (Sums(*parts) for parts in zip(*total, strict=True))
 
-    def best(self, standard_errors: float) -> int:
-        """Return the simplest step whose validated cost is within so many standard errors of the least."""
-        return self._best(self.sums(), standard_errors, np.ones(len(self.trees), dtype=np.bool_))
+    def best(self, nearness: Nearness) -> int:
+        """Return the simplest step whose validated cost is so near the least."""
+        times = [np.ones(len(weights)) for weights in self.weights]
+        return self._best(times, self.sums(), nearness, np.ones(len(self.trees), dtype=np.bool_))
 
-    def _best(self, sums: Sums, standard_errors: float, is_wanted: NDArray[np.bool_]) -> int:
+    def _best(self, times: Sequence[Floats], sums: Sums, nearness: Nearness, is_wanted: NDArray[np.bool_]) -> int:
+        """Return the best of the wanted steps where each row of each fold counts so many times, (n_held,) each."""
         means = np.where(is_wanted, sums.means(), np.inf)
         least = int(np.lexsort((self.simplicity, means))[0])
+        errors = sums.standard_errors()[least]
+        if nearness.is_paired:
+            errors = self._paired_errors(times, sums, least)
         # Sums of one and the same row losses may differ by rounding.
-        most = means[least] * (1 + ROUNDING) + standard_errors * sums.standard_errors()[least]
+        most = means[least] * (1 + ROUNDING) + nearness.standard_errors * errors
         good = np.flatnonzero(means <= most)
         return int(good[self.simplicity[good].argmin()])
 
-    def expectation(self, standard_errors: float, is_cart: NDArray[np.bool_], seed: int) -> Expectation | None:
+    def _paired_errors(self, times: Sequence[Floats], sums: Sums, least: int) -> Floats:
+        """Return the standard error of each step's mean less that of one step, shape (n_steps,)."""
+        both: Any = 0.0  # sums of L L_least
+        for k, (count, losses) in enumerate(zip(times, self.losses, strict=True)):
+            both = both + ((count * losses[:, self.trees[least, k]]) @ losses)[self.trees[:, k]]
+        m = sums.means() - sums.means()[least]
+        squares = sums.of_squares + sums.of_squares[least] - 2 * both
+        products = sums.of_products - sums.of_products[least]
+        squares = squares - 2 * m * products + m**2 * sums.weight_squares
+        return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / sums.weight)
+
+    def expectation(self, nearness: Nearness, is_cart: NDArray[np.bool_], seed: int) -> Expectation | None:
         """Return what the rule's choice costs on new rows; None where every draw takes all rows that weigh anything.
 
         Parameters
         ----------
-        standard_errors
+        nearness
             of the rule.
         is_cart
             (n_steps,) which steps are prunings of CART; of these the one of least cost is taken.
@@ -155,10 +188,10 @@ class Judged:
         """
         every = np.ones(len(is_cart), dtype=np.bool_)
         costs = []
-        for drawn, left in self._draws(seed):
+        for times, drawn, left in self._draws(seed):
             if left.weight > 0 and drawn.weight > 0:
-                at = self._best(drawn, standard_errors, every)
-                by_cart = self._best(drawn, 0.0, is_cart) if is_cart.any() else at
+                at = self._best(times, drawn, nearness, every)
+                by_cart = self._best(times, drawn, Nearness(0.0), is_cart) if is_cart.any() else at
                 costs.append(left.means()[[at, by_cart]])
         if not costs:
             return None
@@ -166,8 +199,8 @@ class Judged:
         beside = (Expected.of(cart), Expected.of(tree - cart)) if is_cart.any() else (None, None)
         return Expectation(Expected.of(tree), *beside)
 
-    def _draws(self, seed: int) -> Iterator[tuple[Sums, Sums]]:
-        """Yield for each draw the sums over the rows that are drawn, and over those that are not."""
+    def _draws(self, seed: int) -> Iterator[tuple[list[Floats], Sums, Sums]]:
+        """Yield for each draw how often it takes each row, the sums over these rows, and over those not taken."""
         rng = np.random.default_rng(seed)
         for _ in range(N_DRAWS // DRAWS_AT_ONCE):
             drawn = []
@@ -175,4 +208,6 @@ class Judged:
                 rows = rng.integers(n, size=(DRAWS_AT_ONCE, n)) + n * np.arange(DRAWS_AT_ONCE)[:, None]
                 times = np.bincount(rows.ravel(), minlength=n * DRAWS_AT_ONCE)
                 drawn.append(times.reshape(DRAWS_AT_ONCE, n).astype(np.float64))
-            yield from zip(self._sums(drawn), self._sums([(times == 0) * 1.0 for times in drawn]), strict=True)
+            left = self._sums([(times == 0) * 1.0 for times in drawn])
+            each = ([times[k] for times in drawn] for k in range(DRAWS_AT_ONCE))
+            yield from zip(each, self._sums(drawn), left, strict=True)
