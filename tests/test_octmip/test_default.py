@@ -255,7 +255,7 @@ def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_
     trees[1] = 1
     for simpler, errors in ((same, np.sqrt(1 / 200 - 1 / 200**2)), (others, np.sqrt(41 / 200 - 1 / 200**2))):
         judged = Judged([np.stack([least, simpler], axis=1) * 1.0], [np.ones(200)], trees, simplicity)
-        just = 1 / (200 * errors / np.sqrt(200))
+        just = 1 / np.sqrt(200 * errors**2 + 1)  # the last 1 is the row that is added
         assert judged.best(Nearness(just * 1.001, is_paired=True)) == 1
         assert judged.best(Nearness(just * 0.999, is_paired=True)) == 0
 

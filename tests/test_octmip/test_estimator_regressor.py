@@ -23,6 +23,9 @@ estimators = (
     OptimalTreeRegressor(max_depth=2),
     OptimalTreeRegressor(max_depth=2, loss="absolute"),
     OptimalTreeRegressor(max_depth=2, loss="quantile:0.5"),
+    # The default; without time CART's prunings alone are chosen among, which is the same for every run.
+    OptimalTreeRegressor(seconds=0.0),
+    OptimalTreeRegressor(split="hyperplane", split_size=2, seconds=0.0),
 )
 results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
 print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))
