@@ -20,6 +20,7 @@ FAMILIES = {
     "exact_cluster": "benchmarks.cases.exact.cluster",
     "held_out_tables": "benchmarks.cases.held_out_tables",
     "leaf_calibration": "benchmarks.cases.leaf_calibration",
+    "calibration_beside": "benchmarks.cases.calibration_beside",
     "near_agreement": "benchmarks.cases.near.agreement",
     "near_strains": "benchmarks.cases.near.strains",
     "fuzz_regression": "benchmarks.cases.regression.agreement",

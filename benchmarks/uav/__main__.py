@@ -10,6 +10,7 @@ import matplotlib
 matplotlib.use("Agg")  # no display is needed, nor looked for
 
 from benchmarks.main_program import run_main
+from benchmarks.uav import baselines
 from benchmarks.uav.complexity.cells import bayes_limits, study_cells
 from benchmarks.uav.complexity.lines import run
 from benchmarks.uav.complexity.report import write_complexity
@@ -40,8 +41,11 @@ def main() -> None:
     write_results(folder, wing, simulated, reference, data, outcomes, time.perf_counter() - start)
     write_complexity(folder, lines, bayes_limits(means), ["errors"])
     (folder / "numbers.md").write_text(markdown(list(rows_of(data, DEPTHS, options.seconds))))
+    beside = baselines.rows_of(data, options.seed, options.seconds, options.jobs)
+    (folder / "baselines.md").write_text(baselines.markdown(beside))
     print((folder / "table.md").read_text())
     print((folder / "numbers.md").read_text())
+    print((folder / "baselines.md").read_text())
     print((folder / "complexity.md").read_text())
     print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
 

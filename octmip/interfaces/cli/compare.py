@@ -1,6 +1,8 @@
 """Run every method on one table: `octmip.interfaces.cli.options.compare` says how the command is called."""
 
 import argparse
+import time
+import warnings
 from typing import Any
 
 from octmip.errors import DataError, ProblemError, SolverError
@@ -20,7 +22,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.registry import read_options, solvers_of, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
 from octmip.trees.solver import solve
-from octmip.trees.tradeoff import score
+from octmip.trees.tradeoff import baselines_of, score, score_of
 
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 DEFAULTS = {
@@ -36,16 +38,20 @@ def run(arguments: argparse.Namespace) -> int:
     question = ask(arguments)
     rows = _rows(arguments, question, limits)
     _add_gap_to_best_bound(rows)
+    baselines = _baselines(question, arguments.seed) if arguments.baselines else []
     with held_back():
-        _show(arguments, question, rows)
+        _show(arguments, question, rows, baselines)
     return 0
 
 
-def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]]) -> None:
+def _show(
+    arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], baselines: list[dict[str, Any]]
+) -> None:
     problem = question.problem
     if arguments.json:
+        beside: dict[str, Any] = {"baselines": baselines} if arguments.baselines else {}
         notes = {"notes": list(question.notes)}
-        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **notes})
+        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **beside, **notes})
         return
     measures = problem.loss.measured
     held = () if question.held_out is None else tuple(f"{name} held out" for name in measures)
@@ -65,12 +71,15 @@ def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str
     )
     print_notes(question.notes)
     print(markdown_table([_shown(row, measures) for row in rows], columns))
+    if baselines:
+        named = [{**_shown(row, measures), "baseline": row["method"]} for row in baselines]
+        print("\n" + markdown_table(named, ("baseline", *measures, *held, "seconds")))
     if question.held_out is not None:
         print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
-    for row in rows:
+    for row in (*rows, *baselines):
         if "error" in row:
             print(f"\n{row['method']}: {visible(row['error'])}")
-        elif row["scope"]:
+        elif row.get("scope"):
             print(f"\n{row['method']}: its bound holds for {row['scope']} only")
 
 
@@ -91,6 +100,28 @@ def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> 
         rows.append(row)
         if row.get("stop") == Stop.INTERRUPTED:
             break
+    return rows
+
+
+def _baselines(question: Question, seed: int) -> list[dict[str, Any]]:
+    """Return a row for each baseline; after a signal those that are known."""
+    problem = question.problem
+    rows: list[dict[str, Any]] = []
+    for name, train in baselines_of(problem).items():
+        start = time.perf_counter()
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a linear model that has not converged is still a baseline
+                predictor = train(seed)
+        except KeyboardInterrupt:
+            break
+        except ValueError as error:  # scikit-learn's, of a class with one sample for instance, and ours
+            rows.append({"method": name, "error": " ".join(str(error).split())})
+            continue
+        seconds = time.perf_counter() - start
+        held = question.held_out and score_json(score_of(problem, predictor, question.held_out))
+        training = score_json(score_of(problem, predictor))
+        rows.append({"method": name, **(training or {}), "held_out": held, "seconds": seconds})
     return rows
 
 

@@ -4,9 +4,10 @@ Which rows are held out follows from the labels, a share and a seed alone, by th
 promises to keep: a tree file names share and seed, and its training rows are found again years later.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -107,9 +108,16 @@ class Comparison:
 
 def score(problem: Problem, tree: Node, samples: Samples | None = None) -> Score:
     """Return what a tree loses on samples; on those of the problem if none are given."""
-    samples = samples or Samples(problem.features, problem.codes, problem.weights)
     how = predict if problem.loss.predicts == "class" else predict_values
-    judged = samples.weights, samples.codes, how(tree, samples.features)
+    return score_of(problem, partial(how, tree), samples)
+
+
+def score_of(
+    problem: Problem, predictor: Callable[[NDArray[np.float64]], NDArray[Any]], samples: Samples | None = None
+) -> Score:
+    """Return what any predictor of codes loses on samples; on those of the problem if none are given."""
+    samples = samples or Samples(problem.features, problem.codes, problem.weights)
+    judged = samples.weights, samples.codes, predictor(samples.features)
     return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
 
 

@@ -24,6 +24,7 @@ from octmip.interfaces.cli.samples.options import add_held_out_arguments
 EXAMPLES = """\
   octmip compare iris.csv --label species --depth 3
   octmip compare iris.csv --label species --depth 2 --holdout 0.25
+  octmip compare iris.csv --label species --depth 3 --holdout 0.25 --baselines
   octmip compare houses.csv --target price --loss absolute --depth 3
   octmip compare iris.csv --label species --depth 2 --methods cart,search,exact --json
 """
@@ -35,6 +36,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     rarely(add_held_out_arguments(group_of(parser, DATA)))
     group_of(parser, METHOD).add_argument(
         "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"
+    )
+    group_of(parser, METHOD).add_argument(
+        "--baselines",
+        action="store_true",
+        help="beside them a linear model, pruned CART, a random forest and gradient boosting",
     )
     add_problem_arguments(parser)
     add_run_arguments(parser, with_method=False)

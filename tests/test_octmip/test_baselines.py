@@ -1,0 +1,78 @@
+"""The models beside a tree: which a problem has, what they predict, and how the command shows them."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sklearn.datasets import load_iris
+
+from octmip import Problem, SquaredError
+from octmip.trees.tradeoff import baselines_of, score_of
+
+X, Y = load_iris(return_X_y=True)
+IRIS = Problem(X, Y, depth=1)
+
+
+def test_every_baseline_of_classes_predicts_indices_of_classes():
+    named = replace(IRIS, targets=np.array(["a", "b", "c"])[Y], class_names=None)
+    found = baselines_of(named)
+    assert set(found) == {"linear", "discriminant", "pruned CART", "forest", "boosting"}
+    for name, train in found.items():
+        assert score_of(named, train(0)).errors <= 6, name
+
+
+def test_a_line_is_rounded_to_the_nearest_class():
+    values = np.array([0.0, 20.0, 40.0])
+    x = np.linspace(-0.4, 2.4, 57)
+    x = x[np.abs(x % 1 - 0.5) > 0.01][:, None]
+    problem = Problem(x, values[np.clip(np.round(x[:, 0]), 0, 2).astype(int)], depth=1)
+    slope, offset = np.polyfit(x[:, 0], np.array(problem.class_names)[problem.codes], 1)
+    nearest = np.abs((slope * x + offset) - values).argmin(axis=1)
+    assert (baselines_of(problem)["rounded"](0)(x) == nearest).all()
+
+
+def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
+    numbers = Problem(X[:, :3], X[:, 3], depth=1, loss=SquaredError())
+    assert set(baselines_of(numbers)) == {"linear", "pruned CART", "forest", "boosting"}
+    for name, train in baselines_of(numbers).items():
+        assert score_of(numbers, train(0)).measures["rmse"] < 0.25, name
+    assert "discriminant" not in baselines_of(replace(IRIS, weights=1 + Y))
+
+
+def test_weights_count():
+    heavy = Problem([[0.0], [0], [0], [1]], ["a", "b", "b", "b"], depth=1, weights=[9, 1, 1, 1])
+    assert baselines_of(heavy)["linear"](0)(np.zeros((1, 1))).tolist() == [0]
+
+
+def test_missing_readings_are_no_error():
+    features = X.copy()
+    features[::7, 2] = np.nan
+    gaps = Problem(features, Y, depth=1)
+    for name, train in baselines_of(gaps).items():
+        assert score_of(gaps, train(0)).errors < 20, name
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_the_command_shows_them_in_training_and_on_rows_held_out(as_json, tmp_path, capsys):
+    from octmip.interfaces.cli import main
+
+    table = tmp_path / "table.csv"
+    np.savetxt(table, np.column_stack([X, Y]), delimiter=",", header="a,b,c,d,y", comments="", fmt="%g")
+    words = ["compare", str(table), "--label", "y", "--depth", "1", "--methods", "cart", "--holdout", "0.3"]
+    assert main([*words, "--baselines", *(["--json"] if as_json else [])]) == 0
+    out = capsys.readouterr().out
+    if as_json:
+        rows = json.loads(out)["baselines"]
+        assert [row["method"] for row in rows] == [
+            "linear",
+            "discriminant",
+            "rounded",
+            "pruned CART",
+            "forest",
+            "boosting",
+        ]
+        assert all(row["n_samples"] + row["held_out"]["n_samples"] == 150 for row in rows)
+    else:
+        assert "| pruned CART" in out
+        assert "errors held out" in out
