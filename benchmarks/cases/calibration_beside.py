@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from sklearn.ensemble import RandomForestClassifier
 
-from benchmarks.cases.held_out_tables import PrunedCart, samples
+from benchmarks.public_tables import PrunedCart, samples
 from benchmarks.tables import Line
 from octmip import OptimalTreeClassifier
 from octmip.trees.uncertainty import brier_score, calibration_error
