@@ -5,8 +5,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap.reductions.decay import decay_of
-from octmip.gap.reductions.spectra import band_powers
-from octmip.gap.reductions.windows import window_means, window_spreads, window_steps
+from octmip.gap.reductions.windows import band_powers, window_means, window_spreads, window_steps
 
 TIME = np.arange(0.0, 1.6, 0.0005)
 DECAY = np.exp(-1.5 * TIME) * np.cos(2 * np.pi * 26.2 * TIME + 0.3)

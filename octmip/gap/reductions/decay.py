@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import least_squares
 
 from octmip.errors import DataError
-from octmip.gap.reductions.series import Floats, even_series_of
+from octmip.gap.reductions.windows import Floats, even_series_of
 
 LINES = 1 << 17
 """Points of the padded spectrum in which a peak is looked for."""

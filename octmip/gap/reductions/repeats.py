@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import find_peaks, peak_widths, welch
 
 from octmip.errors import DataError
-from octmip.gap.reductions.series import even_series_of, series_of
+from octmip.gap.reductions.windows import even_series_of, series_of
 
 Floats = NDArray[np.float64]
 
