@@ -16,7 +16,7 @@ import numpy as np
 from octmip.gap.campaign.wandering import moves_together
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
-from octmip.gap.inference.confounding import SEPARABLE, confounded_with, confounders
+from octmip.gap.inference.confounding import VISIBLE, confounded_with, confounders
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.posterior import Judged, Posterior, fit_together
 from octmip.gap.inference.signature_error import neighbours
@@ -251,7 +251,7 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
 def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     probability = float(sum(h.probability for h in same))
     d_prime = tuple(head.inference.visibilities(head.members).tolist())
-    seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= SEPARABLE]
+    seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= VISIBLE]
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, False, head)

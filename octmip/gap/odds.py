@@ -90,8 +90,8 @@ class Odds:
         another number of entries, no probabilities, or a negative factor.
     """
 
-    count: tuple[float, ...] = (0.48, 0.34, 0.12, 0.02)
-    unknown: tuple[float, ...] = (0.03, 0.01, 0.002)
+    count: tuple[float, ...] = (0.50, 0.33, 0.08, 0.01)
+    unknown: tuple[float, ...] = (0.06, 0.015, 0.003)
     misstated: float = 0.01
     wrong_run: float = 0.02
     effects: Mapping[str, float] = field(default_factory=dict)

@@ -22,7 +22,7 @@ SHARE = 0.25
 """Prior sd over the width of the range: the range reaches two standard deviations to either side of its middle."""
 STEP = 0.25
 """Step of the finite difference over the prior sd: small beside the curvature of a model that is tabulated or rough."""
-BENT = 0.05
+BENT = 0.1
 """Relative error of the signature at each reading: it is a line, and models bend. Of 30 draws of the three twins of the
 documentation one more is named with it, a storey softer by 38 %; with 0.12 a stiffness is taken for a gain."""
 

@@ -1,6 +1,7 @@
 """Effects of the measuring chain on readings: one effect, one line here."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from octmip.gap.effects.common_gain import CommonGain
 from octmip.gap.effects.crosstalk import Crosstalk
@@ -61,7 +62,17 @@ def chain_of(twin: Twin, typical: Mapping[str, float] | None = None) -> dict[str
         if unit != MICROSTRAIN:
             own = offsets_of(unit, (typical or {}).get(unit, 1.0), is_only=len(units) == 1)
             kept |= {effect.name: effect for effect in own}
-    return kept | {effect.name: effect for effect in families_of(twin, typical or {})}
+    kept |= {effect.name: effect for effect in families_of(twin, typical or {})}
+    return {name: _shared(effect, units_of(twin)) for name, effect in kept.items()}
+
+
+def _shared(effect: Effect, units: Sequence[str]) -> Effect:
+    """Return an effect on readings of one unit as rare as these are: a fault is as probable at each reading."""
+    if isinstance(effect, PerGauge) and len(effect.units) == 1:
+        return replace(effect, commonness=units.count(effect.units[0]) / len(units))
+    if isinstance(effect, Family):
+        return replace(effect, commonness=effect.commonness * units.count(effect.reading_unit) / len(units))
+    return effect
 
 
 def in_chain(effect: Effect) -> bool:

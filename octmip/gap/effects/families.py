@@ -213,6 +213,7 @@ def _family(who: str, course: str, law: str, unit: str, typical: float, *, is_on
         who=who,
         course=course,
         law=law,
+        load_power=0 if law == "constant" else None,
         unit=size_unit,
         prior_sd=prior_sd,
         scale=typical,

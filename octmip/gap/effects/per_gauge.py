@@ -61,6 +61,8 @@ class PerGauge:
         whether the twin must say where its gauges lie.
     units
         of the readings that it acts on; empty: of all.
+    commonness
+        how probable it is beside other effects.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -80,6 +82,7 @@ class PerGauge:
     needs_positions: bool = False
     units: tuple[str, ...] = ()
     seen_by: tuple[str, ...] = ()
+    commonness: float = 1.0
     words: str = ""
     words_at: str = ""
     action: str = ""

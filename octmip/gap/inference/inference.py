@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.inference.confounding import SEPARABLE
+from octmip.gap.inference.confounding import VISIBLE
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, group_fits
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signature_error import (
@@ -14,8 +14,9 @@ from octmip.gap.inference.signature_error import (
     SignatureError,
     error_of,
     propagated_signatures,
+    propagates,
     reduced,
-    root_of,
+    weighed_errors,
     with_errors,
     with_propagated,
 )
@@ -68,22 +69,29 @@ class Inference:
 
     def _judge_again(self, sets: Sequence[Members]) -> None:
         """Judge sets under errors as large as their sizes were fitted last."""
-        roots = {members: root for members in sets if (root := self._root(members)) is not None}
+        found = {members: self._errors_of(members, range(len(members))) for members in sets}
+        roots = {m: own for m, own in found.items() if own[0].shape[1] or own[1] or propagates(self.model, m)}
         priors = self.model.inputs.priors
         for group in alike(priors, list(roots)):
-            parts = [self._reduced(members, roots[members]) for members in group]
+            parts = [self._reduced(members, roots[members][0]) for members in group]
             gram, projection = np.array([p.gram for p in parts]), np.array([p.projection for p in parts])
             for members, own, part in zip(group, fits_of(priors, group, gram, projection), parts, strict=True):
-                self._judgements[members] = Judgement(own, part.log_shift, roots[members])
+                root, beside = roots[members]
+                self._judgements[members] = Judgement(own, part.log_shift + beside, root)
 
-    def _root(self, members: Members) -> Floats | None:
-        errors = [self._error(j) for j in members]
-        return root_of(self.model, members, self._judgements[members].fit.size, errors)
+    def _errors_of(self, members: Members, of: Sequence[int]) -> tuple[Floats, float]:
+        """Return the errors of some members of a set, given by position, and what all others weigh beside them."""
+        size = self._judgements[members].fit.size
+        left = self.model.whitened.residual - self._signatures(members) @ size
+        return weighed_errors(size[list(of)], [self._error(members[k]) for k in of], left, self.model.inputs.frame.kind)
 
-    def _reduced(self, members: Members, root: Floats) -> Reduced:
+    def _signatures(self, members: Members) -> Floats:
         if members not in self._propagated:
             self._propagated[members] = propagated_signatures(self.model, members)
-        return reduced(self.model, self._propagated[members], root)
+        return self._propagated[members]
+
+    def _reduced(self, members: Members, root: Floats) -> Reduced:
+        return reduced(self.model, self._signatures(members), root)
 
     def _error(self, candidate: int) -> SignatureError:
         if candidate not in self._errors:
@@ -112,21 +120,14 @@ class Inference:
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
-            gram = self._reduced(members, self._root_of_others(members, size, k)).gram
+            gram = self._reduced(members, self._errors_of(members, np.flatnonzero(others).tolist())[0]).gram
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
         return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
 
-    def _root_of_others(self, members: Members, size: Floats, without: int) -> Floats:
-        """Return the errors (n, r) of all members but one, given by position, at their sizes."""
-        kept = [k for k in range(len(members)) if k != without]
-        errors = [self._error(members[k]) for k in kept]
-        root = root_of(self.model, tuple(members[k] for k in kept), size[kept], errors)
-        return np.zeros((self.model.n, 0)) if root is None else root
-
     def identifiable(self, members: Members) -> Members:
-        """Return the members that stand d' = 3 above the noise, the faintest removed one at a time."""
+        """Return the members that stand d' = 4 above the noise, the faintest removed one at a time."""
         if members not in self._identifiable:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]
@@ -135,7 +136,8 @@ class Inference:
         while members:
             visible = self.visibilities(members)
             faintest = int(np.argmin(visible))
-            if visible[faintest] >= SEPARABLE:
+            if visible[faintest] >= VISIBLE:
                 break
             members = (*members[:faintest], *members[faintest + 1 :])
         return members
+

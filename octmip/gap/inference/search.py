@@ -20,7 +20,7 @@ from octmip.gap.inference.hypotheses import likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, with_columns
-from octmip.gap.inference.signatures import exact_change
+from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.progress import Stage
@@ -140,13 +140,16 @@ def _with_secants(inference: Inference, sets: Sequence[Members]) -> Inference:
     Itself where no such effect is among the sets, or none bends.
     """
     model = inference.model
+    expected = np.array(model.means.expected)
+    expected[model.average, model.gauge] = model.predicted
+    ratio = ratios(model.inputs, model.states, expected)
     columns: dict[int, Floats] = {}
     for fit in inference.fits(sets):
         for j, size in zip(fit.members, fit.size.tolist(), strict=True):
             candidate = model.inputs.candidates[j]
             if j not in columns and candidate.forward is not None and abs(size) > FAINT * candidate.effect.prior_sd:
                 change = exact_change(model.inputs, model.states, candidate, size)
-                columns[j] = change[model.average, model.gauge] / size
+                columns[j] = (change * ratio)[model.average, model.gauge] / size
     if not columns:
         return inference
     index, new = list(columns), np.column_stack(list(columns.values()))

@@ -17,7 +17,7 @@ Source: Kennedy and O'Hagan (2001), J. R. Statist. Soc. B 63, section 2 (code in
 the sizes in Q are plugged in (empirical Bayes), which for a large effect is exact to the order of their relative error.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,9 +27,22 @@ from numpy.typing import NDArray
 from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel, Whitened, open_states_of
 from octmip.gap.inference.signatures import on_readings
+from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
+LEVELS = (0.0, 0.3, 1.0, 3.0)
+"""Factors on the error of a signature at one gauge."""
+QUALITIES: Mapping[tuple[float, ...], float] = {
+    (0.97, 0.02, 0.007, 0.003): 0.3,
+    (0.70, 0.15, 0.10, 0.05): 0.2,
+    (0.10, 0.65, 0.20, 0.05): 0.2,
+    (0.05, 0.20, 0.55, 0.20): 0.2,
+    (0.03, 0.12, 0.35, 0.50): 0.1,
+}
+"""Qualities of a twin's signatures, exact, exact at most gauges, fair, usual, poor: probabilities of the levels at each
+gauge, and of the quality itself."""
 BETWEEN = 0.3
 """Sd of the weight of a neighbouring place: the truth lies anywhere up to half way to it."""
 ALIKE = 0.5
@@ -68,14 +81,16 @@ class SignatureError:
 
     Attributes
     ----------
-    root
-        (n, r) whitened E.
-    squared
-        sum of its squares.
+    of_kind, local
+        (n_kinds or n_gauges, n, n_courses) whitened, what the part of the signature in each kind of reading, and in
+        each reading by itself, may be wrong by.
+    between
+        (n, r) whitened, what lies between it and its neighbouring places.
     """
 
-    root: Floats
-    squared: float
+    of_kind: Floats
+    local: Floats
+    between: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,16 +114,32 @@ class Reduced:
 
 def error_of(model: LinearModel, candidate: int) -> SignatureError:
     """Return the error of a candidate's signature: gauge by gauge, and between its places."""
-    chosen = model.inputs.candidates[candidate]
-    parts = [np.zeros((model.n, 0))]
-    error = chosen.signature_error
-    if error > 0.0:
-        own = model.signatures[:, candidate][:, None] * (model.gauge[:, None] == np.unique(model.gauge)[None, :])
-        parts.append(error * model.whiten(own[:, np.abs(own).max(axis=0) > 0.0]))
-    if chosen.n_between:
-        parts.append(BETWEEN * _differences(model, candidate))
-    joined = np.hstack(parts)
-    return SignatureError(joined, float(np.sum(joined**2)))
+    chosen, kind = model.inputs.candidates[candidate], model.inputs.frame.kind
+    own = chosen.signature_error * model.signatures[:, candidate][:, None] * np.array(_courses(model)).T
+    alone = kind.max() == 0  # one kind wrong as a whole is a wrong size
+    of_kind = _blocks(model, own[:, 1:] if alone else own, kind[model.gauge], int(kind.max()) + 1)
+    local = _blocks(model, own, model.gauge, len(kind))
+    between = BETWEEN * _differences(model, candidate) if chosen.n_between else np.zeros((model.n, 0))
+    return SignatureError(of_kind, local, between)
+
+
+def _blocks(model: LinearModel, columns: Floats, group: Ints, n_groups: int) -> Floats:
+    """Return whitened (n_groups, n, n_columns) what columns (n, n_columns) are in each group of rows (n,)."""
+    rows = group[None, :, None] == np.arange(n_groups)[:, None, None]
+    apart = np.where(rows, columns, 0.0).transpose(1, 0, 2)
+    return model.whiten(apart.reshape(model.n, -1)).reshape(apart.shape).transpose(1, 0, 2)
+
+
+def _courses(model: LinearModel) -> list[Floats]:
+    """Return the courses (n,) of an error over the readings: the same in all, and along each load that varies."""
+    applied = np.array([amounts_of(load) for load in model.loads])
+    found = [np.ones(model.n)]
+    for column in applied.T:
+        half = np.ptp(column) / 2.0
+        if half > 0.0:
+            x = (column - column.min()) / half - 1.0
+            found += [x, 1.5 * x**2 - 0.5] if len(np.unique(column)) > 2 else [x]
+    return found
 
 
 def neighbours(model: LinearModel, candidate: int) -> list[int]:
@@ -138,11 +169,56 @@ def propagates(model: LinearModel, members: Members) -> bool:
     return len(members) > 1 and any(model.inputs.candidates[j].acts_on_readings for j in members)
 
 
-def root_of(model: LinearModel, members: Members, size: Floats, errors: Sequence[SignatureError]) -> Floats | None:
-    """Return whitened Q (n, r) of members of these sizes; None where neither errors nor propagation change them."""
-    pairs = list(zip(size.tolist(), errors, strict=True))
-    kept = [theta * error.root for theta, error in pairs if theta**2 * error.squared > NEGLIGIBLE]
-    return np.hstack([*kept, np.zeros((model.n, 0))]) if kept or propagates(model, members) else None
+def weighed_errors(
+    size: Floats, errors: Sequence[SignatureError], left: Floats, kind: Ints
+) -> tuple[Floats, float]:
+    """Return whitened Q (n, r) of members of these sizes, and the log of what all other Q weigh beside it.
+
+    `left` is what the members leave of the whitened residual (n,), `kind` that of each gauge. Between places first, then
+    kind by kind, then gauge by gauge, each of what the one before leaves.
+    """
+    root, beside = np.zeros((len(left), 0)), 0.0
+    if not errors:
+        return root, beside
+    sized = list(zip(size.tolist(), errors, strict=True))
+    between = [theta * error.between for theta, error in sized]
+    root = np.hstack([part for part in between if np.sum(part**2) > NEGLIGIBLE] + [root])
+    for blocks, group in (
+        ([theta * error.of_kind for theta, error in sized], np.arange(kind.max() + 1)),
+        ([theta * error.local for theta, error in sized], kind),
+    ):
+        rest = left - root @ np.linalg.solve(np.eye(root.shape[1]) + root.T @ root, root.T @ left)
+        found, log_others = _chosen_levels(np.concatenate(blocks, axis=2), rest, group)
+        root, beside = np.hstack([root, found]), beside + log_others
+    return root, beside
+
+
+def _chosen_levels(blocks: Floats, left: Floats, group: Ints) -> tuple[Floats, float]:
+    """Return blocks (n_blocks, n, c) at the levels that bear `left` best, side by side, and what all others weigh.
+
+    In block g, Q_g = e_g [theta_j E_jg]_j with e_g one of `LEVELS`, each with the evidence Z_ge; blocks of one group
+    share the quality q that says how probable each level is:
+
+        p = sum_q p_q prod_g sum_e w_qe Z_ge,    log Z_ge = (c' e^2 / (1 + e^2 s) c - log det (1 + e^2 s)) / 2.
+    """
+    at = np.flatnonzero(np.sum(blocks**2, axis=(1, 2)) > NEGLIGIBLE)
+    if not len(at):
+        return np.zeros((len(left), 0)), 0.0
+    blocks = blocks[at]
+    s, u = np.linalg.eigh(blocks.transpose(0, 2, 1) @ blocks)
+    c = np.einsum("gcr,gc->gr", u, np.einsum("gnc,n->gc", blocks, left))
+    square = np.square(np.array(LEVELS))[:, None, None]
+    z = 0.5 * np.sum(square * c**2 / (1.0 + square * s) - np.log1p(square * np.maximum(s, 0.0)), axis=2)
+    by_quality = np.log(np.array(list(QUALITIES)))[:, :, None] + z
+    at_block, prior = np.logaddexp.reduce(by_quality, axis=1), np.log(np.array(list(QUALITIES.values())))
+    chosen, beside = np.zeros(len(at), dtype=np.int64), 0.0
+    for one in np.unique(group[at]):
+        here = np.flatnonzero(group[at] == one)
+        of_quality = prior + at_block[:, here].sum(axis=1)
+        chosen[here] = np.argmax(by_quality[int(np.argmax(of_quality))][:, here], axis=0)
+        beside += float(np.logaddexp.reduce(of_quality)) - float(z[chosen[here], here].sum())
+    scaled = np.array(LEVELS)[chosen][:, None, None] * blocks
+    return np.hstack([np.zeros((len(left), 0)), *(part for part, k in zip(scaled, chosen, strict=True) if k)]), beside
 
 
 def reduced(model: LinearModel, white: Floats, root: Floats) -> Reduced:

@@ -26,6 +26,10 @@ LATTICE = 0.2
 """Signatures of structural effects are taken at the nearest state of this lattice: they change slowly with damage."""
 
 
+SMALL, MOST_RATIO = 0.1, 2.0
+"""Share of the scale below which a reading says little of how good its twin is; how far that may be off."""
+
+
 def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     """Return the signatures (n_candidates, n_averages * n_gauges).
 
@@ -39,6 +43,7 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
         (n_averages, n_gauges) readings that the calibrated twin predicts [microstrain].
     """
     at = _states_of(inputs, states)
+    ratio = ratios(inputs, states, expected)
     history = load_steps(inputs.campaign)
     columns = [np.zeros((0, expected.size))]
     effects = inputs.effects()
@@ -49,8 +54,22 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
         else:
             parts = zip(inputs.averages, at, strict=True)
             rows = [_of_twin(inputs, effect, places, part, state, history) for part, state in parts]
+            if getattr(effect, "load_power", None) != 0:
+                rows = [row * own for row, own in zip(rows, ratio, strict=True)]
         columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(places), -1))
     return np.concatenate(columns)
+
+
+def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
+    """Return how many times the twin's (n_averages, n_gauges) the asset's readings are, 1 where both are small.
+
+    Where a twin reads a share too little, what an effect changes is mostly that share too little as well.
+    """
+    order, scale = list(inputs.order), SMALL * inputs.difference.scale
+    pairs = [(inputs.named(states[part.cell]), inputs.cell_of(part).load) for part in inputs.averages]
+    twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
+    found = (expected * twins + scale**2) / (twins**2 + scale**2)
+    return np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO)
 
 
 def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: float) -> Floats:

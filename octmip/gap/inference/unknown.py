@@ -22,6 +22,7 @@ from octmip.gap.inference.difference import along
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signature_error import with_errors
+from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -47,8 +48,13 @@ TIMES: Mapping[str, Callable[[Floats], Floats]] = {
 """Courses over the campaign's time, from 0 to 1: a sun, a supply, lead wires. Each is 1 at most.
 
 Of smooth fields alone: a rough one that goes with time is what gauges do that wander each by itself."""
-SIZES = (0.003, 0.01, 0.03, 0.1)
+SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Sd of the field over the scale of the readings at the greatest load."""
+OF_ONE_LOAD = ("there as soon as there is load", "growing with the root of the load")
+"""Courses that need one load: of several, each has a size of its own."""
+OVER_LOADS = "smooth over the loads"
+LOAD_LENGTH, LEAST = 0.5, 1e-3
+"""Length over which it varies, as a share of each load's range, and the least eigenvalue of its covariance."""
 MOMENTS = 4
 """Averages of different times from which a course over time is told from one over the load."""
 SMOOTH = 0.3
@@ -110,6 +116,9 @@ def weigh_unknown(model: LinearModel) -> Unknown:
     for name, root in _roots(model).items():
         courses = over_load | over_time if name == "smooth" else over_load
         fields |= {(name, course): field for course, field in _fields(model, root, courses)}
+        if name == "rough" and (over := _over_loads(model)) is not None:
+            columns = np.hstack([root * course[:, None] for course in over.T])
+            fields |= {(name, OVER_LOADS): _field(model, columns)}
     kinds: list[Kind] = [(name, course, size) for name, course in fields for size in SIZES]
     values = np.array([fields[name, course].log_factor(size) for name, course, size in kinds])
     best = int(np.argmax(values))
@@ -144,15 +153,35 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
 def _fields(model: LinearModel, root: Floats, courses: Mapping[str, Floats]) -> Iterator[tuple[str, "_Field"]]:
     """Return the whitened field of a root by its course."""
     for course, factor in courses.items():
-        u, s, _ = np.linalg.svd(model.whiten(factor[:, None] * root), full_matrices=False)
-        yield course, _Field(u, s, u.T @ model.whitened.residual)
+        yield course, _field(model, factor[:, None] * root)
+
+
+def _field(model: LinearModel, root: Floats) -> _Field:
+    u, s, _ = np.linalg.svd(model.whiten(root), full_matrices=False)
+    return _Field(u, s, u.T @ model.whitened.residual)
+
+
+def _over_loads(model: LinearModel) -> Floats | None:
+    """Return a root (n, r) of the covariance over the rows of what varies smoothly with several loads; None of one."""
+    applied = np.array([amounts_of(load) for load in model.loads])
+    width = np.ptp(applied, axis=0)
+    if np.sum(width > 0.0) < 2:
+        return None
+    at = applied[:, width > 0.0] / (LOAD_LENGTH * width[width > 0.0])
+    cells, row = np.unique(at, axis=0, return_inverse=True)
+    alike = np.exp(-0.5 * np.sum((cells[:, None] - cells[None]) ** 2, axis=2))
+    s, u = np.linalg.eigh(alike)
+    kept = s > LEAST * s[-1]
+    return np.asarray((u[:, kept] * np.sqrt(s[kept]))[row.ravel()])
 
 
 def _courses(model: LinearModel) -> tuple[dict[str, Floats], dict[str, Floats]]:
     """Return the factor (n,) of every course at the model's rows: over the load, and over time if there is enough."""
     inputs = model.inputs
     moments = np.array([average.moments.mean() for average in inputs.averages])
-    over_load = {name: course(model.means.rows.share) for name, course in LOADS.items()}
+    n_loads = len(inputs.campaign.load_names)
+    chosen = {name: course for name, course in LOADS.items() if n_loads == 1 or name not in OF_ONE_LOAD}
+    over_load = {name: course(model.means.rows.share) for name, course in chosen.items()}
     if len(np.unique(moments)) < MOMENTS:
         return over_load, {}
     at = (moments - moments.min()) / np.ptp(moments)
