@@ -20,10 +20,12 @@ from octmip.gap.causes import (
 )
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.complete import completed
-from octmip.gap.inference.confounding import ABSURD, detectable
+from octmip.gap.effects.families import History
+from octmip.gap.inference.confounding import ABSURD, detectable, ties
 from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
 from octmip.gap.inference.linear_model import LinearModel, difference_at
 from octmip.gap.inference.posterior import Judged, Posterior, attribute
+from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
 from octmip.gap.location import Where, localise
@@ -43,6 +45,8 @@ INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
 SOUND_ENOUGH, LIKELY, POSSIBLE = 0.5, 0.5, 0.1
 """Probability that nothing acts beyond which a run is not doubted; that a run was wrong from which it is, or may be."""
+WARMER = 1.0
+"""Range of the temperature [K] from which readings may go with it."""
 NAMED = 4
 """Tests named one by one in a sentence about many."""
 BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
@@ -89,6 +93,8 @@ class Diagnosis:
         size of every effect that would have been seen with 95 % power, in its unit.
     refused
         effects of which these readings say nothing, with the reason.
+    ties
+        effects by name that this twin cannot tell apart at the loads and states read, whatever their size.
     states
         unknown states under the first cause.
     notes
@@ -112,6 +118,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     posterior: Posterior
     doubts: tuple[str, ...] = ()
+    ties: tuple[tuple[str, ...], ...] = ()
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -217,6 +224,7 @@ def diagnose(
             notes=(*doubts, *remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
             posterior=posterior,
             doubts=doubts,
+            ties=ties(model),
         )
 
 
@@ -265,7 +273,25 @@ def _beside_doubt(
 
 def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
     """Return the effects that are looked for where none are given: the measuring chain's and the twin's own."""
-    return {**chain_of(twin, _typical(campaign, twin)), **getattr(twin, "effects", {})}
+    return {**chain_of(twin, _typical(campaign, twin), _histories(campaign)), **getattr(twin, "effects", {})}
+
+
+def _histories(campaign: Campaign) -> dict[str, History]:
+    """Return the courses of a campaign's own time: its temperature in 10 K, and which way the load went last."""
+    found: dict[str, History] = {}
+    if not campaign.has_time:
+        return found
+    start = float(campaign.time.min())
+    seen = np.flatnonzero(np.isfinite(campaign.temperature))
+    if len(seen) and np.ptp(campaign.temperature[seen]) > WARMER:
+        order = seen[np.argsort(campaign.time[seen], kind="stable")]
+        above = (campaign.temperature[order] - campaign.temperature[order[0]]) / 10.0
+        found["warming"] = tuple(zip((campaign.time[order] - start).tolist(), above.tolist(), strict=True))
+    signs = np.sign([change for change, _ in load_steps(campaign)])
+    if 1.0 in signs and -1.0 in signs:
+        times = [time for _, time in load_steps(campaign)]
+        found["direction"] = tuple(zip(times, signs.tolist(), strict=True))
+    return found
 
 
 def _typical(campaign: Campaign, twin: Twin) -> dict[str, float]:

@@ -1,48 +1,25 @@
-"""Effects of the measuring chain on readings: one effect, one line here."""
+"""Effects of the measuring chain on readings: one effect, one line here or in the tables of `families`."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 
-from octmip.gap.effects.common_gain import CommonGain
-from octmip.gap.effects.crosstalk import Crosstalk
-from octmip.gap.effects.families import Family, families_of
+from octmip.gap.effects.families import Family, History, families_of, named_families
 from octmip.gap.effects.load_factor_error import LoadFactorError, error_of_load
-from octmip.gap.effects.per_gauge import (
-    DEAD_GAUGE,
-    GAUGE_BIAS,
-    GAUGE_DRIFT,
-    GAUGE_GAIN,
-    MISALIGNMENT,
-    POSITION_OFFSET,
-    PerGauge,
-    offsets_of,
-)
-from octmip.gap.effects.swapped_pair import SwappedPair
-from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of, units_of
+from octmip.gap.effects.per_gauge import DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, PerGauge
+from octmip.gap.effects.two_gauges import Crosstalk, SwappedPair
+from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of
 
+OTHERS: tuple[Effect, ...] = (MISALIGNMENT, POSITION_OFFSET, SwappedPair(), DEAD_GAUGE, Crosstalk())
+"""What is no family: its formula needs an angle, a place or a second gauge."""
 CHAIN: dict[str, Effect] = {
-    effect.name: effect
-    for effect in (
-        GAUGE_GAIN,
-        GAUGE_BIAS,
-        GAUGE_DRIFT,
-        MISALIGNMENT,
-        POSITION_OFFSET,
-        SwappedPair(),
-        DEAD_GAUGE,
-        Crosstalk(),
-        LoadFactorError(),
-        CommonGain(),
-    )
+    effect.name: effect for effect in (*named_families([MICROSTRAIN], {}), *OTHERS, LoadFactorError())
 }
-"""The effects of any measuring chain, by name."""
+"""The effects of any measuring chain of strain gauges, by name."""
 
 
-def chain_of(twin: Twin, typical: Mapping[str, float] | None = None) -> dict[str, Effect]:
-    """Return the effects of a measuring chain as this twin needs them.
-
-    An error for each of its loads, and for each unit of its readings but microstrain an offset and a drift in that
-    unit.
+def chain_of(
+    twin: Twin, typical: Mapping[str, float] | None = None, histories: Mapping[str, History] | None = None
+) -> dict[str, Effect]:
+    """Return the effects of a measuring chain as this twin needs them: an error for each load, families of each unit.
 
     Parameters
     ----------
@@ -50,29 +27,13 @@ def chain_of(twin: Twin, typical: Mapping[str, float] | None = None) -> dict[str
         whose loads, units and instruments count.
     typical
         root mean square of the readings of each unit; without it 1.
+    histories
+        courses of the campaign's own time, by name.
     """
-    loads, units = loads_of(twin), dict.fromkeys(units_of(twin))
-    kept = dict(CHAIN)
-    if loads != ONE_LOAD:
-        del kept["load_factor_error"]
-        kept |= {effect.name: effect for effect in map(error_of_load, loads)}
-    if MICROSTRAIN not in units:
-        del kept["gauge_bias"], kept["gauge_drift"]
-    for unit in units:
-        if unit != MICROSTRAIN:
-            own = offsets_of(unit, (typical or {}).get(unit, 1.0), is_only=len(units) == 1)
-            kept |= {effect.name: effect for effect in own}
-    kept |= {effect.name: effect for effect in families_of(twin, typical or {})}
-    return {name: _shared(effect, units_of(twin)) for name, effect in kept.items()}
-
-
-def _shared(effect: Effect, units: Sequence[str]) -> Effect:
-    """Return an effect on readings of one unit as rare as these are: a fault is as probable at each reading."""
-    if isinstance(effect, PerGauge) and len(effect.units) == 1:
-        return replace(effect, commonness=units.count(effect.units[0]) / len(units))
-    if isinstance(effect, Family):
-        return replace(effect, commonness=effect.commonness * units.count(effect.reading_unit) / len(units))
-    return effect
+    loads = loads_of(twin)
+    of_loads: list[Effect] = [LoadFactorError()] if loads == ONE_LOAD else [error_of_load(load) for load in loads]
+    families = families_of(twin, typical or {}, histories or {})
+    return {effect.name: effect for effect in (*families, *OTHERS, *of_loads)}
 
 
 def in_chain(effect: Effect) -> bool:

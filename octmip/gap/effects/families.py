@@ -7,7 +7,7 @@ The change of a reading r of typical size s, at the time t from the start, per u
 | one | 1 for the readings of one instrument |
 | batch | 1 for the readings of one batch or cable: the twin names them as `batches`, a mapping to gauges |
 | unit | 1 for all readings of one unit |
-| along | -1 to 1 along the longest axis of the structure, for all readings of one unit |
+| along, across | -1 to 1 along the longest, the second longest axis of the structure, for all readings of one unit |
 
 | course | factor | law | factor |
 |---|---|---|---|
@@ -15,22 +15,27 @@ The change of a reading r of typical size s, at the time t from the start, per u
 | linear | t / 1 h | proportional | r / 100 |
 | power | (t / 1 h)^(1/3) | square | r abs(r) / 100 s |
 | settling | 1 - exp(-t / 20 min) | threshold | sign(r) max(0, abs(r) - s / 2) / 100 |
+| warming | temperature of the campaign above its first [10 K] | | |
+| direction | 1 where the load has risen last, -1 where it has fallen | | |
 
-The commonest cells have names of their own (gain, offset and drift of one gauge, gain common to all). Each of the
-others is `RARE` times as probable as one of these.
+The commonest cells have names of their own (`CARDS`); each of the others is `RARE` times as probable as one of these.
+A cell of one unit is the rarer, the fewer of the readings are in it: a fault is as probable at each reading.
 """
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import PURE, Load, State, Twin, channels_of, positions_of, units_of
+from octmip.twin import MICROSTRAIN, PURE, Load, State, Twin, channels_of, positions_of, units_of
 
 Floats = NDArray[np.float64]
+History = tuple[tuple[float, float], ...]
+"""Times [s] from the start of a campaign, and what a course is then."""
 
 COURSES: Mapping[str, Callable[[float], float]] = {
     "steady": lambda hours: 1.0,
@@ -38,7 +43,11 @@ COURSES: Mapping[str, Callable[[float], float]] = {
     "power": lambda hours: max(hours, 0.0) ** (1.0 / 3.0),
     "settling": lambda hours: 1.0 - exp(-3.0 * max(hours, 0.0)),
 }
-COURSE_WORDS = {"steady": "", "linear": "drifting ", "power": "creeping ", "settling": "settling "}
+"""Courses that every campaign has; those of `History` are read from it."""
+COURSE_WORDS = {
+    "steady": "", "linear": "drifting ", "power": "creeping ", "settling": "settling ", "warming": "warming ",
+    "direction": "lagging ",
+}  # fmt: skip
 LAW_WORDS = {
     "constant": "offset",
     "proportional": "gain",
@@ -50,11 +59,114 @@ WHO_WORDS = {
     "batch": "of the gauges on one cable",
     "unit": "common to all gauges",
     "along": "that varies along the structure",
+    "across": "that varies across the structure",
 }
 RARE = 0.04
 """How probable a cell of the library without a name of its own is beside one that has it."""
 PRIOR_SHARE = {"constant": 0.03, "proportional": 2.0, "square": 2.0, "threshold": 2.0}
 """Prior sd: of an offset over the typical reading, of the others in per cent."""
+STRAIN = 1000.0
+"""Typical strain [microstrain]: a bridge is balanced to 30 whatever it reads."""
+
+CELLS: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "one": (
+        ("power", "constant"),
+        ("settling", "constant"),
+        ("warming", "constant"),
+        ("linear", "proportional"),
+        ("steady", "square"),
+        ("steady", "threshold"),
+        ("direction", "constant"),
+    ),
+    "batch": (
+        ("steady", "constant"),
+        ("linear", "constant"),
+        ("power", "constant"),
+        ("settling", "constant"),
+        ("steady", "proportional"),
+        ("linear", "proportional"),
+    ),
+    "unit": (
+        ("steady", "constant"),
+        ("linear", "constant"),
+        ("power", "constant"),
+        ("settling", "constant"),
+        ("warming", "constant"),
+        ("linear", "proportional"),
+        ("power", "proportional"),
+        ("settling", "proportional"),
+        ("steady", "square"),
+        ("steady", "threshold"),
+        ("direction", "proportional"),
+    ),
+    "along": (
+        ("steady", "constant"),
+        ("linear", "constant"),
+        ("warming", "constant"),
+        ("steady", "proportional"),
+        ("linear", "proportional"),
+    ),
+    "across": (("steady", "constant"), ("warming", "constant"), ("steady", "proportional")),
+}
+"""Courses and laws of each who; what is missing has a name of its own."""
+
+CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
+    ("one", "steady", "proportional"): {
+        "name": "gauge_gain",
+        "parameter": "error of the gain of one gauge",
+        "prior_source": "gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again",
+        "separated_by": "a misalignment or an offset of the same gauge gives the same reading in one state; "
+        "a shunt calibration shows the gain",
+        "words": "gain of one gauge",
+        "words_at": "gain of gauge {place}",
+        "action": "recalibrate gauge {place}",
+        "says": ("it reads {size} too high", "it reads {size} too low"),
+    },
+    ("one", "steady", "constant"): {
+        "name": "gauge_bias",
+        "parameter": "offset of one gauge",
+        "prior_source": "bridges are balanced to some ten microstrain, other channels to 3 % of the typical reading",
+        "separated_by": "a reading at zero load shows it alone",
+        "seen_by": (),
+        "words": "zero offset of one gauge",
+        "words_at": "zero offset of gauge {place}",
+        "action": "set gauge {place} to zero again",
+        "says": ("it reads {size} too high at every load", "it reads {size} too low at every load"),
+    },
+    ("one", "linear", "constant"): {
+        "name": "gauge_drift",
+        "parameter": "drift of one gauge",
+        "prior_source": "unprotected gauges wander by some ten microstrain in an hour, other channels by some per cent",
+        "separated_by": "the same load at the start and at the end of the campaign; "
+        "with loads in ascending order a drift looks like a gain",
+        "seen_by": (),
+        "words": "drift of one gauge",
+        "words_at": "drift of gauge {place}",
+        "action": "find out why gauge {place} drifts",
+        "says": ("its reading rises by {size}", "its reading falls by {size}"),
+    },
+    ("unit", "steady", "proportional"): {
+        "name": "common_gain",
+        "parameter": "error of the gain common to all gauges",
+        "prior_sd": 1.0,
+        "prior_source": "amplifiers and gauge factors of one batch are good to about one per cent",
+        "separated_by": "strain alone cannot tell it from the load factor or a modulus: a shunt calibration does",
+        "words": "gain common to all gauges",
+        "words_at": "gain common to all gauges",
+        "action": "recalibrate the amplifier of all gauges",
+        "says": ("all gauges read {size} too high", "all gauges read {size} too low"),
+    },
+}
+"""Cells with names of their own; a gain is one effect whatever the units."""
+OF_CHANNEL = {
+    "gauge_bias": {
+        "words": "offset of one channel", "words_at": "offset of {place}", "action": "set {place} to zero again",
+    },
+    "gauge_drift": {
+        "words": "drift of one channel", "words_at": "drift of {place}", "action": "find out why {place} drifts",
+    },
+}  # fmt: skip
+"""What these are called where no strain is read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +180,11 @@ class Family:
     scale
         typical reading of the unit.
     reading_unit
-        that it acts on.
+        that it acts on; "" for all readings.
+    history
+        the course, where the campaign gives it.
+    commonness
+        how probable it is beside other effects.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -85,13 +201,13 @@ class Family:
     words_at: str
     action: str
     says: tuple[str, str]
-    commonness: float = RARE
+    commonness: float
+    history: History = ()
     parameter: str = ""
     prior_source: str = "instruments are good to some per cent"
     separated_by: str = "the same load at the start and at the end of the campaign, and a shunt calibration"
     prior_mean: float = 0.0
     is_one_sided: bool = False
-    load_power: int | None = None
     seen_by: tuple[str, ...] = ("shunt_reading",)
 
     @property
@@ -99,15 +215,23 @@ class Family:
         """Whether the signature depends on the time."""
         return self.course != "steady"
 
+    @property
+    def load_power(self) -> int | None:
+        """The power of the load with which it grows, where it is one."""
+        return 0 if self.law == "constant" else None
+
+    def _own(self, twin: Twin) -> list[bool]:
+        return [self.reading_unit in ("", unit) for unit in units_of(twin)]
+
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the instruments, the batches, or the whole."""
-        own = [unit == self.reading_unit for unit in units_of(twin)]
+        own = self._own(twin)
         if self.who == "one":
             found = zip(channels_of(twin), own, strict=True)
             return tuple(dict.fromkeys(channel for channel, is_own in found if is_own))
         if self.who == "batch":
             return tuple(getattr(twin, "batches", {}))
-        return ("",) if sum(own) > 1 else ()
+        return ("",) if sum(own) > 1 or self.name == "common_gain" else ()
 
     def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
         """Return the gauges of a place."""
@@ -117,8 +241,15 @@ class Family:
 
     def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size."""
-        reading = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
-        return self._weight(twin, place) * COURSES[self.course](time / 3600.0) * self._law(reading)
+        reading = np.zeros(len(twin.gauges)) if self.law == "constant" else twin.predict(state, load_factor)
+        law = self._law(np.asarray(reading, dtype=np.float64))
+        return self._weight(twin, place) * self._course(time) * law
+
+    def _course(self, time: float) -> float:
+        if self.course in COURSES:
+            return COURSES[self.course](time / 3600.0)
+        times, values = np.array(self.history).T
+        return float(values[np.argmin(np.abs(times - time))])
 
     def _law(self, reading: Floats) -> Floats:
         if self.law == "constant":
@@ -130,97 +261,97 @@ class Family:
         return 0.01 * np.sign(reading) * np.maximum(0.0, np.abs(reading) - 0.5 * self.scale)
 
     def _weight(self, twin: Twin, place: str) -> Floats:
-        own = np.array([unit == self.reading_unit for unit in units_of(twin)], dtype=np.float64)
+        own = np.array(self._own(twin), dtype=np.float64)
         if self.who == "one":
-            return np.array([name == place for name in channels_of(twin)], dtype=np.float64)
+            return own * np.array([name == place for name in channels_of(twin)], dtype=np.float64)
         if self.who == "batch":
             return own * np.array([name in twin.batches[place] for name in twin.gauges])  # type: ignore[attr-defined]
-        return own * along_longest(twin) if self.who == "along" else own
+        return own * on_axis(twin, AXES.index(self.who)) if self.who in AXES else own
 
 
-def along_longest(twin: Twin) -> Floats:
-    """Return where each gauge lies along the structure's longest axis (n_gauges,), -1 to 1; 0 where nobody says."""
+AXES = ("along", "across")
+
+
+def on_axis(twin: Twin, rank: int) -> Floats:
+    """Return where each gauge lies along the longest (0) or second longest axis (n_gauges,), -1 to 1.
+
+    0 where nobody says, or where all gauges lie on one line.
+    """
     places = positions_of(twin)
     if places is None:
         return np.zeros(len(twin.gauges))
     extent = np.ptp(places, axis=0)
-    axis = places[:, int(np.argmax(extent))]
-    return np.asarray(2.0 * (axis - axis.min()) / max(float(extent.max()), 1e-300) - 1.0)
+    axis = int(np.argsort(-extent, kind="stable")[rank])
+    if not extent[axis] > 0.0:
+        return np.zeros(len(twin.gauges))
+    return np.asarray(2.0 * (places[:, axis] - places[:, axis].min()) / extent[axis] - 1.0)
 
 
-CELLS: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "one": (
-        ("power", "constant"),
-        ("settling", "constant"),
-        ("linear", "proportional"),
-        ("steady", "square"),
-        ("steady", "threshold"),
-    ),
-    "batch": (
-        ("steady", "constant"),
-        ("linear", "constant"),
-        ("power", "constant"),
-        ("settling", "constant"),
-        ("steady", "proportional"),
-        ("linear", "proportional"),
-    ),
-    "unit": (
-        ("steady", "constant"),
-        ("linear", "constant"),
-        ("power", "constant"),
-        ("settling", "constant"),
-        ("linear", "proportional"),
-        ("power", "proportional"),
-        ("settling", "proportional"),
-        ("steady", "square"),
-        ("steady", "threshold"),
-    ),
-    "along": (
-        ("steady", "constant"),
-        ("linear", "constant"),
-        ("steady", "proportional"),
-        ("linear", "proportional"),
-    ),
-}
-"""Courses and laws of each who; what is missing has a name of its own (`per_gauge`, `common_gain`)."""
+def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str, History]) -> list[Family]:
+    """Return the cells for a twin's readings, given the typical reading of each unit and the campaign's own courses."""
+    missing = set() if getattr(twin, "batches", {}) else {"batch"}
+    missing |= {who for rank, who in enumerate(AXES) if not on_axis(twin, rank).any()}
+    every = list(units_of(twin))
+    units = list(dict.fromkeys(every))
+    cells = [(who, course, law) for who, own in CELLS.items() if who not in missing for course, law in own]
+    cells = [cell for cell in cells if cell[1] in COURSES or cell[1] in histories]
+    found = named_families(every, typical)
+    for unit in units:
+        scale = typical.get(unit, 1.0) or 1.0
+        share = every.count(unit) / len(every)
+        found += [_family(cell, unit, scale, share, len(units) == 1, histories.get(cell[1], ())) for cell in cells]
+    return found
 
 
-def families_of(twin: Twin, typical: Mapping[str, float]) -> list[Family]:
-    """Return the cells for a twin's readings, given the typical reading of each unit."""
-    units = list(dict.fromkeys(units_of(twin)))
-    missing = {"batch"} if not getattr(twin, "batches", {}) else set()
-    missing |= {"along"} if positions_of(twin) is None else set()
-    return [
-        _family(who, course, law, unit, typical.get(unit, 1.0) or 1.0, is_only=len(units) == 1)
-        for unit in units
-        for who, cells in CELLS.items()
-        if who not in missing
-        for course, law in cells
-    ]
+def named_families(every: Sequence[str], typical: Mapping[str, float]) -> list[Family]:
+    """Return the cells with names of their own for readings of these units (n_gauges,)."""
+    units, found = list(dict.fromkeys(every)), []
+    for cell in CARDS:
+        if cell[2] == "proportional":
+            found.append(_family(cell, "", 1.0, 1.0, is_only=True))
+            continue
+        for unit in units:
+            scale = STRAIN if unit == MICROSTRAIN else typical.get(unit, 1.0) or 1.0
+            is_plain = len(units) == 1 or unit == MICROSTRAIN
+            found.append(_family(cell, unit, scale, every.count(unit) / len(every), is_plain))
+    return found
 
 
-def _family(who: str, course: str, law: str, unit: str, typical: float, *, is_only: bool) -> Family:
+def _family(
+    cell: tuple[str, str, str], unit: str, typical: float, share: float, is_only: bool, history: History = ()
+) -> Family:
+    who, course, law = cell
     ending = "" if is_only else f"_{re.sub(r'[^a-z0-9]+', '_', unit.lower()).strip('_') or 'number'}"
     size_unit = unit if law == "constant" else "%"
     if course == "linear":
         size_unit = "1/h" if size_unit in PURE else f"{size_unit}/h"
-    prior_sd = PRIOR_SHARE[law] * (typical if law == "constant" else 1.0)
     called = f"{COURSE_WORDS[course]}{LAW_WORDS[law]}"
     words = f"{called} {WHO_WORDS[who]}{'' if is_only else f' in {unit}'}"
     place = {"one": f"{called} of gauge {{place}}", "batch": f"{called} of the gauges on cable {{place}}"}
+    said: dict[str, Any] = {
+        "name": "_".join(cell),
+        "prior_sd": PRIOR_SHARE[law] * (typical if law == "constant" else 1.0),
+        "words": words,
+        "words_at": place.get(who, words),
+        "action": f"look for the {words}",
+        "says": (f"the {called} is {{size}}", f"the {called} is -{{size}}"),
+        "parameter": called,
+    }
+    if cell in CARDS:
+        said |= CARDS[cell]
+        said["prior_sd"] *= 2.0 if course == "linear" else 1.0
+        if unit not in ("", MICROSTRAIN):
+            said |= OF_CHANNEL[said["name"]]
+            said["words"] += "" if is_only else f" in {unit}"
+    said["name"] += ending
     return Family(
-        name=f"{who}_{course}_{law}{ending}",
         who=who,
         course=course,
         law=law,
-        load_power=0 if law == "constant" else None,
         unit=size_unit,
-        prior_sd=prior_sd,
         scale=typical,
         reading_unit=unit,
-        words=words,
-        words_at=place.get(who, words),
-        action=f"look for the {words}",
-        says=(f"the {called} is {{size}}", f"the {called} is -{{size}}"),
-        parameter=called,
+        commonness=share * (1.0 if cell in CARDS else RARE),
+        history=history,
+        **said,
     )

@@ -2,27 +2,23 @@
 
 | effect | reading of gauge g with size s |
 |---|---|
-| gauge_gain | (1 + s / 100) strain |
-| gauge_bias | strain + s |
-| gauge_drift | strain + s time / 3600 s, from the start of the campaign |
 | misalignment | (1 - (1 + nu) s / 100) strain, s / 100 = sin^2(angle), shear left out, nu = 0.3 |
 | position_offset | strain + s d(strain)/dy, the slope from the neighbouring gauges |
 | dead_gauge | (1 - s) strain with s = 1: zero and noise whatever the strain |
 
-"Strain" is the reading, whatever it measures; angle and place are asked of strain gauges alone, offset and drift of the
-gauges whose unit is theirs. Where one instrument gives several readings (`octmip.twin.channels_of`), its faults act on
-all of them.
+"Strain" is the reading, whatever it measures; angle and place are asked of strain gauges alone. Gain, offset and drift
+are families (`octmip.gap.effects.families`). Where one instrument gives several readings (`octmip.twin.channels_of`),
+its faults act on all of them.
 """
 
-import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
-from octmip.twin import MICROSTRAIN, PURE, STRAINS, Load, State, Twin, channels_of, positions_of, units_of
+from octmip.twin import STRAINS, Load, State, Twin, channels_of, positions_of, units_of
 
 POISSON = 0.3
 """Transverse contraction that a turned gauge feels."""
@@ -30,13 +26,12 @@ POISSON = 0.3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """One gauge at one state, load and time [s]; the twin is asked only for what a formula needs."""
+    """One gauge at one state and load; the twin is asked only for what a formula needs."""
 
     twin: Twin
     state: State
     load_factor: Load
     gauge: int
-    time: float
 
     @property
     def strains(self) -> NDArray[np.float64]:
@@ -61,8 +56,6 @@ class PerGauge:
         whether the twin must say where its gauges lie.
     units
         of the readings that it acts on; empty: of all.
-    commonness
-        how probable it is beside other effects.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -78,11 +71,9 @@ class PerGauge:
     is_one_sided: bool = False
     load_power: int | None = None
     acts_on_readings: bool = False
-    uses_time: bool = False
     needs_positions: bool = False
     units: tuple[str, ...] = ()
     seen_by: tuple[str, ...] = ()
-    commonness: float = 1.0
     words: str = ""
     words_at: str = ""
     action: str = ""
@@ -105,20 +96,8 @@ class PerGauge:
         """Return the change of the readings (n_gauges,) per unit of size."""
         change = np.zeros(len(twin.gauges))
         for gauge in (k for k, own in enumerate(channels_of(twin)) if own == place):
-            change[gauge] = self.formula(Moment(twin, state, load_factor, gauge, time))
+            change[gauge] = self.formula(Moment(twin, state, load_factor, gauge))
         return change
-
-
-def _gain(moment: Moment) -> float:
-    return 0.01 * moment.strain
-
-
-def _bias(moment: Moment) -> float:
-    return 1.0
-
-
-def _drift(moment: Moment) -> float:
-    return moment.time / 3600.0
 
 
 def _misalignment(moment: Moment) -> float:
@@ -148,63 +127,6 @@ def spanwise_slope(positions: NDArray[np.float64], strain: NDArray[np.float64], 
     slope = np.linalg.lstsq(offset * weight[:, None], (strain[near] - strain[gauge]) * weight, rcond=None)[0]
     return float(slope[1])
 
-
-GAUGE_GAIN = PerGauge(
-    name="gauge_gain",
-    parameter="error of the gain of one gauge",
-    unit="%",
-    prior_sd=2.0,
-    prior_source="gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again",
-    separated_by=(
-        "a misalignment or an offset of the same gauge gives the same reading in one state; "
-        "a shunt calibration shows the gain"
-    ),
-    formula=_gain,
-    seen_by=("shunt_reading",),
-    words="gain of one gauge",
-    words_at="gain of gauge {place}",
-    action="recalibrate gauge {place}",
-    says=("it reads {size} too high", "it reads {size} too low"),
-)
-"""Gauge factor, lead wires, bridge completion."""
-
-GAUGE_BIAS = PerGauge(
-    name="gauge_bias",
-    parameter="offset of one gauge",
-    unit=MICROSTRAIN,
-    units=(MICROSTRAIN,),
-    prior_sd=30.0,
-    prior_source="bridges are balanced to some ten microstrain",
-    separated_by="a reading at zero load shows it alone",
-    formula=_bias,
-    load_power=0,
-    words="zero offset of one gauge",
-    words_at="zero offset of gauge {place}",
-    action="set gauge {place} to zero again",
-    says=("it reads {size} too high at every load", "it reads {size} too low at every load"),
-)
-"""A bridge that was not balanced, a residual stress under it."""
-
-GAUGE_DRIFT = PerGauge(
-    name="gauge_drift",
-    parameter="drift of one gauge",
-    unit="microstrain/h",
-    units=(MICROSTRAIN,),
-    prior_sd=60.0,
-    prior_source="unprotected gauges wander by some ten microstrain in an hour",
-    separated_by=(
-        "the same load at the start and at the end of the campaign; "
-        "with loads in ascending order a drift looks like a gain"
-    ),
-    formula=_drift,
-    load_power=0,
-    uses_time=True,
-    words="drift of one gauge",
-    words_at="drift of gauge {place}",
-    action="find out why gauge {place} drifts",
-    says=("its reading rises by {size}", "its reading falls by {size}"),
-)
-"""Temperature of the bridge, creep of the adhesive, moisture."""
 
 MISALIGNMENT = PerGauge(
     name="misalignment",
@@ -260,39 +182,3 @@ DEAD_GAUGE = PerGauge(
     says=("it shows nothing of the strain", "it shows nothing of the strain"),
 )
 """A broken lead: nothing but zero and noise."""
-
-OFFSET_SHARE, DRIFT_SHARE = 0.03, 0.06
-"""Prior sd of an offset, and of a drift in an hour, over the typical reading of a unit: what 30 and 60 microstrain are
-beside 1000."""
-
-
-def offsets_of(unit: str, typical: float, is_only: bool) -> tuple[PerGauge, PerGauge]:
-    """Return offset and drift of one instrument whose readings of this unit have this typical size.
-
-    They bear the plain names where the unit `is_only` one of the twin, else the unit stands in the name.
-    """
-    ending = "" if is_only else f"_{re.sub(r'[^a-z0-9]+', '_', unit.lower()).strip('_') or 'number'}"
-    scale = typical if typical > 0.0 else 1.0
-    offset = replace(
-        GAUGE_BIAS,
-        name=f"gauge_bias{ending}",
-        unit=unit,
-        units=(unit,),
-        prior_sd=OFFSET_SHARE * scale,
-        prior_source=f"{100 * OFFSET_SHARE:g} % of the typical reading",
-        words="offset of one channel" if is_only else f"offset of one channel in {unit}",
-        words_at="offset of {place}",
-        action="set {place} to zero again",
-    )
-    drift = replace(
-        GAUGE_DRIFT,
-        name=f"gauge_drift{ending}",
-        unit="1/h" if unit in PURE else f"{unit}/h",
-        units=(unit,),
-        prior_sd=DRIFT_SHARE * scale,
-        prior_source=f"{100 * DRIFT_SHARE:g} % of the typical reading in an hour",
-        words="drift of one channel" if is_only else f"drift of one channel in {unit}",
-        words_at="drift of {place}",
-        action="find out why {place} drifts",
-    )
-    return offset, drift

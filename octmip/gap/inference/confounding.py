@@ -30,6 +30,8 @@ IMPOSSIBLE = 30.0
 """The limit where the signatures are one: a gain of 20 % is named beside a modulus, -100 % not beside a dead gauge."""
 EXACT = 0.5
 """d' below which two signatures are one."""
+SAME = 1e-6
+"""One less the cosine of two signatures that are one by construction."""
 POWER = 3.3 + 1.645
 """d' that a size needs to be seen with 95 % power past a threshold corrected for some hundred places."""
 
@@ -115,6 +117,24 @@ def _distances(model: LinearModel, gram: tuple[Floats, Floats], member: int, siz
     needed = np.clip(needed, -limit, limit)
     squared = size**2 * diagonal[member] - 2 * size * needed * cross + needed**2 * diagonal
     return np.sqrt(np.maximum(squared, 0.0)), needed
+
+
+def ties(model: LinearModel) -> tuple[tuple[str, ...], ...]:
+    """Return groups of effects that change these readings in one proportion, so that no size of any tells them apart.
+
+    Two effects are one where each place of either has a place of the other with the same course over the readings;
+    discrete effects, whose size is known, and effects that nothing shows are left out.
+    """
+    priors, columns = model.inputs.priors, model.signatures / np.sqrt(np.diag(model.noise))[:, None]
+    lengths = np.linalg.norm(columns, axis=0)
+    kept = np.flatnonzero(~priors.is_discrete & (lengths * priors.sd > EXACT))
+    unit = columns[:, kept] / lengths[kept]
+    alike = np.abs(unit.T @ unit) > 1.0 - SAME
+    name, names = priors.name[kept], np.unique(priors.name[kept])
+    within = np.array([[alike[np.ix_(name == a, name == b)].any(axis=1).all() for b in names] for a in names])
+    called = {int(j): candidate.name for j, candidate in zip(priors.name, model.inputs.candidates, strict=True)}
+    groups = {tuple(called[int(n)] for n in names[row]) for row in (within & within.T).reshape(len(names), len(names))}
+    return tuple(sorted(group for group in groups if len(group) > 1))
 
 
 def detectable(model: LinearModel) -> dict[str, float]:

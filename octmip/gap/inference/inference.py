@@ -140,4 +140,3 @@ class Inference:
                 break
             members = (*members[:faintest], *members[faintest + 1 :])
         return members
-

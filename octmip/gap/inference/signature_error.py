@@ -5,9 +5,12 @@ its places are samples of a continuum. Given that candidate j acts with size the
 
     theta_j (S_j + E_j xi),   xi ~ N(0, I),
 
-E_j = [s_j diag(S_j) gauge by gauge | BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale. So a set of
-candidates is judged under C0 + Q Q', Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no
-reason for a second one. With A = I + Q'Q in whitened coordinates
+E_j = [e_u s_j S_j of kind u | e_g s_j S_j at gauge g, each the same at all loads, along each load and bent over it |
+BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale. How wrong a kind and a gauge are (e: not at all,
+0.3, 1 or 3 times what the effect says) is integrated: at the values that bear the readings best exactly, the others by
+their evidences, as if blocks were independent (`_chosen_levels`). So a set of candidates is judged under C0 + Q Q',
+Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no reason for a second one, and an exact twin
+pays little for the freedom. With A = I + Q'Q in whitened coordinates
 
     G' = G - (Q'S)' A^-1 (Q'S),   b' = b - (Q'S)' A^-1 (Q'r),   log p0' = log p0 + ((Q'r)' A^-1 (Q'r) - log det A) / 2.
 
@@ -169,13 +172,11 @@ def propagates(model: LinearModel, members: Members) -> bool:
     return len(members) > 1 and any(model.inputs.candidates[j].acts_on_readings for j in members)
 
 
-def weighed_errors(
-    size: Floats, errors: Sequence[SignatureError], left: Floats, kind: Ints
-) -> tuple[Floats, float]:
+def weighed_errors(size: Floats, errors: Sequence[SignatureError], left: Floats, kind: Ints) -> tuple[Floats, float]:
     """Return whitened Q (n, r) of members of these sizes, and the log of what all other Q weigh beside it.
 
-    `left` is what the members leave of the whitened residual (n,), `kind` that of each gauge. Between places first, then
-    kind by kind, then gauge by gauge, each of what the one before leaves.
+    `left` is what the members leave of the whitened residual (n,), `kind` that of each gauge. Between places first,
+    then kind by kind, then gauge by gauge, each of what the one before leaves.
     """
     root, beside = np.zeros((len(left), 0)), 0.0
     if not errors:

@@ -34,6 +34,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "unknown_probability": diagnosis.unknown_probability,
         "detectable": diagnosis.detectable,
         "refused": diagnosis.refused,
+        "ties": [list(group) for group in diagnosis.ties],
         "noise": _noise(diagnosis),
         "units": dict(zip(inputs.campaign.gauges, inputs.units, strict=True)),
         "shrinkage": None if diagnosis.shrinkage is None else _shrinkage(diagnosis.shrinkage),

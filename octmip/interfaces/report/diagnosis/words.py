@@ -146,6 +146,9 @@ def doubt_lines(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.which[0].effects:
         sizes = ", ".join(f"{name} {size}" for name, size in detectable_sizes(diagnosis))
         lines.append(f"Detectable sizes (these readings would have shown them with 95 % power): {sizes}.")
+    for group in diagnosis.ties[:FEW]:
+        called = listed([effect_called(diagnosis, name) for name in group])
+        lines.append(f"The twin sees one and the same change in {called}: these readings can never tell them apart.")
     refused = list(diagnosis.refused.items())[:FEW]
     return lines + [f"No statement on {effect_called(diagnosis, name)}: {reason}." for name, reason in refused]
 
