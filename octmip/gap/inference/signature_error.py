@@ -9,8 +9,8 @@ E_j = [e_u s_j S_j of kind u | e_g s_j S_j at gauge g, each the same at all load
 BETWEEN (c_k S_k - S_j) of the nearest places k], c_k the best scale. How wrong a kind and a gauge are (e: not at all,
 0.3, 1 or 3 times what the effect says) is integrated: at the values that bear the readings best exactly, the others by
 their evidences, as if blocks were independent (`_chosen_levels`). So a set of candidates is judged under C0 + Q Q',
-Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no reason for a second one, and an exact twin
-pays little for the freedom. With A = I + Q'Q in whitened coordinates
+Q = [theta_j E_j]_j with the sizes as fitted; what grows with the effect is no reason for a second one, and a twin that
+is exact pays little for the freedom. With A = I + Q'Q in whitened coordinates
 
     G' = G - (Q'S)' A^-1 (Q'S),   b' = b - (Q'S)' A^-1 (Q'r),   log p0' = log p0 + ((Q'r)' A^-1 (Q'r) - log det A) / 2.
 
