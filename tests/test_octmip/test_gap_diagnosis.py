@@ -41,7 +41,7 @@ CASES = [
     ("large_deflection", 1.5, ""),
     ("gauge_bias", 40.0, "g09"),
     ("gauge_gain", 4.0, "g05"),
-    ("gauge_drift", 200.0, "g03"),
+    ("gauge_drift", 300.0, "g03"),
     ("swapped_pair", 1.0, "g06/g07"),
     ("dead_gauge", 1.0, "g11"),
     ("modulus", 2.0, ""),

@@ -216,6 +216,11 @@ class Family:
         return self.course != "steady"
 
     @property
+    def has_own_name(self) -> bool:
+        """Whether it is one of the common cells, which have names of their own."""
+        return (self.who, self.course, self.law) in CARDS
+
+    @property
     def load_power(self) -> int | None:
         """The power of the load with which it grows, where it is one."""
         return 0 if self.law == "constant" else None
