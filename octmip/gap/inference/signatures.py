@@ -69,7 +69,7 @@ def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     pairs = [(inputs.named(states[part.cell]), inputs.cell_of(part).load) for part in inputs.averages]
     twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
     found = (expected * twins + scale**2) / (twins**2 + scale**2)
-    return np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO)
+    return np.asarray(np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO))
 
 
 def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: float) -> Floats:
