@@ -32,8 +32,8 @@ WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 NEGLIGIBLE = 1e-3
 """Share of a cause's probability below which one of its hypotheses does not move the size."""
-STEPS = 5
-"""Steps of a fit with an exact forward map, each of two maps for every load."""
+STEPS = 10
+"""Most steps of a fit with an exact forward map, each of two maps for every load."""
 SLOPE = 0.05
 """Step of the derivative over the prior sd: a table or a rough model has none at a point."""
 CLOSE = 1e-4
@@ -112,7 +112,8 @@ def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
         return np.asarray((left(shares + ahead) - left(shares))[:, None] / ahead)
 
     start = float(np.clip(size, low, high)) / sd
-    found = least_squares(left, [start], slope, bounds=(low / sd, high / sd), xtol=CLOSE, max_nfev=STEPS)
+    ends = (low / sd, high / sd)
+    found = least_squares(left, [start], slope, bounds=ends, method="dogbox", xtol=CLOSE, max_nfev=STEPS)
     steep = float(np.linalg.norm(np.asarray(found.jac))) / sd
     linear = float(np.linalg.norm(model.whiten(model.signatures[:, member])))
     return sd * float(found.x[0]), linear / steep if linear > 0.0 and steep > 0.0 else 1.0

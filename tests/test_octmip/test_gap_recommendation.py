@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose
+from octmip.gap.campaign.fault import Fault
 from octmip.gap.effects.words import effect_words, words_at
 from octmip.gap.shrinkage import Shrinkage
 from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of
@@ -153,14 +154,14 @@ def test_a_damage_that_could_be_the_cause_is_named_beside_it():
 @pytest.mark.parametrize("name", ["stuck", "clipped"])
 def test_channels_that_say_nothing_are_repaired_first(gain, name):
     sound = diagnosed(seed=4)
-    change = {"stuck": ("g03",)} if name == "stuck" else {"clipped": {"g03": 1500.0}}
+    fault = Fault(name, "g03", np.arange(3), "", 1500.0, 0)
     beginning = {
         "stuck": "Repair the channel of gauge g03, whose readings never change; ",
         "clipped": "Widen the range of the channel of gauge g03: g03 ends at 1500 microstrain; ",
     }[name]
     ends = {sound: "nothing else to do: no effect", gain: "recalibrate gauge g05: it reads"}
     for diagnosis, end in ends.items():
-        changed = dataclasses.replace(diagnosis, noise=dataclasses.replace(diagnosis.noise, **change))
+        changed = dataclasses.replace(diagnosis, noise=dataclasses.replace(diagnosis.noise, faults=(fault,)))
         assert recommend(changed).startswith(beginning + end)
 
 
