@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from joblib import Parallel, delayed
+from numpy.typing import NDArray
 
 from benchmarks.uav.bayes import bayes_limit
 from femlib.dataset import Dataset
@@ -80,14 +81,14 @@ def problem_of(data: Dataset, cell: Cell) -> Problem:
     return problem
 
 
-def mean_absolute_error(problem: Problem, data: Dataset, cell: Cell, solution: Solution, *, train: bool) -> float:
-    """Return the MAE in percent loss of stiffness on the training or the test rows."""
+def misses(problem: Problem, data: Dataset, cell: Cell, solution: Solution, *, train: bool) -> NDArray[np.float64]:
+    """Return by how much each training (test) row's label is missed, in percent loss of stiffness."""
     rows = data.is_train if train else ~data.is_train
     columns = [data.gauges.index(gauge) for gauge in cell.gauges]
     assert solution.tree is not None
     codes = predict(solution.tree, data.features[rows][:, columns])
     told = np.array(problem.class_names, dtype=float)[codes]
-    return float(np.abs(told - getattr(data, cell.label)[rows]).mean())
+    return np.asarray(np.abs(told - getattr(data, cell.label)[rows]))
 
 
 def run_cell(data: Dataset, cell: Cell) -> Outcome:
@@ -97,6 +98,7 @@ def run_cell(data: Dataset, cell: Cell) -> Outcome:
     solution = solve(problem, cell.method, limits=Limits(seconds=cell.seconds), seed=cell.seed)
     seconds = time.perf_counter() - start
     certificate = certify(problem, solution)
+    of_train, of_test = (misses(problem, data, cell, solution, train=train) for train in (True, False))
     columns = [data.gauges.index(gauge) for gauge in cell.gauges]
     limit = bayes_limit(
         data.mean_features[:, columns],
@@ -118,13 +120,15 @@ def run_cell(data: Dataset, cell: Cell) -> Outcome:
         "sensors": list(certificate.sensors),
         "method": cell.method,
         "errors": certificate.errors,
+        "n_test": len(of_test),
+        "errors_test": int((of_test > 0).sum()),
         "objective": certificate.objective,
         "bound": None if np.isinf(solution.bound) else solution.bound,
         "gap": None if np.isinf(solution.gap) else solution.gap,
         "is_optimal": solution.is_optimal,
         "stop": str(solution.stop),
-        "mae_train": mean_absolute_error(problem, data, cell, solution, train=True),
-        "mae_test": mean_absolute_error(problem, data, cell, solution, train=False),
+        "mae_train": float(of_train.mean()),
+        "mae_test": float(of_test.mean()),
         "bayes_mae": limit.mae,
         "bayes_error_rate": limit.error_rate,
         "paper_mae_train": paper[0],

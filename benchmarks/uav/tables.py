@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from benchmarks.uav.glance import glance
 from benchmarks.uav.study import CRITICAL_PERCENT, CRITICAL_WEIGHT, LABELS, Outcome, pick
 
 METHOD_NAMES = {
@@ -34,6 +35,8 @@ def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
         "method minimises and what its bound speaks of; a row that stops at its limit (last column) shows its gap.",
         "",
         *(f"* {answer}" for answer in answers),
+        "",
+        *glance(outcomes),
     ]
     for label in LABELS:
         rows = [o.row for o in outcomes if o.cell.label == label]

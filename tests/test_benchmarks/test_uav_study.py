@@ -13,7 +13,20 @@ from femlib.dataset import Recipe, build_dataset, simulated_strains
 from femlib.wing import uav_wing
 
 KEYS = {
-    *("data", "label", "depth", "split", "split_size", "sensors", "method", "errors", "objective", "bound", "gap"),
+    *(
+        "data",
+        "label",
+        "depth",
+        "split",
+        "split_size",
+        "sensors",
+        "method",
+        "errors",
+        "errors_test",
+        "objective",
+        "bound",
+        "gap",
+    ),
     *("is_optimal", "stop", "mae_train", "mae_test", "bayes_mae", "seconds", "seed"),
 }
 TASKS = (
@@ -40,6 +53,17 @@ def test_every_row_holds_what_a_reader_needs(results: Path) -> None:
     rows = json.loads((results / "table.json").read_text())
     assert len(rows) == 2 * (len(study.METHODS) + 4 * 3)
     assert all(set(row) >= KEYS for row in rows)
+
+
+def test_the_glance_has_a_row_for_each_task_and_counts_new_rows_too(results: Path) -> None:
+    rows = json.loads((results / "table.json").read_text())
+    text = (results / "table.md").read_text().partition("## At a glance")[2].partition("## mu1")[0]
+    table = [line for line in text.splitlines() if line.startswith("| mu")]
+    assert len(table) == len({_task(row) for row in rows})
+    row = next(row for row in rows if (row["method"], row["task"], row["label"]) == ("exact", "risk", "mu2"))
+    cell = next(line for line in table if "mu2, risk" in line).split(" | ")[3]
+    assert cell.startswith(f"{row['errors']} / {row['errors_test']}, proven, ")
+    assert 0 <= row["errors_test"] <= row["n_test"]
 
 
 def test_no_method_is_below_the_proven_optimum(results: Path) -> None:

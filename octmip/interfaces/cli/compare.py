@@ -19,17 +19,12 @@ from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
-from octmip.trees.registry import read_options, solvers_of, taken
+from octmip.trees.registry import read_options, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
-from octmip.trees.solver import solve
+from octmip.trees.solver import chosen_method, solve
 from octmip.trees.tradeoff import baselines_of, score, score_of
 
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
-DEFAULTS = {
-    "axis": ("cart", "search", "exact", "benders", "flow", "oct"),
-    "hyperplane": ("cart", "search", "flow", "oct_h"),
-    "two features": ("cart", "search", "exact", "flow", "oct_h"),
-}
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -86,7 +81,7 @@ def _show(
 def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
     """Return a row for each method; after a signal those that are known, if there are any."""
     rows: list[dict[str, Any]] = []
-    methods = _methods(arguments, question.problem)
+    methods = _methods(arguments)
     _refuse_options_of_none(arguments, question.problem, methods)
     for method in methods:
         try:
@@ -125,13 +120,9 @@ def _baselines(question: Question, seed: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _methods(arguments: argparse.Namespace, problem: Problem) -> list[Any]:
+def _methods(arguments: argparse.Namespace) -> list[Any]:
     if not arguments.methods:
-        if problem.loss.predicts == "number":
-            known = solvers_of(problem)
-            return [name for name in METHODS if name in known and known[name].refusal(problem) is None]
-        has_boxes = problem.split == "hyperplane" and problem.max_split_size <= 2
-        return list(DEFAULTS["two features" if has_boxes else problem.split])
+        return list(METHODS[1:])  # those that cannot answer say why
     names = [name.strip() for name in arguments.methods.split(",")]
     unknown = [name for name in names if name not in METHODS[1:]]
     if unknown:
@@ -153,6 +144,7 @@ def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, met
 def _row(arguments: argparse.Namespace, question: Question, method: Any, limits: Limits) -> dict[str, Any]:
     problem = question.problem
     try:
+        chosen_method(problem, method)  # or the reason why there is none
         with ProgressLine(f"{method}: ") as progress:
             times = GapTimes(progress)
             words = {name: word for name, word in words_of(arguments).items() if name in taken(problem, method)}
@@ -194,5 +186,5 @@ def _shown(row: dict[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
         "splits": row.get("n_splits"),
         "tree by": row.get("tree_by"),
         "seconds": None if "seconds" not in row else round(row["seconds"], 3),
-        "stop": row.get("stop", "failed"),
+        "stop": row.get("stop", "no answer"),
     }

@@ -34,9 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip compare`."""
     add_everyday_arguments(parser, seconds=60.0, has_target=True)
     rarely(add_held_out_arguments(group_of(parser, DATA)))
-    group_of(parser, METHOD).add_argument(
-        "--methods", metavar="A,B,...", help="methods to run (default: all that suit the kind of split)"
-    )
+    group_of(parser, METHOD).add_argument("--methods", metavar="A,B,...", help="methods to run (default: all)")
     group_of(parser, METHOD).add_argument(
         "--baselines",
         action="store_true",
