@@ -171,7 +171,7 @@ ROWS = (range(0, 75), range(75, 150))
         ({"folds": [(range(10), range(5, 20))]}, "fold 0 trains on 5 of the rows that judge it"),
         ({"folds": [(range(10), [150])]}, "validation rows from 150 to 150"),
         ({"folds": [([0.5], [3])]}, "training rows"),
-        ({"folds": [(range(10), range(60, 70))]}, "training rows of fold 0 make no problem: targets holds one class"),
+        ({"folds": [(range(10), range(60, 70))]}, "training rows of fold 0 cost nothing in a single leaf"),
         ({"depths": [3]}, "depths is"),
         ({"depths": []}, "depths is"),
         ({"depths": [0, 1]}, "depths is"),
