@@ -72,6 +72,7 @@ def test_a_single_effect_is_named_with_its_size(name, size, place, known):
 def test_a_sound_asset_is_called_sound(seed, calibrated):
     diagnosis = diagnose(measured(seed), TWIN, commissioning=COMMISSIONING if calibrated else None)
     assert diagnosis.is_sound
+    assert CONFOUNDED in [set(group) for group in diagnosis.ties]
     assert page_of_words(diagnosis).startswith("Nothing to do")
 
 

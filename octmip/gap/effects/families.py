@@ -286,9 +286,10 @@ def on_axis(twin: Twin, rank: int) -> Floats:
     if places is None:
         return np.zeros(len(twin.gauges))
     extent = np.ptp(places, axis=0)
-    axis = int(np.argsort(-extent, kind="stable")[rank])
-    if not extent[axis] > 0.0:
+    axes = [int(k) for k in np.argsort(-extent, kind="stable") if extent[k] > 0.0]
+    if rank >= len(axes):
         return np.zeros(len(twin.gauges))
+    axis = axes[rank]
     return np.asarray(2.0 * (places[:, axis] - places[:, axis].min()) / extent[axis] - 1.0)
 
 

@@ -27,8 +27,6 @@ from octmip.gap.progress import Stage
 
 Floats = NDArray[np.float64]
 
-TEMPERATURE = 1.0
-"""Divisor of every log evidence: models are wrong in more ways than their own errors say (docs/gap.md)."""
 LEVELS = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
 """Levels of the difference with their probabilities before any reading."""
 LEVEL_BEHIND = 4.0
@@ -250,8 +248,8 @@ def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
 
 
 def _weight(model: LinearModel, log_evidence: float, log_prior_: float) -> float:
-    """Return the log of prior times evidence, the evidence cooled down."""
-    return log_evidence / TEMPERATURE + log_prior_ + float(np.log(LEVELS[model.level]))
+    """Return the log of prior times evidence."""
+    return log_evidence + log_prior_ + float(np.log(LEVELS[model.level]))
 
 
 def _away(inference: Inference, members: Members) -> float:
