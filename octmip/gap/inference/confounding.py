@@ -30,6 +30,8 @@ IMPOSSIBLE = 30.0
 """The limit where the signatures are one: a gain of 20 % is named beside a modulus, -100 % not beside a dead gauge."""
 EXACT = 0.5
 """d' below which two signatures are one."""
+MOST_LEFT = 0.7
+"""Share of a faint effect's own d' that an imitation may leave: half of its square, or it imitates nothing."""
 SAME = 1e-6
 """One less the cosine of two signatures that are one by construction."""
 POWER = 3.3 + 1.645
@@ -84,10 +86,15 @@ def confounded_with(model: LinearModel, own: Fit, member: int) -> set[int]:
 
 
 def _from_member(model: LinearModel, own: Fit, member: int) -> tuple[Floats, Floats]:
-    """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it."""
+    """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it.
+
+    It is infinite where a candidate leaves most of what the member does.
+    """
     size = float(own.size[own.members.index(member)])
     gram = conditional_gram(model, tuple(j for j in own.members if j != member), member)
-    return _distances(model, gram, member, size)
+    d_prime, needed = _distances(model, gram, member, size)
+    alone = abs(size) * float(np.sqrt(gram[1][member]))
+    return np.where(d_prime < MOST_LEFT * alone, d_prime, np.inf), needed
 
 
 def conditional_gram(model: LinearModel, others: Members, member: int) -> tuple[Floats, Floats]:
