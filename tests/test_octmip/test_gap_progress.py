@@ -3,6 +3,7 @@
 import csv
 import os
 import pty
+import re
 import select
 import signal
 import subprocess
@@ -74,14 +75,14 @@ def test_a_terminal_sees_the_stages_and_ctrl_c_ends_them(command):
             text += os.read(own, 65536).decode()
         except OSError:  # the other end is closed
             break
-        if "of 33" in text and not sent:
+        if "effect 1 of " in text and not sent:
             sent = True
             running.send_signal(signal.SIGINT)
     os.close(own)
     assert running.wait(60) == 130, text
     assert text.startswith("octmip diagnose: a twin of finite elements takes about a minute")
     assert "building the twin slow:Slow" in text
-    assert "effect 1 of 33: gain of one gauge" in text
+    assert re.search(r"effect 1 of \d+: gain of one gauge", text)
     assert text.rstrip().endswith("octmip: interrupted")
 
 
