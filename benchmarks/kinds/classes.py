@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -13,23 +13,14 @@ from benchmarks.oracles.strategies import with_gaps
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
-from octmip.trees.methods.options import ExactOptions, MipOptions
+from octmip.trees.methods.options import NO_OPTIONS, ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.solver import solve
-from octmip.trees.tree import n_splits
 
 MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
 MOST_SPLITS = 3
-
-
-@dataclass(frozen=True, slots=True)
-class Asked:
-    """A problem, and how many splits its trees may have; None: as many as its depth allows."""
-
-    problem: Problem
-    most_splits: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,36 +28,34 @@ class Classes:
     """Trees of least cost that predict classes."""
 
     stream: int
-    drawn: Callable[[Generator], Asked]
+    drawn: Callable[[Generator], Problem]
     methods: Mapping[str, float]
     share: float = 1.0
     proofs: tuple[str, ...] = field(default=("exact",))
 
-    def draw(self, rng: Generator) -> Asked:
+    def draw(self, rng: Generator) -> Problem:
         """Return a random problem."""
         return self.drawn(rng)
 
-    def truth(self, problem: Asked) -> Fraction:
+    def truth(self, problem: Problem) -> Fraction:
         """Return the least cost of any tree."""
-        return least_cost(problem.problem, problem.most_splits)
+        return least_cost(problem)
 
-    def has_log(self, problem: Asked, method: str) -> bool:
+    def has_log(self, problem: Problem, method: str) -> bool:
         """Return whether a method writes proof logs of a problem."""
-        return method in self.proofs and problem.problem.integer_normals is None
+        return method in self.proofs and problem.integer_normals is None
 
-    def ask(self, question: Question, problem: Asked, log: Path | None) -> Solution:
+    def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
         """Return the answer to a question."""
-        options = MipOptions(max_splits=problem.most_splits) if log is None else ExactOptions(proof=log)
+        options = NO_OPTIONS if log is None else ExactOptions(proof=log)
         limits, method = question.limits, question.method
-        return solve(problem.problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
+        return solve(problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
 
-    def complaint(self, problem: Asked, answer: Solution, truth: Fraction, log: Path) -> str:
+    def complaint(self, problem: Problem, answer: Solution, truth: Fraction, log: Path) -> str:
         """Return what is wrong with a solution and its log; '' when nothing is."""
-        if (wrong := complaint(problem.problem, answer, truth)) != "":
+        if (wrong := complaint(problem, answer, truth)) != "":
             return wrong
-        if problem.most_splits is not None and answer.tree is not None and n_splits(answer.tree) > problem.most_splits:
-            return f"answer: {n_splits(answer.tree)} splits, but {problem.most_splits} are allowed"
-        return log_complaint(problem.problem, log, answer, truth)
+        return log_complaint(problem, log, answer, truth)
 
 
 def complaint(problem: Problem, solution: Solution, least: Fraction) -> str:
@@ -105,29 +94,35 @@ def log_complaint(problem: Any, log: Path, solution: Solution, least: Fraction) 
     return f"proof: accepted for {report.bound}" if Fraction(report.bound) > least * (1 + ROUNDING) else ""
 
 
-def _wide(rng: Generator) -> Asked:
-    return Asked(wide_problem(rng, split="axis"))
+def _wide(rng: Generator) -> Problem:
+    return wide_problem(rng, split="axis")
 
 
-def _hyperplanes(rng: Generator) -> Asked:
-    return Asked(wide_problem(rng, split="hyperplane"))
+def _hyperplanes(rng: Generator) -> Problem:
+    return wide_problem(rng, split="hyperplane")
 
 
-def _gaps(rng: Generator) -> Asked:
-    return Asked(with_gaps(rng, wide_problem(rng, split="axis")))
+def _gaps(rng: Generator) -> Problem:
+    return with_gaps(rng, wide_problem(rng, split="axis"))
 
 
-def _sized(rng: Generator) -> Asked:
+def _sized(rng: Generator) -> Problem:
     problem = sized_problem(rng)
-    return Asked(with_gaps(rng, problem) if rng.random() < 0.2 else problem)
+    return with_gaps(rng, problem) if rng.random() < 0.2 else problem
 
 
-def _lines(rng: Generator) -> Asked:
-    return Asked(sized_lines(rng))
+def _lines(rng: Generator) -> Problem:
+    return sized_lines(rng)
 
 
-def _few_splits(rng: Generator) -> Asked:
-    return Asked(wide_problem(rng, split="axis"), int(rng.integers(0, MOST_SPLITS + 1)))
+def _few_splits(rng: Generator) -> Problem:
+    return replace(wide_problem(rng, split="axis"), max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
+
+
+def _few_leaves(rng: Generator) -> Problem:
+    problem = wide_problem(rng, split="axis")
+    depth = int(rng.integers(1, 5))
+    return replace(problem, depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
 
 
 AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "benders": 0.3}
@@ -140,3 +135,4 @@ GAPS_KIND = Classes(7, _gaps, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow":
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())
+FEW_LEAVES_KIND = Classes(19, _few_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())

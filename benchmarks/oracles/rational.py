@@ -33,14 +33,14 @@ def cost_of(problem: Problem, tree: Node) -> Fraction:
     return sum(paid, Fraction(problem.leaf_penalty) * complexity(tree))
 
 
-def least_cost(problem: Problem, most_splits: int | None = None) -> Fraction:
-    """Return the least objective over all trees, axis-aligned ones of `most_splits` splits at most.
+def least_cost(problem: Problem) -> Fraction:
+    """Return the least objective over all trees, axis-aligned ones of `max_splits` splits at most.
 
     Effort grows as cuts^depth of axis-aligned trees, as partings^depth of others, times sets of sensors.
     """
     prices, denominator = _whole_prices(problem)
     if problem.split == "axis":
-        best = min(_best_along(problem, features, prices, most_splits) for features in _affordable(problem))
+        best = min(_best_along(problem, features, prices) for features in _affordable(problem))
     else:
         parted = partings(problem) if problem.integer_normals is None else _whole_partings(problem)
         best = min(_best_cost(problem, _cheapest(parted, features), prices) for features in _affordable(problem))
@@ -58,7 +58,7 @@ def _affordable(problem: Problem) -> Iterator[frozenset[int]]:
                 yield frozenset(f for f, s in enumerate(problem.sensor_index.tolist()) if s in chosen)
 
 
-def _best_along(problem: Problem, features: frozenset[int], prices: list[list[int]], most_splits: int | None) -> int:
+def _best_along(problem: Problem, features: frozenset[int], prices: list[list[int]]) -> int:
     """Return the least cost of axis-aligned trees over some features, in whole numbers of any size."""
     total = sum(max(row) for row in prices)
     table = np.array(prices[:-1], dtype=np.int64 if total < 2**62 else object)
@@ -95,7 +95,7 @@ def _best_along(problem: Problem, features: frozenset[int], prices: list[list[in
 
     every = np.ones(problem.n_samples, dtype=np.bool_)
     whole = 2**problem.depth - 1
-    return best(every, problem.depth, whole if most_splits is None else min(most_splits, whole))
+    return best(every, problem.depth, whole if problem.max_splits is None else min(problem.max_splits, whole))
 
 
 def _columns(problem: Problem, features: frozenset[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:

@@ -39,13 +39,17 @@ def write_problem_file(path: PathLike, problem: Problem) -> None:
     DataError
         it cannot be written.
     ProblemError
-        trees of numbers with hyperplanes or linear leaves, which no program checks.
+        trees of numbers with hyperplanes or linear leaves, or a number of splits, which no program checks.
     """
     write_bytes(path, (json.dumps(encode(problem), allow_nan=False) + "\n").encode())
 
 
 def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
+    if problem.limited_splits is not None:
+        raise ProblemError(
+            f"max_splits is {problem.max_splits}, of which a problem file says nothing; leave one of them out"
+        )
     return (_of_classes(problem) if problem.loss.predicts == "class" else _of_numbers(problem)) | _of_both(problem)
 
 
@@ -113,6 +117,8 @@ def question_digest(problem: Problem) -> str:
     _add(sha, "sensor_of_feature", problem.sensor_index)
     _add(sha, "sensor_cost", problem.sensor_costs)
     _add(sha, "is_limited", np.array([int(problem.allowed_splits is not None)]))
+    if problem.limited_splits is not None:
+        _add(sha, "max_splits", np.array([problem.limited_splits]))
     groups: Iterable[Iterable[Any]] = problem.allowed_splits or ()
     for group in groups:
         _add(sha, "group", np.array(list(group), dtype=np.int64))

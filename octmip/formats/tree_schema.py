@@ -108,6 +108,7 @@ SETTINGS: dict[str, Kind] = {
     "sensor_budget": maybe(COST),
     "allowed_splits": maybe(ListOf(ListOf(Either((NAME, Whole(0, 2**31))), 1))),
     "integer_normals": maybe(COUNT),
+    "max_splits": maybe(Whole()),
     "gaps": Truth(),
 }
 CLAIMS: dict[str, Kind] = {

@@ -238,6 +238,20 @@ def prove(
     The same for any number of threads; `submit` as for `branch_and_bound`, to a `CutSolver` that logs.
     """
 
+def shaped_search(
+    problem: Problem,
+    incumbent: tuple[int, list[NodeRow]] | None,
+    limit_values: LimitValues,
+    progress: Callable[[float, int, int, int], None] | None = None,
+    *,
+    max_splits: int,
+    directions: list[int],
+) -> tuple[list[NodeRow], int, int, str, int]:
+    """Return the best tree of a shape: node table, objective, bound, stop and evaluated cuts.
+
+    `directions`: for each column 1 where predictions never fall as it rises, -1 where they never rise, 0 elsewhere.
+    """
+
 def exact_bytes(problem: Problem, n_threads: int) -> float:
     """Return the bytes that the tables of an exact search may take, its queues left out."""
 

@@ -13,7 +13,7 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.formats.messages import several
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop, is_tolerable
-from octmip.trees.tree import Leaf, Node, depth, leaf_index, leaves, n_splits
+from octmip.trees.tree import Leaf, Node, complexity, depth, leaf_index, leaves, n_splits
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +129,9 @@ def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
 def _check_tree(problem: Problem, tree: Node) -> None:
     if depth(tree) > problem.depth:
         raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {problem.depth}")
+    if problem.max_splits is not None and complexity(tree) > problem.max_splits:
+        counted = "splits" if problem.split == "axis" else "features in its splits"
+        raise CertificateError(f"the tree has {complexity(tree)} {counted} but max_splits is {problem.max_splits}")
     forbidden = problem.first_forbidden_split(tree)
     if forbidden:
         raise CertificateError(forbidden)

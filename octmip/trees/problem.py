@@ -176,7 +176,7 @@ class Problem(Shape):
         words = [f"{self.n_samples} samples", f"{self.n_features} features"]
         words += [f"{self.n_classes} classes"] if self.class_names else [f"loss={self.loss!r}"]
         words += [f"depth={self.depth}", f"split={self.split!r}"]
-        usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "sensor_budget": None}
+        usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
         if self.gaps:

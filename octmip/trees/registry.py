@@ -52,7 +52,8 @@ class Registration:
     def refusal(self, problem: Problem) -> str | None:
         """Return the first setting of a problem that the solver does not know, None where it knows all."""
         asked = {name: getattr(problem, name) for name in self.cannot}
-        return next((name for name, value in asked.items() if value not in (None, False, "constant")), None)
+        is_usual = [value is None or value is False or value == "constant" for value in asked.values()]
+        return next((name for name, usual in zip(asked, is_usual, strict=True) if not usual), None)
 
     def load(self) -> Solver:
         """Return the solver, its module imported only now: HiGHS and scikit-learn are needed by some methods only.
@@ -74,18 +75,24 @@ class Registration:
 CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=())
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
-TWO_FEATURE = Registration("octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True)
+SHAPED = replace(
+    EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
+)
+"""The exact core where `Shape.max_splits` rules trees out: it shares the splits out between the sides of every cut."""
+TWO_FEATURE = Registration(
+    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits",)
+)
 OCT = Registration("octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True, without=("cluster", "mu"))
 OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
 FLOW_OF_PLANES = Registration("octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
-BENDERS = Registration("octmip.trees.mip.benders.solver", "solve_benders", proves=True)
+BENDERS = Registration("octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("max_splits",))
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
     "exact_regression",
     proves=True,
     alone_to_depth=MAX_DEPTH,
-    cannot=("gaps", "leaf_model"),
+    cannot=("gaps", "leaf_model", "max_splits"),
     without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
@@ -134,14 +141,34 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
 """What is asked of classes alone, by name, and why: refused in one sentence with a loss of numbers."""
 
 
+NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "drift", "sequential")
+"""What knows nothing of `Shape.max_splits`: its searches go through trees level by level."""
+
+
+def refuse_shape(problem: Problem, asked: str) -> None:
+    """Check that a problem limits its trees by nothing that what is asked does not know.
+
+    Raises
+    ------
+    ProblemError
+        it limits the number of splits.
+    """
+    if asked in NOT_OF_SHAPES and problem.limited_splits is not None:
+        raise ProblemError(
+            f"{asked} goes through trees level by level and knows nothing of a number of splits; got max_splits "
+            f"{problem.max_splits}; leave max_splits out, or ask solve, trace_frontier or choose_tree"
+        )
+
+
 def refuse_numbers(problem: Problem, asked: str) -> None:
-    """Check that a problem is one of classes, for what is asked of these alone.
+    """Check that a problem is one of classes, for what is asked of these alone, and of a shape that it knows.
 
     Raises
     ------
     ProblemError
         its loss is one of numbers.
     """
+    refuse_shape(problem, asked)
     if problem.loss.predicts == "number":
         raise ProblemError(
             f"{asked} is for classes, as {ASKED_OF_CLASSES[asked]}; got the loss {problem.loss.spelling!r}; sort the "
@@ -190,5 +217,7 @@ def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Opt
 
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:
-    """Return the solvers that answer a problem's loss and split, by method."""
-    return REGISTRY[problem.loss.name, problem.split]
+    """Return the solvers that answer a problem's loss, split and shape, by method."""
+    known = REGISTRY[problem.loss.name, problem.split]
+    is_shaped = problem.limited_splits is not None and known.get("exact") is EXACT
+    return {**known, "exact": SHAPED} if is_shaped else known

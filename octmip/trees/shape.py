@@ -26,6 +26,24 @@ def set_field(noun: object, name: str, value: object) -> None:
     object.__setattr__(noun, name, value)
 
 
+def splits_of(most_leaves: int | None, split: str, name: str) -> int | None:
+    """Return the splits of an axis-aligned tree of at most so many leaves, None without a limit.
+
+    Raises
+    ------
+    ProblemError
+        it is no whole number of 1 or more, or splits are hyperplanes, whose features are counted instead.
+    """
+    if most_leaves is None:
+        return None
+    if split != "axis":
+        raise ProblemError(
+            f"{name} is {most_leaves} but split is {split!r}; leave it out, or give a Problem max_splits, which counts "
+            "the features in all hyperplanes"
+        )
+    return whole_of(most_leaves, name, 1, None) - 1
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False, kw_only=True)
 class Shape:
     """Which trees are allowed.
@@ -58,6 +76,9 @@ class Shape:
         share of the leaf's own variance that the ridge of a linear leaf adds to every feature's.
     integer_normals
         the coefficients of a hyperplane are integers of at most this size; None: real.
+    max_splits
+        at most so many splits in the tree, of hyperplanes so many features in all of them; None: no limit. A tree of
+        `k` leaves has `k - 1` splits.
     Derived:
         sensors: names of the sensors in the order of their first feature.
         sensor_index: (n_features,) int64, index in `sensors`.
@@ -76,6 +97,7 @@ class Shape:
     leaf_model: Literal["constant", "linear"] = "constant"
     ridge: float = 1e-3
     integer_normals: int | None = None
+    max_splits: int | None = None
     sensors: tuple[str, ...] = field(init=False, repr=False)
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
     sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
@@ -117,6 +139,8 @@ class Shape:
             set_field(self, "split_size", whole_of(self.split_size, "split_size", 1, None))
         if self.integer_normals is not None:
             set_field(self, "integer_normals", whole_of(self.integer_normals, "integer_normals", 1, 2**53))
+        if self.max_splits is not None:
+            set_field(self, "max_splits", whole_of(self.max_splits, "max_splits", 0, None))
 
     def _set_allowed_splits(self, feature_names: tuple[str, ...]) -> None:
         if self.allowed_splits is None:
@@ -137,6 +161,12 @@ class Shape:
     def n_features(self) -> int:
         """Number of features."""
         return len(self.sensor_index)
+
+    @property
+    def limited_splits(self) -> int | None:
+        """`max_splits` where it rules out trees that the depth allows, else None."""
+        every = (2**self.depth - 1) * self.max_split_size
+        return None if self.max_splits is None or self.max_splits >= every else self.max_splits
 
     @property
     def max_split_size(self) -> int:

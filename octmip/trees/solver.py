@@ -39,12 +39,13 @@ from octmip.trees.methods.options import (
     Options,
     SearchOptions,
 )
+from octmip.trees.methods.pruning import pruned
 from octmip.trees.problem import Problem
 from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
 from octmip.trees.run import Run, until_interrupted
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Node, complexity
+from octmip.trees.tree import Node
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE = 0.2
@@ -121,7 +122,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     name = chosen_method(problem, run.method)
     run = replace(run, options=options_for(problem, name, run.options))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
-    first = _known(problem, incumbent, run)
+    first = _known(problem, incumbent)
     _write_model(problem, name, run, first)
     if problem.has_sample_costs:
         return _by_weighted_rows(problem, run, first)
@@ -132,7 +133,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
             return _result(_Call(problem, replace(run, options=options), start), name, first)
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
-    return _checked(problem, replace(solution, seconds=time.perf_counter() - start), run.options)
+    return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
 
 
 def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
@@ -162,7 +163,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     # A relative gap of the rows is another one of the problem.
     limits = replace(run.limits, gap=0.0)
     run = replace(run, options=options, limits=limits, progress=made.progress(run.progress))
-    return _checked(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)), options)
+    return _checked(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)))
 
 
 def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) -> None:
@@ -172,9 +173,7 @@ def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) 
         return
     from octmip.trees.mip.model_rows import model_of
 
-    made = model_of(
-        problem, name, start=first, max_splits=options.max_splits, mu=options.mu, seed=run.seed, limits=run.limits
-    )
+    made = model_of(problem, name, start=first, mu=options.mu, seed=run.seed, limits=run.limits)
     made.write(options.write)
 
 
@@ -185,7 +184,7 @@ def _kept_solve(problem: Problem, run: Run, path: PathLike, incumbent: Node | So
     kept, key = SolvesFile(path, version), key_of(problem, asked, incumbent)
     found = kept.find(problem, key)
     if found is not None:
-        return _checked(problem, found, asked.options)
+        return _checked(problem, found)
     solution = solve_run(problem, asked, incumbent)
     if solution.stop is not Stop.INTERRUPTED:
         kept.keep(problem, key, solution)
@@ -260,7 +259,7 @@ class _Call:
             options=options_for(self.problem, name, options),
             **study,
         )
-        return _fitting(self.problem, solution, run.options)
+        return _fitting(self.problem, solution)
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         progress = self.run.progress
@@ -269,18 +268,11 @@ class _Call:
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
 
 
-def _max_splits(options: Options) -> int | None:
-    return options.max_splits if isinstance(options, MipOptions) else None
-
-
-def _fitting(problem: Problem, solution: Solution, options: Options) -> Solution:
-    """Return a solution whose tree has as many splits as the options allow: the best pruning where it has more."""
-    most = _max_splits(options)
-    if most is None or solution.tree is None:
+def _fitting(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution whose tree has the shape that is asked for: the best pruning where it has too many splits."""
+    if solution.tree is None:
         return solution
-    from octmip.trees.mip.incumbent import pruned
-
-    tree = pruned(problem, solution.tree, most)
+    tree = pruned(problem, solution.tree, problem.max_splits)
     if tree is solution.tree:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
@@ -294,7 +286,7 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
         if first.stop is Stop.INTERRUPTED:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = _checked(call.problem, _solved(call, name, first), call.run.options)
+    solution = _checked(call.problem, _solved(call, name, first))
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)
@@ -351,7 +343,7 @@ def _assisted(call: _Call, name: str, tree: Node | None, options: MipOptions) ->
         return call.solve(name, tree, options=options, lower_bound=lower_bound, inject=injector)
 
 
-def _known(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Solution | None:
+def _known(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:
     """Return the incumbent as a solution without a bound, once it is a tree of the problem."""
     tree = checked_incumbent(problem, incumbent)
     if tree is None:
@@ -360,7 +352,7 @@ def _known(problem: Problem, incumbent: Node | Solution | None, run: Run) -> Sol
     if math.isinf(objective):  # no float64: worse than any tree that a solver begins with
         return None
     given = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "incumbent", "1", 0)
-    return _fitting(problem, given, run.options)
+    return given
 
 
 def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
@@ -372,12 +364,9 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     return better
 
 
-def _checked(problem: Problem, solution: Solution, options: Options = NO_OPTIONS) -> Solution:
+def _checked(problem: Problem, solution: Solution) -> Solution:
     if solution.tree is None:
         return solution
-    most, read = _max_splits(options), complexity(solution.tree)
-    if most is not None and read > most:
-        raise SolverError(f"{solution.solver} returned {read} features in splits; expected max_splits={most} at most")
     try:
         with held_back():  # what hours have found is not lost to a signal in these moments
             certify(problem, solution)

@@ -109,6 +109,6 @@ def test_a_regressor_has_the_picture_page_and_importances_that_a_classifier_has(
 
 
 def test_an_option_of_another_method_is_refused_when_fitting():
-    found = OptimalTreeRegressor(max_depth=1, options=MipOptions(max_splits=2))
-    with pytest.raises(ProblemError, match="method 'exact' takes no option 'max_splits'; expected some of: proof"):
+    found = OptimalTreeRegressor(max_depth=1, options=MipOptions(mu=2.0))
+    with pytest.raises(ProblemError, match="method 'exact' takes no option 'mu'; expected some of: proof"):
         found.fit([[0.0], [1.0]], [0.0, 1.0])

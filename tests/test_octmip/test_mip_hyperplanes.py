@@ -2,6 +2,7 @@
 
 import itertools
 from collections import Counter
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -123,7 +124,7 @@ def test_the_rows_are_those_of_the_pyomo_model(case, real):
             leaf_size=problem.leaf_size,
         )
     model = paper.paper_model(problem, 0.01, max_splits=2)
-    rows = oct_h.encode(problem, 0.01, max_splits=2).rows
+    rows = oct_h.encode(replace(problem, max_splits=2), 0.01).rows
     assert rows_of(rows) == rows_of_pyomo(model)
     cost = generate_standard_repn(model.cost.expr)
     theirs = {v.name: c for v, c in zip(cost.linear_vars, cost.linear_coefs, strict=True) if c != 0}

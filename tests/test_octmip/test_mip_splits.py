@@ -22,6 +22,8 @@ from tests.test_octmip.test_mip import uci
 METHODS = {"oct": solve_oct, "flow": solve_flow}
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))
 
+ONE = Split(0, 0.5, Leaf(0), Leaf(1))
+
 
 def stairs(**options: object) -> Problem:
     """Return five samples on a line, the labels of which need three splits."""
@@ -49,12 +51,12 @@ def prunings(problem: Problem, node: Node) -> list[Node]:
 @pytest.mark.parametrize("seed", range(6))
 def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     problem = random(seed)
-    one = METHODS[method](problem, options=MipOptions(max_splits=1))
+    one = METHODS[method](replace(problem, max_splits=1))
     assert complexity(one.tree) <= 1
     assert one.objective == one.bound == solve(replace(problem, depth=1), "exact").objective
     assert one.stop is Stop.OPTIMAL
     assert one.details["scope"] == "trees of at most 1 split among all axis-aligned trees"
-    two = METHODS[method](problem, options=MipOptions(max_splits=2))
+    two = METHODS[method](replace(problem, max_splits=2))
     certify(problem, two)
     assert complexity(two.tree) <= 2
     assert two.is_optimal
@@ -62,7 +64,7 @@ def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
 
 
 def test_iris_with_one_split_is_proven_to_miss_fifty():
-    solution = solve_flow(uci("iris", depth=2), options=MipOptions(max_splits=1))
+    solution = solve_flow(replace(uci("iris", depth=2), max_splits=1))
     assert (solution.objective, solution.bound) == (50, 50)
 
 
@@ -70,7 +72,7 @@ def test_iris_with_one_split_is_proven_to_miss_fifty():
 def test_features_of_hyperplanes_are_counted_one_by_one(seed):
     problem = random(seed, split="hyperplane")
     for method in ("oct_h", "flow"):
-        solution = solve(problem, method, options=MipOptions(max_splits=1))
+        solution = solve(replace(problem, max_splits=1), method)
         certify(problem, solution)
         assert complexity(solution.tree) <= 1
         assert solution.details["scope"].startswith("trees of at most 1 feature in all splits among mu-separated")
@@ -101,7 +103,7 @@ def test_a_hyperplane_that_is_too_wide_goes_and_a_narrow_one_below_it_goes_with_
 @pytest.mark.parametrize("given", [solve_oct, solve_flow, solve_oct_h])
 def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
     problem = stairs(split="hyperplane" if given is solve_oct_h else "axis")
-    solution = given(problem, incumbent=STAIRS, options=MipOptions(max_splits=1), limits=Limits(seconds=0.0))
+    solution = given(replace(problem, max_splits=1), incumbent=STAIRS, limits=Limits(seconds=0.0))
     certify(problem, solution)
     assert complexity(solution.tree) <= 1
     assert solution.objective == 1
@@ -109,9 +111,9 @@ def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
 
 def test_a_tree_that_is_handed_over_or_assists_is_pruned_too():
     problem = stairs()
-    solution = solve_oct(problem, options=MipOptions(max_splits=1), inject=lambda best: STAIRS)
+    solution = solve_oct(replace(problem, max_splits=1), inject=lambda best: STAIRS)
     assert (complexity(solution.tree), solution.objective) == (1, 1)
-    solution = solve(problem, "flow", options=MipOptions(max_splits=1, assist=("exact",)))
+    solution = solve(replace(problem, max_splits=1), "flow", options=MipOptions(assist=("exact",)))
     assert (complexity(solution.tree), solution.objective, solution.bound) == (1, 1, 1)
 
 
@@ -121,22 +123,27 @@ def test_ctrl_c_returns_a_tree_of_no_more_splits(assist, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("octmip.trees.mip.flow.solve_flow", interrupted)
-    solution = solve(stairs(), "flow", incumbent=STAIRS, options=MipOptions(max_splits=1, assist=assist))
+    solution = solve(replace(stairs(), max_splits=1), "flow", incumbent=ONE, options=MipOptions(assist=assist))
     assert solution.stop is Stop.INTERRUPTED
     assert (complexity(solution.tree), solution.objective) == (1, 1)
 
 
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
-    monkeypatch.setattr(solver, "_fitting", lambda problem, solution, options: solution)
-    with pytest.raises(SolverError, match="returned 3 features in splits; expected max_splits=1 at most"):
-        solve(stairs(), "flow", incumbent=STAIRS, options=MipOptions(max_splits=1))
+    monkeypatch.setattr(solver, "_fitting", lambda problem, solution: solution)
+    with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
+        solve(replace(stairs(), max_splits=1), "search")
+
+
+def test_an_incumbent_of_more_splits_is_refused():
+    with pytest.raises(ProblemError, match="the tree has 3 splits but max_splits is 1"):
+        solve(replace(stairs(), max_splits=1), "flow", incumbent=STAIRS)
 
 
 @pytest.mark.parametrize("most", [-1, 1.5, "two"])
 @pytest.mark.parametrize("method", ["oct", "flow"])
 def test_a_number_of_splits_that_is_none_is_refused(method, most):
     with pytest.raises(ProblemError, match="max_splits is"):
-        solve(stairs(), method, options=MipOptions(max_splits=most))
+        solve(replace(stairs(), max_splits=most), method)
 
 
 def test_a_path_over_splits_is_never_worse_than_cart_nor_than_its_prunings():

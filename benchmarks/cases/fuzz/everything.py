@@ -35,6 +35,7 @@ import numpy as np
 
 from benchmarks.kinds.classes import (
     AXIS_KIND,
+    FEW_LEAVES_KIND,
     FEW_SPLITS_KIND,
     GAPS_KIND,
     HYPERPLANE_KIND,
@@ -60,6 +61,7 @@ KINDS: dict[str, Kind] = {
     "sized": SIZED_KIND,
     "lines": LINES_KIND,
     "few_splits": FEW_SPLITS_KIND,
+    "few_leaves": FEW_LEAVES_KIND,
     "numbers": Numbers(),
     "worst_case": WorstCases(),
     "near": NearSets(),

@@ -157,6 +157,7 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         rarely(action)
     group = group_of(parser, TREE)
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
+    group.add_argument("--max-leaves", metavar="K", type=int, help="at most K leaves in the tree")
     group.add_argument(
         "--split-size", metavar="K", type=int, help="at most K features in one split; hyperplanes where K is 2 or more"
     )

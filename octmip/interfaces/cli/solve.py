@@ -48,8 +48,9 @@ from octmip.trees.tree import Node
 
 MOST_SECONDS = 60.0
 """Of a choice, where no --seconds are given."""
-OF_A_DEPTH = {
+OF_A_DEPTH: dict[str, object] = {
     "leaf_penalty": 0.0,
+    "max_leaves": None,
     "method": "auto",
     "gap": 0.0,
     "incumbent": None,

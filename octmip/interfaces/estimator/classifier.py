@@ -37,6 +37,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         at most so many features in one split; None: no limit.
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
+    max_leaf_nodes
+        at most so many leaves, beside a `max_depth` that is a number; None: no limit.
     leaf_penalty
         price of one feature in one split, in units of weight times cost; "auto" chooses its own.
     costs

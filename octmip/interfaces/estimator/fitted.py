@@ -32,6 +32,7 @@ from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
+from octmip.trees.shape import splits_of
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Choice, solve_default
@@ -70,10 +71,11 @@ class FittedTree(Settings):
         problem = Problem(
             features[kept],
             labels[kept],
-            depth=depth_of(self.max_depth, self.leaf_penalty, self.method, self.options),
+            depth=depth_of(self),
             split=self.split,
             split_size=self.split_size,
             leaf_size=leaf_size_of(self.min_samples_leaf, int(kept.sum())),
+            max_splits=splits_of(self.max_leaf_nodes, self.split, "max_leaf_nodes"),
             leaf_penalty=self.leaf_penalty,
             weights=weights[kept],
             sensor_of_feature=sensors_of(self.columns_, self.sensor_of_feature),

@@ -32,6 +32,8 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         "constant", or "linear": a ridge regression in each leaf, by search.
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
+    max_leaf_nodes
+        at most so many leaves, beside a `max_depth` that is a number; None: no limit.
     leaf_penalty
         price of one feature in one split, in units of weight times error; "auto" chooses its own.
     sensor_of_feature, sensor_cost, sensor_budget, categories, missing

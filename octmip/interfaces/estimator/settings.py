@@ -35,6 +35,7 @@ class Settings:
     split: Literal["axis", "hyperplane"] = "axis"
     split_size: int | None = None
     min_samples_leaf: float = 1
+    max_leaf_nodes: int | None = None
     leaf_penalty: float = 0.0
     sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
@@ -48,7 +49,7 @@ class Settings:
     random_state: RandomState = 0
 
 
-def depth_of(max_depth: int | str, leaf_penalty: float, method: str, options: object) -> int:
+def depth_of(settings: Settings) -> int:
     """Return the depth of the problem; 1 for "auto", whose choice replaces it.
 
     Raises
@@ -56,11 +57,11 @@ def depth_of(max_depth: int | str, leaf_penalty: float, method: str, options: ob
     ProblemError
         it is neither "auto" nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself.
     """
-    if max_depth != AUTO:
-        return whole_of(max_depth, "max_depth", 1, MAX_DEPTH)  # type: ignore[arg-type]
-    given = {"leaf_penalty": (leaf_penalty, 0), "method": (method, AUTO), "options": (options, None)}
-    for name, (value, usual) in given.items():
-        if value != usual:
+    if settings.max_depth != AUTO:
+        return whole_of(settings.max_depth, "max_depth", 1, MAX_DEPTH)
+    chosen = {"leaf_penalty": 0, "method": AUTO, "options": None, "max_leaf_nodes": None}
+    for name, usual in chosen.items():
+        if (value := getattr(settings, name)) != usual:
             raise ProblemError(
                 f"{name} is {value!r} with max_depth='auto', which chooses its own; expected {usual!r}; leave {name} "
                 "out, or give a max_depth, such as 3"

@@ -84,6 +84,7 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
+        Under `Shape.max_splits` ties stay.
 
     Raises
     ------
@@ -112,7 +113,8 @@ def branch_and_bound(
     with ExitStack() as stack:
         search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
         search.search(start)
-        ties = search.smaller() if break_ties and search.stop is Stop.OPTIMAL else dict(UNBROKEN)
+        may_break = break_ties and search.stop is Stop.OPTIMAL and problem.limited_splits is None
+        ties = search.smaller() if may_break else dict(UNBROKEN)
         if proof is not None:
             with logged(proof, search.stop, lambda: search.solution(seed, ties)):
                 search.bound = search.write_proof(Path(proof))
@@ -195,6 +197,15 @@ class _Search:
             raise unusable(self.file.path, f"claims the bound {self.bound} above its tree's {self.objective}")
 
     @property
+    def shape(self) -> dict[str, Any]:
+        """What the native core's search for a shape is told."""
+        most = self.problem.limited_splits
+        return {
+            "max_splits": 2**self.problem.depth - 1 if most is None else most,
+            "directions": [0] * self.ranks.n_columns,
+        }
+
+    @property
     def resumed_from(self) -> dict[str, object]:
         """What earlier searches have spent, for the details of a solution."""
         return {} if self.file is None or self.resumed is None else self.file.resumed_from(self.resumed.n_nodes)
@@ -227,16 +238,14 @@ class _Search:
         if self.file is not None:
             saving = (self.file.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
         try:
-            rows, _, bound, stop, n_nodes = _native.branch_and_bound(
-                native,
-                first,
-                remaining(self.limits, began, self.n_nodes),
-                self.n_jobs,
-                self.off,
-                native_progress(self.progress, costs, before),
-                checkpoint=saving,
-                submit=submit,
-            )
+            limits = remaining(self.limits, began, self.n_nodes)
+            progress = native_progress(self.progress, costs, before)
+            if self.problem.limited_splits is None:
+                rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+                    native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
+                )
+            else:
+                rows, _, bound, stop, n_nodes = _native.shaped_search(native, first, limits, progress, **self.shape)
         except ValueError as error:
             if self.file is None or not str(error).startswith("known: "):
                 raise

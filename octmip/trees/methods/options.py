@@ -284,10 +284,6 @@ class MipOptions(BendersOptions):
             SOME_ASSISTANTS, "exact: the exact core proves a bound first; search: local search hands over better trees"
         ),
     )
-    max_splits: int | None = field(
-        default=None,
-        metadata=_means(_whole(0), "at most so many splits, or features in all of them: the C of Bertsimas & Dunn"),
-    )
     mu: float | None = field(
         default=None,
         metadata=_means(

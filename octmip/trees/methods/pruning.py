@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, goes_left, n_splits
+from octmip.trees.tree import Leaf, Node, complexity, goes_left, n_splits
 
 SMALL = 24
 """Prunings of fewer splits are all kept."""
@@ -133,3 +133,35 @@ def _pruned(tree: Node, links: _Links, prices: NDArray[np.float64], price: float
         return links.leaves[at]
     left = _pruned(tree.left, links, prices, price, at + 1)
     return replace(tree, left=left, right=_pruned(tree.right, links, prices, price, int(links.right[at])))
+
+
+def pruned(problem: Problem, tree: Node, max_splits: int | None) -> Node:
+    """Return the best pruning of a tree with at most `max_splits` features in its splits; the tree itself if it fits.
+
+    A pruning has a leaf of the best label in place of some splits. The best one for every number of features follows
+    from those of the two sides, so one pass from the leaves to the root finds it.
+    """
+    if max_splits is None or complexity(tree) <= max_splits:
+        return tree
+    most = max_splits
+
+    def by_number(node: Node, rows: NDArray[np.int64]) -> list[tuple[float, Node]]:
+        """Return cost and pruning for 0, 1, 2, ... features at most; more than the last number changes nothing."""
+        leaf, cost = problem.leaf_and_cost(rows)
+        best: list[tuple[float, Node]] = [(cost, leaf)]
+        if isinstance(node, Leaf):
+            return best
+        is_left = goes_left(node, problem.features, rows)
+        lefts, rights = by_number(node.left, rows[is_left]), by_number(node.right, rows[~is_left])
+        size = len(node.features)
+        for number in range(1, min(most, complexity(node)) + 1):
+            found = best[-1]
+            for n_left in range(min(number - size, len(lefts) - 1) + 1):
+                left, right = lefts[n_left], rights[min(number - size - n_left, len(rights) - 1)]
+                cost = left[0] + right[0] + size * problem.leaf_penalty
+                if cost < found[0]:
+                    found = cost, replace(node, left=left[1], right=right[1])
+            best.append(found)
+        return best
+
+    return by_number(tree, np.arange(problem.n_samples))[-1][1]

@@ -201,7 +201,7 @@ def check_heap(problem: Problem, rows: Rows) -> None:
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
-    tree = starting_tree(problem, request.incumbent, request.seed, request.options.max_splits)
+    tree = starting_tree(problem, request.incumbent, request.seed)
     objective = problem.objective(tree)
     if request.lower_bound > objective * (1 + 1e-9):
         raise ProblemError(
@@ -276,7 +276,7 @@ def _run_once(
         return f"HiGHS ended with {outcome.status}"
     if outcome.values is None:
         return ""
-    decoded = decode(problem, formulation, outcome.values, request.options.max_splits)
+    decoded = decode(problem, formulation, outcome.values)
     reason = refutation(problem, outcome, result.price_bound, decoded)
     try:
         checked_leaf_index(problem, decoded.tree)
@@ -323,12 +323,10 @@ def _in_true_units(prices: Prices, progress: ProgressCallback, clock: Clock) -> 
     )
 
 
-def decode(
-    problem: Problem, formulation: Formulation, values: NDArray[np.float64], max_splits: int | None = None
-) -> Decoded:
+def decode(problem: Problem, formulation: Formulation, values: NDArray[np.float64]) -> Decoded:
     """Return the tree that a solution stands for, every sample re-routed through it."""
     raw = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
-    return Decoded(formulation.prices.of_tree(problem, raw), canonicalise(problem, raw, max_splits))
+    return Decoded(formulation.prices.of_tree(problem, raw), canonicalise(problem, raw))
 
 
 def refutation(problem: Problem, outcome: highs.Outcome, bound: float, decoded: Decoded) -> str:
@@ -356,7 +354,7 @@ def _injector(
         tree = source(formulation.prices.true(best))
         if tree is None:
             return None
-        tree = canonicalise(problem, tree, request.options.max_splits)
+        tree = canonicalise(problem, tree)
         if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
             return None
         checked_leaf_index(problem, tree)
@@ -372,8 +370,8 @@ def _injector(
 
 def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
     """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
-    most = request.options.max_splits
-    if most is None or most >= (2**problem.depth - 1) * problem.max_split_size:
+    most = problem.limited_splits
+    if most is None:
         return formulation.scope.trees
     counted = f"split{'s' * (most != 1)}"
     if problem.max_split_size > 1:

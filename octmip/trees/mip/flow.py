@@ -110,7 +110,6 @@ def encode(
     *,
     fix: int = 2,
     class_count: bool = True,
-    max_splits: int | None = None,
     mu: float | None = None,
     prices: Prices | None = None,
     rows: Rows | None = None,
@@ -126,8 +125,6 @@ def encode(
         0 leaves every cut in, 1 and 2 leave out more and more: the levels of `octmip.trees.mip.blocks.fixing`.
     class_count
         False leaves the class-count rows out.
-    max_splits
-        at most so many splits (features summed over the splits); None: no limit.
     mu
         strictness of hyperplanes; None: chosen from the data.
     prices
@@ -145,11 +142,11 @@ def encode(
     if problem.max_split_size == 1:
         price = prices.of_tree(problem, best)
         cuts = admissible_cuts(problem, counts, heap, laid, price, level=fix, check=rows.check_limits, root=root)
-        splits = add_thresholds(rows, ranks, heap, cuts, max_splits, penalty=prices.penalty)
+        splits = add_thresholds(rows, ranks, heap, cuts, problem.max_splits, penalty=prices.penalty)
     else:
         space = space_of(problem)
         strictness = choose_mu(space, laid, heap) if mu is None else mu
-        splits = add_hyperplanes(rows, problem, heap, space, strictness, max_splits, penalty=prices.penalty)
+        splits = add_hyperplanes(rows, problem, heap, space, strictness, problem.max_splits, penalty=prices.penalty)
     c, f, z, l = _add_leaves(rows, problem, heap, groups, may_turn=isinstance(splits, Hyperplanes))  # noqa: E741
     _add_routing(rows, heap, groups, splits, f if z is None else z, groups.pair_group if z is None else None)
     _add_symmetry(rows, heap, splits, c)
@@ -247,7 +244,6 @@ def formulate(problem: Problem, known: Known, options: MipOptions, fix: int = 2)
         problem,
         known.tree,
         fix=fix,
-        max_splits=options.max_splits,
         mu=options.mu,
         prices=known.prices,
         rows=known.rows,

@@ -80,15 +80,12 @@ class Model:
         its rows, and the ways from a tree to a solution and back.
     known
         the tree to start from, its objective, the prices.
-    max_splits
-        at most so many features in the splits; None: no limit.
     """
 
     problem: Problem
     method: str
     formulation: Formulation
     known: Known
-    max_splits: int | None
 
     def start(self) -> NDArray[np.float64] | None:
         """Return the values (n_columns,) of the tree to start from, None where the model does not hold it."""
@@ -135,7 +132,7 @@ class Model:
                 f"the solution of {answer.solver} breaks {where} by {worst:.3g}; give the "
                 "method of the model that was solved, or solve it again"
             )
-        decoded = decode(self.problem, formulation, values, self.max_splits)
+        decoded = decode(self.problem, formulation, values)
         price, bound = (
             formulation.rows.objective(values),
             foreign_bound(formulation.rows, formulation.prices, answer.bound),
@@ -171,7 +168,6 @@ def model_of(
     method: str = "oct",
     *,
     start: Node | Solution | None = None,
-    max_splits: int | None = None,
     mu: float | None = None,
     seed: int = 0,
     limits: Limits = Limits(),  # noqa: B008  (frozen)
@@ -193,8 +189,8 @@ def model_of(
     rows = Rows(limit_check=Clock(limits, time.perf_counter()).check)
     check_heap(problem, rows)
     own = own_prices(problem)
-    tree = starting_tree(problem, checked_incumbent(problem, start), seed, max_splits)
+    tree = starting_tree(problem, checked_incumbent(problem, start), seed)
     most = own.worst + own.penalty * (2**problem.depth - 1) * problem.max_split_size  # no tree costs more
     known = Known(tree, problem.objective(tree), whole_prices(problem, most), rows)
-    options = MipOptions(max_splits=max_splits, mu=mu)
-    return Model(problem, method, FORMULATIONS[method](problem, known, options), known, max_splits)
+    options = MipOptions(mu=mu)
+    return Model(problem, method, FORMULATIONS[method](problem, known, options), known)

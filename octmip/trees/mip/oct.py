@@ -106,7 +106,6 @@ def encode(
     problem: Problem,
     *,
     closed: bool = True,
-    max_splits: int | None = None,
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> Oct:
@@ -116,8 +115,6 @@ def encode(
     ----------
     closed
         whether unsplit nodes are kept from leaking (see the module).
-    max_splits
-        at most so many splits, the C of Bertsimas & Dunn's tuning; None: no limit.
     prices
         what is minimised; None: the problem's own weights, costs and penalty, as on paper.
     rows
@@ -136,8 +133,8 @@ def encode(
     if len(branches) > 1:
         parent = np.array([m // 2 - 1 for m in branches[1:]])
         rows.add("parent_splits", -np.inf, 0, (d[1:, None], 1.0), (d[parent][:, None], -1.0))
-    if max_splits is not None:
-        rows.add("max_splits", -np.inf, max_splits, (d, 1.0))
+    if problem.max_splits is not None:
+        rows.add("max_splits", -np.inf, problem.max_splits, (d, 1.0))
     leaves = add_leaves(rows, problem, heap, prices)
     shift, room = (eps.min(), 1 + eps.max()) if closed else (0.0, 1 + eps.max())
     for t, leaf in enumerate(heap.leaves):
@@ -167,7 +164,7 @@ def formulate(problem: Problem, known: Known, options: MipOptions) -> Oct:
         the problem asks for hyperplanes.
     """
     axis.require_axis(problem, "oct")
-    return encode(problem, max_splits=options.max_splits, prices=known.prices, rows=known.rows)
+    return encode(problem, prices=known.prices, rows=known.rows)
 
 
 solve_oct = solver_of("oct", formulate)

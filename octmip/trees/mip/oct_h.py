@@ -89,7 +89,6 @@ def encode(
     problem: Problem,
     mu: float,
     *,
-    max_splits: int | None = None,
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> OctH:
@@ -99,8 +98,6 @@ def encode(
     ----------
     mu
         strictness.
-    max_splits
-        at most so many features summed over the splits, the C of Bertsimas & Dunn's tuning.
     prices
         what is minimised; None: the problem's own weights, costs and penalty, as on paper.
     rows
@@ -108,7 +105,7 @@ def encode(
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     heap, space = Heap(problem.depth), space_of(problem, centred=False)
-    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, max_splits, penalty=prices.penalty)
+    hyperplanes = add_hyperplanes(rows, problem, heap, space, mu, problem.max_splits, penalty=prices.penalty)
     leaves = add_leaves(rows, problem, heap, prices)
     a, b, wide = hyperplanes.a, hyperplanes.b, 2 * space.reach
     for t, leaf in enumerate(heap.leaves):
@@ -137,7 +134,7 @@ def formulate(problem: Problem, known: Known, options: MipOptions) -> OctH:
     if mu is None:
         heap = Heap(problem.depth)
         mu = choose_mu(space_of(problem, centred=False), place(known.tree, heap, problem.features), heap)
-    return encode(problem, mu, max_splits=options.max_splits, prices=known.prices, rows=known.rows)
+    return encode(problem, mu, prices=known.prices, rows=known.rows)
 
 
 solve_oct_h = solver_of("oct_h", formulate)

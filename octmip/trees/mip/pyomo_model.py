@@ -49,7 +49,6 @@ def model(
     method: str = "oct",
     *,
     start: Node | Solution | None = None,
-    max_splits: int | None = None,
     mu: float | None = None,
 ) -> pyo.ConcreteModel:
     """Return a problem of classes as a Pyomo ConcreteModel, with the paper's letters and a tree to start from.
@@ -62,8 +61,6 @@ def model(
         "oct" or "oct_h" as Bertsimas & Dunn print them, or "flow", the strengthened form.
     start
         the tree whose values the variables have at first; None: CART's.
-    max_splits
-        at most so many features in the splits, the C of the paper's tuning.
     mu
         strictness of hyperplanes; None: chosen from the data.
 
@@ -81,7 +78,7 @@ def model(
     >>> M.root = pyo.Constraint(expr=M.a[0, 1] == 1)  # the root reads feature 0
     >>> solution = solution_of(M, pyo.SolverFactory("appsi_highs").solve(M))
     """
-    made = model_of(problem, method, start=start, max_splits=max_splits, mu=mu)
+    made = model_of(problem, method, start=start, mu=mu)
     return _concrete_model(made)
 
 

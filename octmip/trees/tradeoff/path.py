@@ -29,7 +29,7 @@ from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
 from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
-from octmip.trees.methods.pruning import priced_prunings, prunings
+from octmip.trees.methods.pruning import priced_prunings, pruned, prunings
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
@@ -285,17 +285,16 @@ class _Tracer:
 
     def by_splits(self, most_solves: int) -> bool:
         """Allow one split more at a time; return whether all numbers of splits have been solved."""
-        from octmip.trees.mip.incumbent import pruned  # only here: scikit-learn takes a while
-
         bounds = [(0, self.free.baseline)]  # without a split there is only the leaf
         largest = (2**self.free.depth - 1) * self.free.max_split_size
+        largest = largest if self.free.max_splits is None else min(largest, self.free.max_splits)
         if not self._first_trees():
             return False
         options = self.run.options.of_kind(MipOptions, f"method {self.run.method!r}", without=("cluster",))
         for most in range(1, min(largest, most_solves) + 1):
             starts = [pruned(self.free, known.tree, most) for known in self.best.values()]
             start = min(starts, key=lambda tree: (self.free.objective(tree), complexity(tree)))
-            solution = self._solve(self.free, start, replace(options, max_splits=most))
+            solution = self._solve(replace(self.free, max_splits=most), start, options)
             # Fewer splits are allowed too, so bounds of larger numbers hold for smaller ones; never the other way.
             bounds.append((most, solution.bound))
             if self.is_interrupted:

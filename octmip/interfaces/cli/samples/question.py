@@ -24,6 +24,7 @@ from octmip.interfaces.cli.samples.training import samples_of
 from octmip.trees.losses import ClassCosts, Loss, number_loss
 from octmip.trees.problem import Problem
 from octmip.trees.registry import OF_CLASSES_ALONE
+from octmip.trees.shape import splits_of
 from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
 
 FEWEST_COUNTED = 20
@@ -250,6 +251,7 @@ def _problem(
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
         leaf_penalty=arguments.leaf_penalty,
+        max_splits=splits_of(arguments.max_leaves, _kind_of_split(arguments), "--max-leaves"),
         sensor_budget=arguments.budget,
         gaps=columns.lack_numbers,
         feature_names=columns.feature_names,

@@ -87,6 +87,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("features in one split", _at_most(asked["split_size"]) if asked["split"] == "hyperplane" else None),
         ("samples in a leaf", f"at least {asked['leaf_size']:,}"),
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
+        ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
         ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
         ("features that may meet", _groups(asked["allowed_splits"])),
         ("coefficients", _integers(asked["integer_normals"])),

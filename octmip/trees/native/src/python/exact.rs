@@ -12,6 +12,7 @@ use crate::exact::root_search::elsewhere::{CutSolver, Elsewhere, SolvedCut};
 use crate::exact::root_search::known::{Held, Known, Saver};
 use crate::exact::root_search::memory;
 use crate::exact::root_search::{Options, go_on};
+use crate::exact::shaped;
 use crate::exact::switches::Switches;
 use crate::python::problem::PyProblem;
 use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
@@ -191,6 +192,33 @@ fn prove(
     Ok(body)
 }
 
+/// The best tree of a shape and a bound: at most so many splits, and for each feature 1 where predictions never fall as
+/// it rises, -1 where they never rise, 0 elsewhere.
+#[pyfunction]
+#[pyo3(signature = (problem, incumbent, limit_values, progress=None, *, max_splits, directions))]
+fn shaped_search(
+    py: Python<'_>,
+    problem: &PyProblem,
+    incumbent: Option<(i64, Vec<NodeRow>)>,
+    limit_values: LimitValues,
+    progress: Option<Py<PyAny>>,
+    max_splits: usize,
+    directions: Vec<i8>,
+) -> PyResult<Found> {
+    if directions.len() != problem.inner.p {
+        return Err(PyValueError::new_err(format!(
+            "directions has {} entries, expected {}",
+            directions.len(),
+            problem.inner.p
+        )));
+    }
+    let incumbent =
+        incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
+    let options = shaped::Options { limits: limits(limit_values), incumbent, max_splits, directions };
+    let outcome = supervised(py, progress.as_ref(), |keep_going| shaped::solve(&problem.inner, &options, keep_going))?;
+    Ok(found(&outcome))
+}
+
 /// Bytes that the tables of a search may take, its queues left out.
 #[pyfunction]
 fn exact_bytes(problem: &PyProblem, n_threads: usize) -> f64 {
@@ -207,6 +235,7 @@ fn prunes() -> Vec<&'static str> {
 pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(branch_and_bound, module)?)?;
     module.add_function(wrap_pyfunction!(prove, module)?)?;
+    module.add_function(wrap_pyfunction!(shaped_search, module)?)?;
     module.add_function(wrap_pyfunction!(exact_bytes, module)?)?;
     module.add_class::<PyCutSolver>()?;
     module.add_function(wrap_pyfunction!(prunes, module)?)

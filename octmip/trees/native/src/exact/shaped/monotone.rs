@@ -1,0 +1,333 @@
+//! The best tree whose predictions keep the order of some features.
+//!
+//! A node is searched beside leaves that are decided elsewhere in the tree. The best tree that need not keep any order
+//! bounds it, and is the answer where it keeps the order by chance. Else all cuts of the root are taken whose sides'
+//! free trees together stay below the best tree so far (`node::within`). The two sides of a cut of any other feature
+//! than a monotone one are searched apart: their leaves part in the cut's feature, so nothing compares them. Those of a
+//! monotone feature are `coupled`.
+//!
+//! Places of thresholds: a cut lies anywhere between two neighbouring ranks of its node, and where it lies decides
+//! which boxes overlap. Move thresholds that are equal to the left together until they meet an end of another box or
+//! the left end of the place of one of them: boxes overlap no more than before. So a cut of a node that is searched
+//! beside decided leaves lies at an end of one of their boxes, or at its own left end.
+
+use crate::exact::samples::Samples;
+use crate::exact::shaped::boxes::{Bounds, Fixed, labels, order, side};
+use crate::exact::shaped::few::{Few, least_size};
+use crate::exact::shaped::{Known, Options};
+use crate::exact::view::View;
+use crate::problem::Problem;
+use crate::tree::{Node as Row, Tree};
+
+/// Samples of a node and its box.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub(super) view: View,
+    pub(super) bounds: Bounds,
+}
+
+/// A cut of a node: feature, samples left of it, lower bounds of both sides.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut {
+    pub(super) feature: usize,
+    pub(super) position: usize,
+    pub(super) bounds: [i64; 2],
+}
+
+/// A tree that was found and its cost.
+pub(super) type Found = Option<(i64, Tree)>;
+
+/// A search for monotone trees.
+pub(super) struct Monotone<'a> {
+    pub(super) samples: &'a Samples,
+    pub(super) directions: Vec<i8>,
+    pub(super) n_labels: u32,
+    pub(super) penalty: i64,
+    few: Few<'a>,
+    known: &'a Known,
+    /// Cost of each label for each sample, above its base (`n * n_labels`).
+    costs: Vec<i64>,
+    marks: Vec<bool>,
+    n_solved: u64,
+}
+
+impl<'a> Monotone<'a> {
+    pub(super) fn new(problem: &Problem, options: &Options, few: Few<'a>, known: &'a Known) -> Self {
+        let samples = few.samples;
+        let cost = |i: usize, label: usize| {
+            let row = &problem.costs[problem.labels[i] as usize * problem.n_classes..][..problem.n_classes];
+            let least = row.iter().copied().min().unwrap_or(0);
+            problem.weights[i] * (row[label] - least) / samples.unit
+        };
+        let costs = (0..samples.n).flat_map(|i| (0..problem.n_classes).map(move |label| (i, label)));
+        Self {
+            directions: samples.features.iter().map(|&f| options.directions[f as usize]).collect(),
+            n_labels: problem.n_classes as u32,
+            penalty: samples.penalty,
+            known,
+            costs: costs.map(|(i, label)| cost(i, label)).collect(),
+            marks: vec![false; samples.n],
+            n_solved: 0,
+            samples,
+            few,
+        }
+    }
+
+    /// Search all samples.
+    pub(super) fn search(mut self, view: &View) {
+        let largest = |f: usize| self.samples.ranks_of(f).iter().copied().max().unwrap_or(0);
+        let bounds = (0..self.samples.p).map(|f| [0, largest(f)]).collect();
+        let root = Node { view: view.clone(), bounds };
+        let upper = self.known.best().0;
+        let (depth, splits) = (self.few.depth, self.few.splits);
+        let known = self.known;
+        let found = self.solve_node(&root, (depth, splits), &[], upper, Some(known));
+        let cost = found.as_ref().map_or(upper, |found| found.0);
+        if let Some((cost, tree)) = found {
+            known.see(cost, || tree);
+        }
+        if !self.is_stopped() {
+            known.raise(cost);
+        }
+    }
+
+    pub(super) fn is_stopped(&self) -> bool {
+        self.few.control.is_stopped()
+    }
+
+    /// The best tree of a node, in order with the decided leaves, if it costs less than `upper`.
+    pub(super) fn solve(&mut self, node: &Node, size: (usize, usize), fixed: &[Fixed], upper: i64) -> Found {
+        self.solve_node(node, size, fixed, upper, None)
+    }
+
+    fn solve_node(
+        &mut self,
+        node: &Node,
+        (depth, splits): (usize, usize),
+        fixed: &[Fixed],
+        mut upper: i64,
+        known: Option<&Known>,
+    ) -> Found {
+        self.count();
+        if self.is_stopped() {
+            return None;
+        }
+        let (depth, splits) = least_size(depth, splits);
+        let fixed: Vec<Fixed> = fixed
+            .iter()
+            .filter(|leaf| order(&leaf.bounds, &node.bounds, &self.directions).is_some())
+            .cloned()
+            .collect();
+        let mut best = self.best_leaf(node, &fixed, upper);
+        upper = best.as_ref().map_or(upper, |best| best.0);
+        if depth == 0 || upper <= self.penalty || !self.can_split(node) {
+            return best;
+        }
+        let Some((cost, plan)) = self.few.solve(&node.view, depth, splits, upper).best else { return best };
+        if self.is_stopped() {
+            return best;
+        }
+        let free = plan.tree(self.samples, &node.view);
+        if self.keeps_order(node, &free, &fixed) {
+            return Some((cost, free));
+        }
+        if let Some(known) = known {
+            known.raise(cost);
+        }
+        let Some(mut cuts) = self.cuts(node, depth, upper) else { return best };
+        cuts.sort_by_key(|cut| cut.bounds[0] + cut.bounds[1]);
+        for cut in cuts {
+            let bound = cut.bounds[0] + cut.bounds[1] + self.penalty;
+            if bound >= upper || self.is_stopped() {
+                break;
+            }
+            if let Some(known) = known {
+                known.raise(bound);
+            }
+            let views = self.split(node, &cut);
+            for place in self.places(node, &cut, &fixed) {
+                if let Some(found) = self.both(node, &cut, place, &views, (depth, splits), &fixed, upper) {
+                    upper = found.0;
+                    if let Some(known) = known {
+                        known.see(found.0, || found.1.clone());
+                    }
+                    best = Some(found);
+                }
+            }
+        }
+        best
+    }
+
+    /// The best tree with this cut at its root.
+    #[allow(clippy::too_many_arguments)]
+    fn both(
+        &mut self,
+        node: &Node,
+        cut: &Cut,
+        place: u32,
+        views: &[View; 2],
+        (depth, splits): (usize, usize),
+        fixed: &[Fixed],
+        mut upper: i64,
+    ) -> Found {
+        let part = |s: usize| Node { view: views[s].clone(), bounds: side(&node.bounds, cut.feature, place, s) };
+        let sides = [part(0), part(1)];
+        let most = (1 << (depth - 1).min(20)) - 1;
+        let mut best = None;
+        for left in (splits - 1).saturating_sub(most)..=most.min(splits - 1) {
+            let sizes = [left, splits - 1 - left].map(|splits| (depth - 1, splits));
+            let budget = upper - self.penalty;
+            let Some(first) = self.solve(&sides[0], sizes[0], fixed, budget - cut.bounds[1]) else { continue };
+            let Some(second) = self.solve(&sides[1], sizes[1], fixed, budget - first.0) else { continue };
+            let found = self.joined(cut, place, first, second);
+            if self.directions[cut.feature] == 0 || self.keeps_order(node, &found.1, fixed) {
+                (upper, best) = (found.0, Some(found));
+            }
+        }
+        if self.directions[cut.feature] == 0 || self.is_stopped() {
+            return best;
+        }
+        // Each side alone bounds the two together; only where they do not fit are they searched as one.
+        let bounds = [0, 1].map(|s| {
+            let most = (depth - 1, splits - 1);
+            let budget = upper - self.penalty - cut.bounds[1 - s];
+            self.solve(&sides[s], most, fixed, budget).map_or(budget, |found| found.0)
+        });
+        if bounds[0] + bounds[1] + self.penalty >= upper {
+            return best;
+        }
+        let budget = upper - self.penalty;
+        let coupled = self.coupled(node, &sides, (depth - 1, splits - 1), fixed, bounds, budget);
+        coupled.map(|sides| self.joined(cut, place, sides.0, sides.1)).or(best)
+    }
+
+    fn joined(&self, cut: &Cut, place: u32, left: (i64, Tree), right: (i64, Tree)) -> (i64, Tree) {
+        let tree = Tree::join(self.samples.features[cut.feature], place, &left.1, &right.1);
+        (left.0 + right.0 + self.penalty, tree)
+    }
+
+    pub(super) fn can_split(&self, node: &Node) -> bool {
+        node.view.len >= 2 * self.samples.leaf_size && self.samples.p > 0
+    }
+
+    /// Cost of each label for all samples of a node (`n_labels`).
+    pub(super) fn label_costs(&self, node: &Node) -> Vec<i64> {
+        let mut sums = vec![0; self.n_labels as usize];
+        for i in node.view.ids(self.samples) {
+            let row = &self.costs[i as usize * sums.len()..][..sums.len()];
+            sums.iter_mut().zip(row).for_each(|(sum, cost)| *sum += cost);
+        }
+        sums
+    }
+
+    fn best_leaf(&self, node: &Node, fixed: &[Fixed], upper: i64) -> Found {
+        let [low, high] = labels(&node.bounds, fixed, &self.directions, self.n_labels);
+        let costs = self.label_costs(node);
+        let label = (low..=high).min_by_key(|&label| costs[label as usize])?;
+        let cost = costs[label as usize];
+        (cost < upper).then(|| (cost, Tree::leaf(label)))
+    }
+
+    /// Cuts of a node at the root of trees whose sides, in no order, cost less than `upper` together; None when stopped.
+    pub(super) fn cuts(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Vec<Cut>> {
+        if depth == 1 {
+            return Some(self.last_cuts(node, upper - self.penalty));
+        }
+        let search = &mut self.few.search;
+        search.forget();
+        let whole = search.shallower_bound(&node.view, depth, upper);
+        search.forget();
+        let found = search.cuts_within(&node.view, depth, upper, whole, 0..self.samples.p)?;
+        let cut = found.into_iter().map(|cut| Cut { feature: cut.feature, position: cut.position, bounds: cut.bounds });
+        Some(cut.collect())
+    }
+
+    /// The cuts whose sides' best leaves cost less than `target` together.
+    fn last_cuts(&self, node: &Node, target: i64) -> Vec<Cut> {
+        let (samples, view) = (self.samples, &node.view);
+        let least = samples.leaf_size.max(1);
+        let mut cuts = Vec::new();
+        for feature in 0..samples.p {
+            let (ranks, list) = (samples.ranks_of(feature), view.list(feature));
+            let mut left = vec![0; samples.n_labels];
+            let mut range = 0;
+            for position in 1..list.len() {
+                let before = list[position - 1];
+                samples.count(before, 1, &mut left);
+                range += samples.ranges[before as usize];
+                let is_cut = ranks[before as usize] != ranks[list[position] as usize];
+                if !is_cut || position < least || list.len() - position < least {
+                    continue;
+                }
+                let most = left.iter().copied().max().unwrap_or(0);
+                let rest = view.totals.iter().zip(&left).map(|(all, left)| all - left).max().unwrap_or(0);
+                let bounds = [range - most, view.total_range - range - rest];
+                if bounds[0] + bounds[1] < target {
+                    cuts.push(Cut { feature, position, bounds });
+                }
+            }
+        }
+        cuts
+    }
+
+    /// The samples on both sides of a cut.
+    pub(super) fn split(&mut self, node: &Node, cut: &Cut) -> [View; 2] {
+        let mut views = [View::default(), View::default()];
+        node.view.split(self.samples, cut.feature, cut.position, &mut self.marks, &mut views);
+        views
+    }
+
+    /// First and last place of a cut: the ranks that may be the largest of its left side.
+    pub(super) fn ends(&self, node: &Node, cut: &Cut) -> [u32; 2] {
+        let (ranks, list) = (self.samples.ranks_of(cut.feature), node.view.list(cut.feature));
+        let rank = |position: usize| ranks[list[position] as usize];
+        [rank(cut.position - 1), rank(cut.position) - 1]
+    }
+
+    /// The places of a cut that need a look, beside decided leaves.
+    fn places(&self, node: &Node, cut: &Cut, fixed: &[Fixed]) -> Vec<u32> {
+        let [first, last] = self.ends(node, cut);
+        let mut places = ends_of(fixed, cut.feature);
+        places.retain(|place| (first..=last).contains(place));
+        places.push(first);
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// Whether a tree in a node's box is in order within itself and with the decided leaves.
+    fn keeps_order(&self, node: &Node, tree: &Tree, fixed: &[Fixed]) -> bool {
+        let mut leaves = Vec::new();
+        self.leaves(tree, 0, node.bounds.clone(), &mut leaves);
+        let is_allowed = |leaf: &Fixed, others: &[Fixed]| {
+            let [low, high] = labels(&leaf.bounds, others, &self.directions, self.n_labels);
+            (low..=high).contains(&leaf.label)
+        };
+        (0..leaves.len()).all(|k| is_allowed(&leaves[k], fixed) && is_allowed(&leaves[k], &leaves[..k]))
+    }
+
+    fn leaves(&self, tree: &Tree, row: usize, bounds: Bounds, found: &mut Vec<Fixed>) {
+        match &tree.nodes[row] {
+            Row::Leaf { label } => found.push(Fixed { bounds, label: *label }),
+            Row::Split { feature, cut, left, right } => {
+                let f = self.samples.features.iter().position(|usable| usable == feature).unwrap_or(0);
+                self.leaves(tree, *left as usize, side(&bounds, f, *cut, 0), found);
+                self.leaves(tree, *right as usize, side(&bounds, f, *cut, 1), found);
+            }
+            Row::Hyperplane { .. } => {} // the exact core makes none
+        }
+    }
+
+    fn count(&mut self) {
+        self.n_solved += 1;
+        if self.n_solved % 64 == 0 {
+            self.few.control.add(64);
+        }
+    }
+}
+
+/// Where boxes of decided leaves begin and end along a feature, as places of cuts.
+pub(super) fn ends_of(fixed: &[Fixed], feature: usize) -> Vec<u32> {
+    let ends = fixed.iter().map(|leaf| leaf.bounds[feature]);
+    ends.flat_map(|[low, high]| [low.checked_sub(1), Some(high)]).flatten().collect()
+}

@@ -1,0 +1,100 @@
+"""At most so many splits: exact at any depth, kept by every method, door and file, refused where unknown."""
+
+import numpy as np
+import pytest
+
+from benchmarks.kinds.classes import FEW_LEAVES_KIND, complaint
+from octmip import Leaf, Problem, Split, Stop, certify, solve
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.problem_file import encode, question_digest
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
+from octmip.trees.losses import SquaredError
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.tree import n_splits
+
+RNG = np.random.default_rng(3)
+FEATURES, LABELS = RNG.normal(size=(40, 3)), RNG.integers(0, 2, 40)
+
+
+def asked(depth: int, most: int | None) -> Problem:
+    return Problem(FEATURES, LABELS, depth=depth, max_splits=most)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_the_exact_core_finds_what_enumeration_finds(seed):
+    problem = FEW_LEAVES_KIND.draw(np.random.default_rng([77, seed]))
+    solution = solve(problem, "exact")
+    assert complaint(problem, solution, FEW_LEAVES_KIND.truth(problem)) == ""
+    assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
+
+
+def test_more_splits_are_never_worse_and_enough_of_them_are_no_limit():
+    costs = [solve(asked(3, most), "exact").objective for most in range(8)]
+    assert costs == sorted(costs, reverse=True)
+    assert costs[0] == asked(3, 0).baseline
+    assert costs[7] == solve(asked(3, None), "exact").objective
+
+
+def test_a_tree_of_few_splits_may_be_as_deep_as_it_likes():
+    assert solve(asked(30, 3), "exact").objective == solve(asked(3, 3), "exact").objective
+
+
+@pytest.mark.parametrize("method", ["cart", "search", "exact"])
+def test_every_method_keeps_the_number(method):
+    solution = solve(asked(4, 2), method)
+    certify(asked(4, 2), solution)
+    assert n_splits(solution.tree) <= 2
+
+
+def test_trees_of_numbers_are_pruned_and_their_proof_says_that_it_cannot():
+    numbers = Problem(FEATURES, FEATURES[:, 0] ** 2, depth=3, loss=SquaredError(), max_splits=2)
+    assert n_splits(solve(numbers, "search").tree) <= 2
+    with pytest.raises(ProblemError, match="does not know the problem's max_splits; use method 'cart'"):
+        solve(numbers)
+
+
+def test_a_certificate_refutes_one_split_too_many():
+    free = solve(asked(2, None), "exact")
+    with pytest.raises(CertificateError, match=r"has \d splits but max_splits is 1"):
+        certify(asked(2, 1), free)
+
+
+def test_none_is_a_limit_too():
+    with pytest.raises(ProblemError, match="does not know the problem's max_splits"):
+        solve(Problem(FEATURES, LABELS, depth=1, max_splits=0), "benders")
+
+
+def test_a_tree_file_keeps_the_number_and_a_problem_file_says_that_it_cannot(tmp_path):
+    problem = asked(3, 2)
+    write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
+    assert read_tree_file(tmp_path / "tree.json").settings["max_splits"] == 2
+    with pytest.raises(ProblemError, match="max_splits is 2, of which a problem file says nothing"):
+        encode(problem)
+    assert len({question_digest(asked(3, most)) for most in (1, 2, 7, None)}) == 3  # 7 are no limit
+
+
+def test_estimators_take_leaves():
+    tree = OptimalTreeClassifier(max_depth=4, max_leaf_nodes=3).fit(FEATURES, LABELS)
+    assert tree.objective_ == solve(asked(4, 2)).objective
+    assert n_splits(tree.tree_) <= 2
+    numbers = OptimalTreeRegressor(max_depth=3, max_leaf_nodes=2, method="search").fit(FEATURES, FEATURES[:, 1])
+    assert n_splits(numbers.tree_) <= 1
+    with pytest.raises(ProblemError, match="max_leaf_nodes is 0"):
+        OptimalTreeClassifier(max_depth=2, max_leaf_nodes=0).fit(FEATURES, LABELS)
+    with pytest.raises(ProblemError, match="max_leaf_nodes is 3 with max_depth='auto'"):
+        OptimalTreeClassifier(max_leaf_nodes=3).fit(FEATURES, LABELS)
+    with pytest.raises(ProblemError, match="max_leaf_nodes is 3 but split is 'hyperplane'"):
+        OptimalTreeClassifier(2, split="hyperplane", max_leaf_nodes=3).fit(FEATURES, LABELS)
+
+
+def test_what_goes_through_trees_level_by_level_refuses_it():
+    with pytest.raises(ProblemError, match="near_optimal goes through trees level by level"):
+        near_optimal(asked(2, 1), within=1)
+
+
+def test_an_incumbent_of_the_shape_is_taken_and_another_refused():
+    chain = Split(0, 0.0, Leaf(0), Split(1, 0.0, Leaf(1), Leaf(0)))
+    assert solve(asked(3, 2), "exact", incumbent=chain).is_optimal
+    with pytest.raises(ProblemError, match="has 2 splits but max_splits is 1"):
+        solve(asked(3, 1), "exact", incumbent=chain)
