@@ -39,16 +39,16 @@ def write_problem_file(path: PathLike, problem: Problem) -> None:
     DataError
         it cannot be written.
     ProblemError
-        trees of numbers with hyperplanes or linear leaves, or a number of splits, which no program checks.
+        trees of numbers with hyperplanes or linear leaves, or trees of a shape, which no program checks.
     """
     write_bytes(path, (json.dumps(encode(problem), allow_nan=False) + "\n").encode())
 
 
 def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
-    if problem.limited_splits is not None:
+    if problem.is_shaped:
         raise ProblemError(
-            f"max_splits is {problem.max_splits}, of which a problem file says nothing; leave one of them out"
+            "max_splits or monotone is given, of which a problem file says nothing; leave it or the file out"
         )
     return (_of_classes(problem) if problem.loss.predicts == "class" else _of_numbers(problem)) | _of_both(problem)
 
@@ -119,6 +119,8 @@ def question_digest(problem: Problem) -> str:
     _add(sha, "is_limited", np.array([int(problem.allowed_splits is not None)]))
     if problem.limited_splits is not None:
         _add(sha, "max_splits", np.array([problem.limited_splits]))
+    if problem.monotone is not None:
+        _add(sha, "monotone", np.array(problem.directions))
     groups: Iterable[Iterable[Any]] = problem.allowed_splits or ()
     for group in groups:
         _add(sha, "group", np.array(list(group), dtype=np.int64))

@@ -152,6 +152,7 @@ def record_tree(
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
     settings = {name: getattr(problem, name) for name in SETTINGS}
     settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
+    settings["monotone"] = None if problem.monotone is None else list(problem.directions)
     settings["loss"] = problem.loss.to_json()
     settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
     settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))

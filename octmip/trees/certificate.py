@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.messages import several
+from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop, is_tolerable
 from octmip.trees.tree import Leaf, Node, complexity, depth, leaf_index, leaves, n_splits
@@ -135,6 +136,13 @@ def _check_tree(problem: Problem, tree: Node) -> None:
     forbidden = problem.first_forbidden_split(tree)
     if forbidden:
         raise CertificateError(forbidden)
+    if problem.monotone is not None and (found := disorder(tree, problem.directions)) is not None:
+        one, other, feature = found
+        way = "falls" if problem.directions[feature] > 0 else "rises"
+        raise CertificateError(
+            f"the prediction {way} along {problem.feature_names[feature]} between leaves {one} and {other} (from the "
+            f"left), but monotone is {problem.words_of_order}"
+        )
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)
         raise CertificateError(

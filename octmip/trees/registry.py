@@ -78,21 +78,32 @@ EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=Tr
 SHAPED = replace(
     EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
 )
-"""The exact core where `Shape.max_splits` rules trees out: it shares the splits out between the sides of every cut."""
+"""The exact core where `Shape.max_splits` or `Shape.monotone` rule trees out."""
 TWO_FEATURE = Registration(
-    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits",)
+    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone")
 )
-OCT = Registration("octmip.trees.mip.oct", "solve_oct", proves=True, is_mixed_integer=True, without=("cluster", "mu"))
-OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True)
-FLOW_OF_PLANES = Registration("octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True)
+OCT = Registration(
+    "octmip.trees.mip.oct",
+    "solve_oct",
+    proves=True,
+    is_mixed_integer=True,
+    cannot=("monotone",),
+    without=("cluster", "mu"),
+)
+OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone",))
+FLOW_OF_PLANES = Registration(
+    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("monotone",)
+)
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
-BENDERS = Registration("octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("max_splits",))
+BENDERS = Registration(
+    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("max_splits", "monotone")
+)
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
     "exact_regression",
     proves=True,
     alone_to_depth=MAX_DEPTH,
-    cannot=("gaps", "leaf_model", "max_splits"),
+    cannot=("gaps", "leaf_model", "max_splits", "monotone"),
     without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
@@ -142,7 +153,7 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
 
 
 NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "drift", "sequential")
-"""What knows nothing of `Shape.max_splits`: its searches go through trees level by level."""
+"""What knows nothing of `Shape.max_splits` and `Shape.monotone`: its searches go through trees level by level."""
 
 
 def refuse_shape(problem: Problem, asked: str) -> None:
@@ -151,12 +162,13 @@ def refuse_shape(problem: Problem, asked: str) -> None:
     Raises
     ------
     ProblemError
-        it limits the number of splits.
+        it limits the number of splits, or asks for an order.
     """
-    if asked in NOT_OF_SHAPES and problem.limited_splits is not None:
+    if asked in NOT_OF_SHAPES and problem.is_shaped:
+        name = "max_splits" if problem.monotone is None else "monotone"
         raise ProblemError(
-            f"{asked} goes through trees level by level and knows nothing of a number of splits; got max_splits "
-            f"{problem.max_splits}; leave max_splits out, or ask solve, trace_frontier or choose_tree"
+            f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
+            "trace_frontier or choose_tree"
         )
 
 
@@ -219,5 +231,5 @@ def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Opt
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     """Return the solvers that answer a problem's loss, split and shape, by method."""
     known = REGISTRY[problem.loss.name, problem.split]
-    is_shaped = problem.limited_splits is not None and known.get("exact") is EXACT
+    is_shaped = problem.is_shaped and known.get("exact") is EXACT
     return {**known, "exact": SHAPED} if is_shaped else known

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.order import directions_of
 from octmip.trees.problem_values import number_of, sensor_costs_of, whole_of
 from octmip.trees.tree import HyperplaneSplit, Node, features_used
 
@@ -79,6 +80,10 @@ class Shape:
     max_splits
         at most so many splits in the tree, of hyperplanes so many features in all of them; None: no limit. A tree of
         `k` leaves has `k - 1` splits.
+    monotone
+        features along which the prediction never falls ("+" or 1) or never rises ("-" or -1) anywhere in the tree, all
+        other features being equal: a mapping from features, or one direction for each; classes are ordered as
+        `class_names` are. None: no order. Axis-aligned splits, constant leaves and no missing readings.
     Derived:
         sensors: names of the sensors in the order of their first feature.
         sensor_index: (n_features,) int64, index in `sensors`.
@@ -98,6 +103,7 @@ class Shape:
     ridge: float = 1e-3
     integer_normals: int | None = None
     max_splits: int | None = None
+    monotone: Mapping[str | int, str | int] | Sequence[int] | None = None
     sensors: tuple[str, ...] = field(init=False, repr=False)
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
     sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
@@ -107,6 +113,7 @@ class Shape:
         self._set_sensors(feature_names)
         self._check_sizes(n_samples)
         self._set_allowed_splits(feature_names)
+        self._set_monotone(feature_names)
 
     def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
         names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
@@ -142,6 +149,14 @@ class Shape:
         if self.max_splits is not None:
             set_field(self, "max_splits", whole_of(self.max_splits, "max_splits", 0, None))
 
+    def _set_monotone(self, feature_names: tuple[str, ...]) -> None:
+        set_field(self, "monotone", directions_of(self.monotone, feature_names, "monotone"))
+        if self.monotone is not None and (self.split != "axis" or self.leaf_model != "constant"):
+            raise ProblemError(
+                f"monotone is given but split is {self.split!r} and leaf_model {self.leaf_model!r}; expected 'axis' "
+                "and 'constant', whose leaves are boxes with one prediction; leave monotone out"
+            )
+
     def _set_allowed_splits(self, feature_names: tuple[str, ...]) -> None:
         if self.allowed_splits is None:
             return
@@ -167,6 +182,19 @@ class Shape:
         """`max_splits` where it rules out trees that the depth allows, else None."""
         every = (2**self.depth - 1) * self.max_split_size
         return None if self.max_splits is None or self.max_splits >= every else self.max_splits
+
+    @property
+    def is_shaped(self) -> bool:
+        """Whether trees are limited by more than levels, leaf sizes and what a split may read."""
+        return self.limited_splits is not None or self.monotone is not None
+
+    @property
+    def directions(self) -> tuple[int, ...]:
+        """Of each feature 1 where predictions may not fall along it, -1 where they may not rise, else 0."""
+        if self.monotone is None:
+            return (0,) * self.n_features
+        assert isinstance(self.monotone, tuple)
+        return self.monotone
 
     @property
     def max_split_size(self) -> int:

@@ -39,7 +39,7 @@ from octmip.trees.methods.options import (
     Options,
     SearchOptions,
 )
-from octmip.trees.methods.pruning import pruned
+from octmip.trees.methods.pruning import ordered, pruned
 from octmip.trees.problem import Problem
 from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
@@ -269,10 +269,10 @@ class _Call:
 
 
 def _fitting(problem: Problem, solution: Solution) -> Solution:
-    """Return a solution whose tree has the shape that is asked for: the best pruning where it has too many splits."""
-    if solution.tree is None:
+    """Return a solution whose tree has the shape that is asked for: pruned where it has not."""
+    if solution.tree is None or not problem.is_shaped:
         return solution
-    tree = pruned(problem, solution.tree, problem.max_splits)
+    tree = ordered(problem, pruned(problem, solution.tree, problem.max_splits))
     if tree is solution.tree:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop

@@ -44,6 +44,7 @@ from benchmarks.kinds.classes import (
     SIZED_KIND,
 )
 from benchmarks.kinds.kind import Kind, Question
+from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
 from benchmarks.kinds.others import NearSets, Numbers, WorstCases
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
@@ -62,6 +63,8 @@ KINDS: dict[str, Kind] = {
     "lines": LINES_KIND,
     "few_splits": FEW_SPLITS_KIND,
     "few_leaves": FEW_LEAVES_KIND,
+    "monotone": MONOTONE_KIND,
+    "monotone_few": MONOTONE_FEW_KIND,
     "numbers": Numbers(),
     "worst_case": WorstCases(),
     "near": NearSets(),

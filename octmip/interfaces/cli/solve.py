@@ -51,6 +51,7 @@ MOST_SECONDS = 60.0
 OF_A_DEPTH: dict[str, object] = {
     "leaf_penalty": 0.0,
     "max_leaves": None,
+    "monotone": None,
     "method": "auto",
     "gap": 0.0,
     "incumbent": None,

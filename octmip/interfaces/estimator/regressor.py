@@ -34,6 +34,9 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         at least so many samples in every leaf; a number below 1 is a share of all samples.
     max_leaf_nodes
         at most so many leaves, beside a `max_depth` that is a number; None: no limit.
+    monotonic_cst
+        for each column of X 1 where the prediction never falls as it rises, -1 where it never rises, 0 elsewhere, or
+        a mapping from columns, beside a `max_depth` that is a number; as in scikit-learn, of any number of classes.
     leaf_penalty
         price of one feature in one split, in units of weight times error; "auto" chooses its own.
     sensor_of_feature, sensor_cost, sensor_budget, categories, missing

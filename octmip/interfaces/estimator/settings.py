@@ -13,6 +13,7 @@ from sklearn.utils import check_random_state, compute_class_weight
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.methods.options import Options
+from octmip.trees.order import directions_of
 from octmip.trees.problem_values import whole_of
 from octmip.trees.run import Method
 from octmip.trees.shape import MAX_DEPTH
@@ -21,6 +22,7 @@ ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
 RandomState = int | np.random.RandomState | None
 MOST_SEED = 2**31 - 1
 AUTO: Literal["auto"] = "auto"
+CST = "monotonic_cst"
 
 
 @dataclass(kw_only=True, eq=False, repr=False)
@@ -36,6 +38,7 @@ class Settings:
     split_size: int | None = None
     min_samples_leaf: float = 1
     max_leaf_nodes: int | None = None
+    monotonic_cst: Mapping[str, int] | Sequence[int] | None = None
     leaf_penalty: float = 0.0
     sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
@@ -59,7 +62,7 @@ def depth_of(settings: Settings) -> int:
     """
     if settings.max_depth != AUTO:
         return whole_of(settings.max_depth, "max_depth", 1, MAX_DEPTH)
-    chosen = {"leaf_penalty": 0, "method": AUTO, "options": None, "max_leaf_nodes": None}
+    chosen = {"leaf_penalty": 0, "method": AUTO, "options": None, "max_leaf_nodes": None, "monotonic_cst": None}
     for name, usual in chosen.items():
         if (value := getattr(settings, name)) != usual:
             raise ProblemError(
@@ -144,3 +147,22 @@ def sensors_of(columns: Columns, sensor_of_feature: Mapping[str, str] | Sequence
     else:
         sensors = dict(zip(columns.names, map(str, sensor_of_feature), strict=True))
     return tuple(sensors[name] for name in columns.column_of_feature)
+
+
+def directions_of_columns(columns: Columns, given: Mapping[str, int] | Sequence[int] | None) -> dict[str | int, Any]:
+    """Return the direction of each feature that scikit-learn's `monotonic_cst` gives one: its column's.
+
+    Raises
+    ------
+    ProblemError
+        a column is unknown, has no such direction, or is text, whose values have no order.
+    """
+    wanted = directions_of(given if given is None or isinstance(given, Mapping) else list(given), columns.names, CST)
+    signs = dict(zip(columns.names, wanted or (), strict=False))
+    found: dict[str | int, Any] = {}
+    for j, name in enumerate(columns.column_of_feature):
+        if signs.get(name, 0):
+            if columns.feature_names[j] != name:
+                raise ProblemError(f"{CST} names the column {name!r}, whose values have no order; leave it out")
+            found[j] = signs[name]
+    return found

@@ -84,7 +84,8 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        Under `Shape.max_splits` ties stay.
+        Under `Shape.max_splits` and `Shape.monotone` ties stay, and
+        under `monotone` thresholds too.
 
     Raises
     ------
@@ -113,7 +114,7 @@ def branch_and_bound(
     with ExitStack() as stack:
         search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
         search.search(start)
-        may_break = break_ties and search.stop is Stop.OPTIMAL and problem.limited_splits is None
+        may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
         ties = search.smaller() if may_break else dict(UNBROKEN)
         if proof is not None:
             with logged(proof, search.stop, lambda: search.solution(seed, ties)):
@@ -199,10 +200,10 @@ class _Search:
     @property
     def shape(self) -> dict[str, Any]:
         """What the native core's search for a shape is told."""
-        most = self.problem.limited_splits
+        most, directions = self.problem.limited_splits, self.problem.directions
         return {
             "max_splits": 2**self.problem.depth - 1 if most is None else most,
-            "directions": [0] * self.ranks.n_columns,
+            "directions": [directions[self.ranks.feature(column)] for column in range(self.ranks.n_columns)],
         }
 
     @property
@@ -240,7 +241,7 @@ class _Search:
         try:
             limits = remaining(self.limits, began, self.n_nodes)
             progress = native_progress(self.progress, costs, before)
-            if self.problem.limited_splits is None:
+            if not self.problem.is_shaped:
                 rows, _, bound, stop, n_nodes = _native.branch_and_bound(
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
                 )
@@ -255,7 +256,11 @@ class _Search:
         if self.proven is None or lower > self.bound:
             self.proven = (native, costs, bound)
         self.bound = max(self.bound, lower)
-        found = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        found = tree_from_rows(rows, self.ranks)
+        if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
+            self._keep(found)
+            return Stop(stop)
+        found = centred(found, self.problem.features)
         self._keep(found)
         if costs.is_rounded:
             # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.

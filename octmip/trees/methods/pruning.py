@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, complexity, goes_left, n_splits
 
@@ -165,3 +166,25 @@ def pruned(problem: Problem, tree: Node, max_splits: int | None) -> Node:
         return best
 
     return by_number(tree, np.arange(problem.n_samples))[-1][1]
+
+
+def ordered(problem: Problem, tree: Node) -> Node:
+    """Return a tree with leaves in place of the least splits above leaves that are out of order; itself if none are.
+
+    A step puts the best leaf in place of the lowest split that has both of two such leaves below it.
+    """
+    while problem.monotone is not None and (found := disorder(tree, problem.directions)) is not None:
+        tree = _with_leaf_above(problem, tree, found[0], found[1], np.arange(problem.n_samples))
+    return tree
+
+
+def _with_leaf_above(problem: Problem, node: Node, one: int, other: int, rows: NDArray[np.int64]) -> Node:
+    assert not isinstance(node, Leaf)
+    on_left = n_splits(node.left) + 1
+    is_left = goes_left(node, problem.features, rows)
+    if other < on_left:
+        return replace(node, left=_with_leaf_above(problem, node.left, one, other, rows[is_left]))
+    if one >= on_left:
+        side = _with_leaf_above(problem, node.right, one - on_left, other - on_left, rows[~is_left])
+        return replace(node, right=side)
+    return problem.leaf_and_cost(rows)[0]

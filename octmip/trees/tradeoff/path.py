@@ -29,7 +29,7 @@ from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
 from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
-from octmip.trees.methods.pruning import priced_prunings, pruned, prunings
+from octmip.trees.methods.pruning import ordered, priced_prunings, pruned, prunings
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
@@ -264,6 +264,7 @@ class _Tracer:
     is_interrupted: bool = False
 
     def add(self, tree: Node) -> None:
+        tree = ordered(self.free, tree)  # a pruning need not keep the order that its tree keeps
         known = _Known(complexity(tree), self.free.objective(tree), tree)
         if known.complexity not in self.best or known.cost < self.best[known.complexity].cost:
             self.best[known.complexity] = known

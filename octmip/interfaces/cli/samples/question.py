@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
+from octmip.errors import DataError, ProblemError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.written import words_of
 from octmip.formats.messages import several, shown
@@ -250,6 +250,7 @@ def _problem(
         split=_kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
+        monotone=_directions(arguments.monotone),
         leaf_penalty=arguments.leaf_penalty,
         max_splits=splits_of(arguments.max_leaves, _kind_of_split(arguments), "--max-leaves"),
         sensor_budget=arguments.budget,
@@ -267,6 +268,17 @@ def _sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[st
     of_column = dict(zip(columns.names, sensors.of_feature, strict=True))
     of_feature = [of_column[name] for name in columns.column_of_feature]
     return {"sensor_of_feature": of_feature, "sensor_cost": dict(sensors.cost)}
+
+
+def _directions(words: str | None) -> dict[str | int, str | int] | None:
+    """Return the directions that `--monotone` gives columns by name, None without it."""
+    if words is None:
+        return None
+    pairs = [entry.rpartition("=") for entry in words.split(",")]
+    wrong = [sign for name, _, sign in pairs if not name or sign not in ("+", "-")]
+    if wrong:
+        raise ProblemError(f"--monotone is {words!r}; expected COLUMN=+ or COLUMN=-, several joined by commas")
+    return {name: sign for name, _, sign in pairs}
 
 
 def _kind_of_split(arguments: argparse.Namespace) -> Literal["axis", "hyperplane"]:

@@ -1,6 +1,7 @@
 """What the tree reads, what errors cost, and how it was made, as rows of tables."""
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from octmip.formats.names import shown
@@ -88,6 +89,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("samples in a leaf", f"at least {asked['leaf_size']:,}"),
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
         ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
+        ("monotone", _order(asked["monotone"], file.feature_names) if asked["monotone"] else None),
         ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
         ("features that may meet", _groups(asked["allowed_splits"])),
         ("coefficients", _integers(asked["integer_normals"])),
@@ -115,3 +117,10 @@ def _groups(groups: Any) -> str | None:
 
 def _integers(most: int | None) -> str | None:
     return None if most is None else f"whole numbers up to {most:,}"
+
+
+def _order(directions: Sequence[int], names: Sequence[str]) -> str:
+    """Return along which features the prediction never falls or never rises."""
+    ways = {1: "never falls as it rises", -1: "never rises as it rises"}
+    pairs = zip(names, directions, strict=True)
+    return "; ".join(f"{shown(name)}: {ways[direction]}" for name, direction in pairs if direction)

@@ -1,6 +1,7 @@
 //! Branch and bound for trees of a wanted shape: at most so many splits, predictions that keep the order of a feature.
 //!
 //! ```text
+//! wanted     the shape that is asked for, and what is known so far
 //! few        the best tree of at most so many splits: the splits are shared out between both sides of every cut
 //! boxes      what a node holds of the space of ranks, and which two leaves must be in order
 //! monotone   the best tree that keeps the order, from the best one that need not as a bound
@@ -11,11 +12,9 @@ mod boxes;
 mod coupled;
 mod few;
 mod monotone;
+mod wanted;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicI64, Ordering};
-
-use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
+use crate::control::{KeepGoing, Outcome, Progress, Stop};
 use crate::effort::Control;
 use crate::exact::root_search::memory;
 use crate::exact::samples::Samples;
@@ -27,44 +26,9 @@ use crate::tree::Tree;
 
 use few::Few;
 use monotone::Monotone;
+use wanted::Known;
 
-/// The shape that is wanted beside depth and leaf size, and when to stop.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// When to stop early.
-    pub limits: Limits,
-    /// A tree of the shape and its objective.
-    pub incumbent: Option<(i64, Tree)>,
-    /// Most splits in the tree.
-    pub max_splits: usize,
-    /// Of each feature: 1 where the predicted class never falls as it rises, -1 where it never rises, 0 where it may do
-    /// either (`p`).
-    pub directions: Vec<i8>,
-}
-
-/// What is known so far, in units of the samples and above the base.
-#[derive(Debug)]
-struct Known {
-    best: Mutex<(i64, Option<Tree>)>,
-    bound: AtomicI64,
-}
-
-impl Known {
-    fn best(&self) -> (i64, Option<Tree>) {
-        self.best.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
-    }
-
-    fn see(&self, cost: i64, tree: impl FnOnce() -> Tree) {
-        let mut best = self.best.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if cost < best.0 {
-            *best = (cost, Some(tree()));
-        }
-    }
-
-    fn raise(&self, bound: i64) {
-        self.bound.fetch_max(bound, Ordering::Relaxed);
-    }
-}
+pub use wanted::Options;
 
 /// The best tree of the shape, and a bound.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
@@ -79,7 +43,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
     let given = options.incumbent.as_ref().map(|(objective, tree)| (samples.counted(objective - base), tree.clone()));
     // One above the leaf, so that the search finds the leaf itself where nothing is better.
     let start = given.map_or((view.leaf() + 1, None), |(cost, tree)| (cost, Some(tree)));
-    let known = Known { best: Mutex::new(start), bound: AtomicI64::new(0) };
+    let known = Known::new(start);
     let control = Control::reading(supervision.flag());
     let tables = memory::bytes(problem, 1, &switches);
     let work = || {
@@ -92,7 +56,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         }
     };
     supervision.run(work, || {
-        let (cost, bound) = (known.best().0, known.bound.load(Ordering::Relaxed));
+        let (cost, bound) = (known.best().0, known.bound());
         let [objective, bound] = [cost, bound.min(cost)].map(|cost| base + samples.cost(cost));
         let n_nodes = control.n_evaluated();
         supervision.poll(keep_going, Progress { seconds: 0.0, objective, bound, n_nodes });
@@ -110,7 +74,7 @@ fn outcome(samples: &Samples, view: &View, known: &Known, reason: Option<Stop>, 
         Some(tree) => (cost, tree),
         None => (view.leaf(), Tree::leaf(samples.labels[view.best_label()])),
     };
-    let bound = known.bound.load(Ordering::Relaxed).min(cost);
+    let bound = known.bound().min(cost);
     let [objective, bound] = [cost, bound].map(|cost| samples.base_cost() + samples.cost(cost));
     let stop = if bound >= objective { Stop::Optimal } else { reason.unwrap_or(Stop::Interrupted) };
     Outcome { tree, objective, bound, stop, n_nodes }

@@ -12,7 +12,7 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::result::NodeResult;
 use crate::exact::node::search::Search;
 use crate::exact::samples::Samples;
-use crate::exact::shaped::Known;
+use crate::exact::shaped::wanted::Known;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::interval::Interval;

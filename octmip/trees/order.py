@@ -1,0 +1,97 @@
+"""Monotone trees: whether predictions keep the order of some features, by the definition alone.
+
+A tree is monotone in feature j when, of any two points that differ in feature j alone, the one with more of it gets
+no lower prediction (direction 1; -1: no higher one). Each leaf is a box of points, so the tree is monotone in j where
+every two leaves whose boxes overlap in all other features are in order along j.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+from octmip.errors import ProblemError
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, ValueLeaf
+
+Box = dict[int, tuple[float, float]]
+"""Of each feature that is split above a leaf: more than the first number, at most the second."""
+EVERYWHERE = (-math.inf, math.inf)
+DIRECTIONS = {"+": 1, "-": -1, "0": 0}
+
+
+def directions_of(given: object, names: tuple[str, ...], what: str) -> tuple[int, ...] | None:
+    """Return the direction of each feature: 1, -1 or 0; None where all are 0.
+
+    Parameters
+    ----------
+    given
+        a mapping from features (names or indices) to "+", "-", 1, -1 or 0, or one of them for each feature.
+    names
+        of the features.
+    what
+        is given, for an error.
+
+    Raises
+    ------
+    ProblemError
+        a feature is unknown, or a direction none.
+    """
+    if given is None:
+        return None
+    found = [0] * len(names)
+    if isinstance(given, Mapping):
+        pairs = [(names.index(key) if key in names else key, value) for key, value in given.items()]
+    elif isinstance(given, str) or not isinstance(given, Sequence) or len(given) != len(names):
+        raise ProblemError(
+            f"{what} is {given!r}; expected a direction, 1, -1 or 0, for each of the {len(names)} features, or a "
+            "mapping from some of them"
+        )
+    else:
+        pairs = list(enumerate(given))
+    for feature, value in pairs:
+        if isinstance(feature, bool) or not isinstance(feature, int) or not 0 <= feature < len(names):
+            raise ProblemError(f"{what} names {feature!r}; expected one of the features {', '.join(names)}")
+        direction = DIRECTIONS.get(value, value) if isinstance(value, str) else value
+        if isinstance(direction, bool) or direction not in (1, 0, -1):
+            raise ProblemError(f"{what} of {names[feature]} is {value!r}; expected '+' (1), '-' (-1) or 0")
+        found[feature] = int(direction)
+    return tuple(found) if any(found) else None
+
+
+def disorder(tree: Node, directions: Sequence[int]) -> tuple[int, int, int] | None:
+    """Return the first two leaves that are out of order (numbered from the left), and the feature; None without any."""
+    leaves = _boxes(tree, {})
+    for (i, (one, first)), (j, (other, second)) in combinations(enumerate(leaves), 2):
+        parting = _parting(one, other)
+        if parting is None or not directions[parting[0]]:
+            continue
+        feature, is_below = parting
+        rise = (_value(second) - _value(first)) * directions[feature]
+        if (rise if is_below else -rise) < 0:
+            return i, j, feature
+    return None
+
+
+def _value(leaf: Leaf) -> float:
+    return leaf.value if isinstance(leaf, ValueLeaf) else leaf.label
+
+
+def _parting(one: Box, other: Box) -> tuple[int, bool] | None:
+    """Return the one feature in which two boxes do not overlap, and whether the first lies below; None for more."""
+    found = None
+    for feature in one.keys() & other.keys():
+        (a, b), (c, d) = one[feature], other[feature]
+        if b <= c or d <= a:
+            if found is not None:
+                return None
+            found = feature, b <= c
+    return found
+
+
+def _boxes(tree: Node, box: Box) -> list[tuple[Box, Leaf]]:
+    if isinstance(tree, Leaf):
+        return [(box, tree)]
+    assert not isinstance(tree, HyperplaneSplit)
+    low, high = box.get(tree.feature, EVERYWHERE)
+    left = box | {tree.feature: (low, min(high, tree.threshold))}
+    right = box | {tree.feature: (max(low, tree.threshold), high)}
+    return _boxes(tree.left, left) + _boxes(tree.right, right)
