@@ -36,6 +36,7 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
+from octmip.trees.order import SIGNS
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
@@ -152,7 +153,7 @@ def record_tree(
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
     settings = {name: getattr(problem, name) for name in SETTINGS}
     settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
-    settings["monotone"] = None if problem.monotone is None else list(problem.directions)
+    settings["monotone"] = None if problem.monotone is None else [SIGNS[way] for way in problem.directions]
     settings["loss"] = problem.loss.to_json()
     settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
     settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))

@@ -109,7 +109,7 @@ SETTINGS: dict[str, Kind] = {
     "allowed_splits": maybe(ListOf(ListOf(Either((NAME, Whole(0, 2**31))), 1))),
     "integer_normals": maybe(COUNT),
     "max_splits": maybe(Whole()),
-    "monotone": maybe(ListOf(Choice((-1, 0, 1)))),
+    "monotone": maybe(ListOf(Choice(("+", "-", "0")))),
     "gaps": Truth(),
 }
 CLAIMS: dict[str, Kind] = {

@@ -6,7 +6,7 @@ every two leaves whose boxes overlap in all other features are in order along j.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 from octmip.errors import ProblemError
@@ -16,6 +16,7 @@ Box = dict[int, tuple[float, float]]
 """Of each feature that is split above a leaf: more than the first number, at most the second."""
 EVERYWHERE = (-math.inf, math.inf)
 DIRECTIONS = {"+": 1, "-": -1, "0": 0}
+SIGNS = {direction: sign for sign, direction in DIRECTIONS.items()}
 
 
 def directions_of(given: object, names: tuple[str, ...], what: str) -> tuple[int, ...] | None:
@@ -58,7 +59,11 @@ def directions_of(given: object, names: tuple[str, ...], what: str) -> tuple[int
 
 
 def disorder(tree: Node, directions: Sequence[int]) -> tuple[int, int, int] | None:
-    """Return the first two leaves that are out of order (numbered from the left), and the feature; None without any."""
+    """Return two leaves that are out of order (numbered from the left), the nearest two, and the feature; or None."""
+    return min(_disorders(tree, directions), key=lambda found: (found[1] - found[0], found), default=None)
+
+
+def _disorders(tree: Node, directions: Sequence[int]) -> Iterator[tuple[int, int, int]]:
     leaves = _boxes(tree, {})
     for (i, (one, first)), (j, (other, second)) in combinations(enumerate(leaves), 2):
         parting = _parting(one, other)
@@ -67,8 +72,7 @@ def disorder(tree: Node, directions: Sequence[int]) -> tuple[int, int, int] | No
         feature, is_below = parting
         rise = (_value(second) - _value(first)) * directions[feature]
         if (rise if is_below else -rise) < 0:
-            return i, j, feature
-    return None
+            yield i, j, feature
 
 
 def _value(leaf: Leaf) -> float:

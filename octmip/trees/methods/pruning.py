@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, complexity, goes_left, n_splits
+from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, n_splits, simplify
 
 SMALL = 24
 """Prunings of fewer splits are all kept."""
@@ -169,22 +169,28 @@ def pruned(problem: Problem, tree: Node, max_splits: int | None) -> Node:
 
 
 def ordered(problem: Problem, tree: Node) -> Node:
-    """Return a tree with leaves in place of the least splits above leaves that are out of order; itself if none are.
+    """Return a tree whose leaves keep the problem's order: two that do not get the best common prediction.
 
-    A step puts the best leaf in place of the lowest split that has both of two such leaves below it.
+    Leaves that have one prediction keep it together when another joins them, so the last step there can be leaves one
+    prediction for all. Source: Barlow, Bartholomew, Bremner & Brunk (1972), the pooling of adjacent violators, here of
+    leaves that are ordered in part only.
     """
-    while problem.monotone is not None and (found := disorder(tree, problem.directions)) is not None:
-        tree = _with_leaf_above(problem, tree, found[0], found[1], np.arange(problem.n_samples))
-    return tree
+    if problem.monotone is None or disorder(tree, problem.directions) is None:
+        return tree
+    reached = leaf_index(tree, problem.features)
+    predicted = leaves(tree)
+    group = np.arange(len(predicted))
+    while (found := disorder(tree, problem.directions)) is not None:
+        group[group == group[found[1]]] = group[found[0]]
+        together = group == group[found[0]]
+        pooled, _ = problem.leaf_and_cost(np.flatnonzero(together[reached]))
+        predicted = [pooled if joins else leaf for leaf, joins in zip(predicted, together.tolist(), strict=True)]
+        tree = _with_leaves(tree, iter(predicted))
+    return simplify(tree)
 
 
-def _with_leaf_above(problem: Problem, node: Node, one: int, other: int, rows: NDArray[np.int64]) -> Node:
-    assert not isinstance(node, Leaf)
-    on_left = n_splits(node.left) + 1
-    is_left = goes_left(node, problem.features, rows)
-    if other < on_left:
-        return replace(node, left=_with_leaf_above(problem, node.left, one, other, rows[is_left]))
-    if one >= on_left:
-        side = _with_leaf_above(problem, node.right, one - on_left, other - on_left, rows[~is_left])
-        return replace(node, right=side)
-    return problem.leaf_and_cost(rows)[0]
+def _with_leaves(tree: Node, predicted: Iterator[Leaf]) -> Node:
+    if isinstance(tree, Leaf):
+        return next(predicted)
+    left = _with_leaves(tree.left, predicted)
+    return replace(tree, left=left, right=_with_leaves(tree.right, predicted))

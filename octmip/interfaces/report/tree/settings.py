@@ -119,8 +119,8 @@ def _integers(most: int | None) -> str | None:
     return None if most is None else f"whole numbers up to {most:,}"
 
 
-def _order(directions: Sequence[int], names: Sequence[str]) -> str:
+def _order(signs: Sequence[str], names: Sequence[str]) -> str:
     """Return along which features the prediction never falls or never rises."""
-    ways = {1: "never falls as it rises", -1: "never rises as it rises"}
-    pairs = zip(names, directions, strict=True)
-    return "; ".join(f"{shown(name)}: {ways[direction]}" for name, direction in pairs if direction)
+    ways = {"+": "never falls as it rises", "-": "never rises as it rises"}
+    pairs = zip(names, signs, strict=True)
+    return "; ".join(f"{shown(name)}: {ways[sign]}" for name, sign in pairs if sign in ways)

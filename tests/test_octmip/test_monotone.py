@@ -1,0 +1,137 @@
+"""Monotone trees: proven against a list of all trees, recounted by the certificate, kept by every method and door."""
+
+import numpy as np
+import pytest
+
+from benchmarks.kinds.classes import complaint
+from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
+from octmip import Leaf, Limits, Problem, Split, certify, solve
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
+from octmip.trees.losses import SquaredError
+from octmip.trees.methods.pruning import ordered
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.order import disorder
+from octmip.trees.tree import predict
+
+RNG = np.random.default_rng(4)
+FEATURES, LABELS = RNG.normal(size=(40, 3)), RNG.integers(0, 2, 40)
+ACROSS = Split(0, 0.0, Split(1, 0.0, Leaf(0), Leaf(1)), Split(2, 0.0, Leaf(0), Leaf(1)))
+"""Left of 0 it predicts 1 above x1 = 0; right of 0 it may predict 0 there."""
+
+
+def asked(**options: object) -> Problem:
+    return Problem(FEATURES, LABELS, depth=2, **({"monotone": {"x0": "+", "x2": -1}} | options))
+
+
+@pytest.mark.parametrize("kind", [MONOTONE_KIND, MONOTONE_FEW_KIND], ids=["monotone", "monotone and few splits"])
+@pytest.mark.parametrize("seed", range(40))
+def test_every_method_against_the_list_of_all_trees(kind, seed):
+    problem = kind.draw(np.random.default_rng([kind.stream, seed]))
+    truth = kind.truth(problem)
+    best = solve(problem, "exact")
+    assert best.is_optimal
+    for solution in (best, solve(problem, "search"), solve(problem, "cart")):
+        assert complaint(problem, solution, truth) == ""
+
+
+@pytest.mark.parametrize(
+    ("tree", "directions", "found"),
+    [
+        (Split(0, 0.0, Leaf(1), Leaf(0)), (1, 0, 0), (0, 1, 0)),
+        (Split(0, 0.0, Leaf(1), Leaf(0)), (-1, 0, 0), None),
+        (Split(0, 0.0, Leaf(1), Leaf(0)), (0, 1, 1), None),
+        (ACROSS, (1, 0, 0), (1, 2, 0)),
+        (Split(0, 0.0, ACROSS.left, Split(1, 0.0, Leaf(0), Leaf(1))), (1, 1, 0), None),
+        (Split(0, 0.0, Split(1, 1.0, Leaf(0), Leaf(1)), Split(1, 2.0, Leaf(0), Leaf(1))), (1, 0, 0), (1, 2, 0)),
+        (Split(0, 0.0, Split(1, 2.0, Leaf(0), Leaf(1)), Split(1, 1.0, Leaf(0), Leaf(1))), (1, 0, 0), None),
+    ],
+)
+def test_the_first_leaves_out_of_order_are_found(tree, directions, found):
+    assert disorder(tree, directions) == found
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_order_of_leaves_is_order_of_predictions(seed):
+    rng = np.random.default_rng(seed)
+    tree = solve(Problem(rng.integers(0, 4, (20, 2)), rng.integers(0, 2, 20), depth=3)).tree
+    grid = np.array([[a, b] for a in np.arange(-1, 5) for b in np.arange(-1, 5)], dtype=float)
+    rising = np.diff(predict(tree, grid).reshape(6, 6), axis=0)
+    assert (disorder(tree, (1, 0)) is None) == bool((rising >= 0).all())
+    assert (disorder(tree, (-1, 0)) is None) == bool((rising <= 0).all())
+
+
+def test_a_certificate_refutes_a_tree_out_of_order():
+    free = solve(Problem(FEATURES, LABELS, depth=2))
+    assert disorder(free.tree, asked().directions) is not None
+    with pytest.raises(CertificateError, match=r"the prediction (falls|rises) along x\d between leaves"):
+        certify(asked(), free)
+    with pytest.raises(ProblemError, match="the incumbent is no tree of this problem: the prediction"):
+        solve(asked(), incumbent=free)
+
+
+def test_leaves_out_of_order_get_one_prediction():
+    problem = asked(monotone=[1, 0, 0])
+    tree = ordered(problem, ACROSS)
+    assert disorder(tree, problem.directions) is None
+    assert tree is ordered(problem, tree)
+
+
+def test_a_search_that_is_stopped_claims_no_more_than_it_knows():
+    rng = np.random.default_rng(1)
+    problem = Problem(rng.normal(size=(120, 5)), rng.integers(0, 3, 120), depth=3, monotone=[1, 1, -1, 1, -1])
+    solution = solve(problem, "exact", limits=Limits(seconds=0.3))
+    certify(problem, solution)
+    assert solution.bound <= solution.objective
+
+
+def test_numbers_are_searched_and_their_proof_says_that_it_cannot():
+    numbers = Problem(FEATURES, -(FEATURES[:, 0] ** 2), depth=3, loss=SquaredError(), monotone={0: "+"})
+    assert certify(numbers, solve(numbers, "search")).n_splits >= 1
+    with pytest.raises(ProblemError, match="does not know the problem's monotone"):
+        solve(numbers)
+    tree = OptimalTreeRegressor(3, method="search", monotonic_cst=[1, 0, 0]).fit(FEATURES, -(FEATURES[:, 0] ** 2))
+    assert disorder(tree.tree_, (1, 0, 0)) is None
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"monotone": {"x9": "+"}}, "monotone names 'x9'; expected one of the features x0, x1, x2"),
+        ({"monotone": {"x0": "up"}}, "monotone of x0 is 'up'; expected"),
+        ({"monotone": [1, 0]}, "expected a direction, 1, -1 or 0, for each of the 3 features"),
+        ({"split": "hyperplane"}, "monotone is given but split is 'hyperplane'"),
+        ({"gaps": True}, "monotone is given but 0 readings are missing"),
+    ],
+)
+def test_an_order_that_is_none_is_refused(options, message):
+    with pytest.raises(ProblemError, match=message):
+        asked(**options)
+
+
+def test_no_order_is_no_limit():
+    assert asked(monotone=[0, 0, 0]).monotone is None
+    assert solve(asked(monotone={}), "flow", limits=Limits(seconds=1)).tree is not None
+
+
+@pytest.mark.parametrize("method", ["oct", "flow", "benders"])
+def test_mixed_integer_methods_refuse_it(method):
+    with pytest.raises(ProblemError, match="does not know the problem's monotone; use method 'cart'"):
+        solve(asked(), method)
+
+
+def test_a_tree_file_keeps_it_and_near_optimal_sets_refuse_it(tmp_path):
+    problem = asked()
+    write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
+    assert read_tree_file(tmp_path / "tree.json").settings["monotone"] == ["+", "0", "-"]
+    with pytest.raises(ProblemError, match="knows nothing of monotone"):
+        near_optimal(problem, within=1)
+
+
+def test_the_classifier_takes_scikit_learns_name():
+    tree = OptimalTreeClassifier(2, monotonic_cst=[1, 0, -1]).fit(FEATURES, LABELS)
+    assert tree.objective_ == solve(asked()).objective
+    assert disorder(tree.tree_, (1, 0, -1)) is None
+    with pytest.raises(ProblemError, match="monotonic_cst names 'a'"):
+        OptimalTreeClassifier(2, monotonic_cst={"a": 1}).fit(FEATURES, LABELS)
