@@ -39,7 +39,7 @@ def ordered_problem(rng: Generator, *, has_splits: bool) -> Problem:
         depth=depth,
         loss=ClassCosts(costs),
         class_names=tuple(range(k)),
-        weights=rng.integers(1, 4, n) if rng.random() < 0.5 else None,
+        weights=rng.integers(1, 4 if rng.random() < 0.5 else 2, n).astype(float),
         leaf_size=int(rng.choice([1, 1, 2])),
         leaf_penalty=float(rng.choice([0, 0, 1])),
         max_splits=int(rng.integers(1, 2**depth)) if has_splits else None,

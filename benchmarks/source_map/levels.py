@@ -23,6 +23,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.problem_values": 1,
         "trees.losses": 2,
         "trees.shape": 2,
+        "trees.order": 2,
         "trees.prediction": 3,
         "trees.problem": 3,
         "trees.solution": 3,

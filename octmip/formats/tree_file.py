@@ -36,8 +36,8 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
-from octmip.trees.order import SIGNS
 from octmip.trees.problem import Problem
+from octmip.trees.problem_values import SIGNS
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
 

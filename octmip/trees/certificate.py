@@ -13,6 +13,7 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.formats.messages import several
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
+from octmip.trees.problem_values import words_of
 from octmip.trees.solution import Solution, Stop, is_tolerable
 from octmip.trees.tree import Leaf, Node, complexity, depth, leaf_index, leaves, n_splits
 
@@ -141,7 +142,7 @@ def _check_tree(problem: Problem, tree: Node) -> None:
         way = "falls" if problem.directions[feature] > 0 else "rises"
         raise CertificateError(
             f"the prediction {way} along {problem.feature_names[feature]} between leaves {one} and {other} (from the "
-            f"left), but monotone is {problem.words_of_order}"
+            f"left), but monotone is {words_of(problem.feature_names, problem.directions)}"
         )
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)

@@ -6,56 +6,14 @@ every two leaves whose boxes overlap in all other features are in order along j.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from octmip.errors import ProblemError
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, ValueLeaf
 
 Box = dict[int, tuple[float, float]]
 """Of each feature that is split above a leaf: more than the first number, at most the second."""
 EVERYWHERE = (-math.inf, math.inf)
-DIRECTIONS = {"+": 1, "-": -1, "0": 0}
-SIGNS = {direction: sign for sign, direction in DIRECTIONS.items()}
-
-
-def directions_of(given: object, names: tuple[str, ...], what: str) -> tuple[int, ...] | None:
-    """Return the direction of each feature: 1, -1 or 0; None where all are 0.
-
-    Parameters
-    ----------
-    given
-        a mapping from features (names or indices) to "+", "-", 1, -1 or 0, or one of them for each feature.
-    names
-        of the features.
-    what
-        is given, for an error.
-
-    Raises
-    ------
-    ProblemError
-        a feature is unknown, or a direction none.
-    """
-    if given is None:
-        return None
-    found = [0] * len(names)
-    if isinstance(given, Mapping):
-        pairs = [(names.index(key) if key in names else key, value) for key, value in given.items()]
-    elif isinstance(given, str) or not isinstance(given, Sequence) or len(given) != len(names):
-        raise ProblemError(
-            f"{what} is {given!r}; expected a direction, 1, -1 or 0, for each of the {len(names)} features, or a "
-            "mapping from some of them"
-        )
-    else:
-        pairs = list(enumerate(given))
-    for feature, value in pairs:
-        if isinstance(feature, bool) or not isinstance(feature, int) or not 0 <= feature < len(names):
-            raise ProblemError(f"{what} names {feature!r}; expected one of the features {', '.join(names)}")
-        direction = DIRECTIONS.get(value, value) if isinstance(value, str) else value
-        if isinstance(direction, bool) or direction not in (1, 0, -1):
-            raise ProblemError(f"{what} of {names[feature]} is {value!r}; expected '+' (1), '-' (-1) or 0")
-        found[feature] = int(direction)
-    return tuple(found) if any(found) else None
 
 
 def disorder(tree: Node, directions: Sequence[int]) -> tuple[int, int, int] | None:
@@ -95,6 +53,7 @@ def _boxes(tree: Node, box: Box) -> list[tuple[Box, Leaf]]:
     if isinstance(tree, Leaf):
         return [(box, tree)]
     assert not isinstance(tree, HyperplaneSplit)
+    assert tree.threshold is not None
     low, high = box.get(tree.feature, EVERYWHERE)
     left = box | {tree.feature: (low, min(high, tree.threshold))}
     right = box | {tree.feature: (max(low, tree.threshold), high)}

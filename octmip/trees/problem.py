@@ -26,6 +26,7 @@ from octmip.trees.problem_values import (
     labels_of,
     names_of_columns,
     numbers_of,
+    words_of,
 )
 from octmip.trees.shape import Shape, set_field
 from octmip.trees.tree import (
@@ -67,8 +68,7 @@ class Problem(Shape):
     weights
         (n_samples,) risk weights, 0 or more; None: all 1.
     gaps
-        whether readings may be missing, so that every split says where they go; True wherever some of
-        `features` are.
+        whether readings may be missing, so that every split says where they go; True wherever some are.
     feature_names
         (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
     class_names
@@ -107,10 +107,7 @@ class Problem(Shape):
         if self.leaf_model == "linear" and self.loss.predicts == "class":
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
         if self.monotone is not None and self.gaps:
-            raise ProblemError(
-                f"monotone is given but {self.n_missing} readings are missing, which lie nowhere in an order; fill "
-                "them in, or leave monotone out"
-            )
+            raise ProblemError("monotone is given but readings may be missing, which have no order; fill them in")
         prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
         self.loss.check_range(self.weights, self.codes, prices)
 
@@ -184,9 +181,8 @@ class Problem(Shape):
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
-        words += [f"monotone={self.words_of_order}"] if self.monotone is not None else []
-        if self.gaps:
-            words.append(f"{self.n_missing} readings missing")
+        words += [f"monotone={words_of(self.feature_names, self.directions)}"] if self.monotone is not None else []
+        words += [f"{self.n_missing} readings missing"] if self.gaps else []
         words += [] if (self.weights == 1).all() else ["weighted"]
         words += [] if not isinstance(self.loss, ClassCosts) or self.loss.is_zero_one else ["with costs"]
         return f"Problem({', '.join(words)})"
@@ -294,12 +290,6 @@ class Problem(Shape):
     def is_provable(self) -> bool:
         """Whether some solver has a proof for these trees: of numbers only where splits and leaves are plain."""
         return self.loss.predicts == "class" or (self.max_split_size == 1 and self.leaf_model == "constant")
-
-    @property
-    def words_of_order(self) -> str:
-        """`monotone` as the command takes it: g01=+,g02=-."""
-        pairs = zip(self.feature_names, self.directions, strict=True)
-        return ",".join(f"{name}={'+' if direction > 0 else '-'}" for name, direction in pairs if direction)
 
     @property
     def baseline(self) -> float:

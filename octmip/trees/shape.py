@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.order import directions_of
-from octmip.trees.problem_values import number_of, sensor_costs_of, whole_of
+from octmip.trees.problem_values import directions_of, number_of, sensor_costs_of, whole_of
 from octmip.trees.tree import HyperplaneSplit, Node, features_used
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits

@@ -63,8 +63,8 @@ def read_solution(
             f"--read-solution is given with --method {method}; expected one of {', '.join(MODELS)}, as the model was "
             "written by --option write=FILE; give it, or the model's file by --of-model"
         )
-    most, mu = (options.max_splits, options.mu) if isinstance(options, MipOptions) else (None, None)
-    made = model_of(problem, method, start=start, max_splits=most, mu=mu, seed=arguments.seed, limits=limits)
+    mu = options.mu if isinstance(options, MipOptions) else None
+    made = model_of(problem, method, start=start, mu=mu, seed=arguments.seed, limits=limits)
     return made.read(arguments.read_solution, _bound(arguments.stated_bound))
 
 

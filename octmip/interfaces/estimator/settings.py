@@ -13,8 +13,7 @@ from sklearn.utils import check_random_state, compute_class_weight
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.methods.options import Options
-from octmip.trees.order import directions_of
-from octmip.trees.problem_values import whole_of
+from octmip.trees.problem_values import directions_of, whole_of
 from octmip.trees.run import Method
 from octmip.trees.shape import MAX_DEPTH
 

@@ -186,7 +186,7 @@ impl<'a> Few<'a> {
     }
 }
 
-/// Levels and splits as far as they allow each other: a tree of `s` splits has at most `s` levels, and one of `d` levels
+/// Levels and splits as far as they allow each other: `s` splits make at most `s` levels, and a tree of `d` levels has
 /// fewer than `2^d` splits.
 pub(super) fn least_size(depth: usize, splits: usize) -> (usize, usize) {
     let depth = depth.min(splits);

@@ -228,7 +228,7 @@ impl<'a> Monotone<'a> {
         (cost < upper).then(|| (cost, Tree::leaf(label)))
     }
 
-    /// Cuts of a node at the root of trees whose sides, in no order, cost less than `upper` together; None when stopped.
+    /// Cuts of a node at the root of trees whose sides cost less than `upper` together in no order; None when stopped.
     pub(super) fn cuts(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Vec<Cut>> {
         if depth == 1 {
             return Some(self.last_cuts(node, upper - self.penalty));
