@@ -320,7 +320,7 @@ impl<'a> Monotone<'a> {
 
     fn count(&mut self) {
         self.n_solved += 1;
-        if self.n_solved % 64 == 0 {
+        if self.n_solved.is_multiple_of(64) {
             self.few.control.add(64);
         }
     }
