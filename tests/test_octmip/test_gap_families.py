@@ -1,5 +1,7 @@
 """Effects as families: the courses that a campaign gives, and the axes of the structure."""
 
+from typing import ClassVar
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ class Plate:
 
     gauges = ("a", "b", "c", "d")
     parameters = ()
-    effects = {}
+    effects: ClassVar[dict[str, object]] = {}
     gauge_positions = np.array([[0.0, 0.0], [0.0, 2.0], [1.0, 0.0], [1.0, 2.0]])
 
     def predict(self, state, load_factor):
