@@ -178,8 +178,8 @@ CLAIMS = (
     ),
     Mutant(
         "octmip/trees/mip/oct.py",
-        'rows.add("max_splits", -np.inf, max_splits,',
-        'rows.add("max_splits", -np.inf, max_splits + 1,',
+        'rows.add("max_splits", -np.inf, problem.max_splits,',
+        'rows.add("max_splits", -np.inf, problem.max_splits + 1,',
         ("test_octmip/test_mip_rows.py", "test_octmip/test_mip.py"),
     ),
     Mutant(
