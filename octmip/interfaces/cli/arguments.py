@@ -157,12 +157,14 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         rarely(action)
     group = group_of(parser, TREE)
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
-    group.add_argument(
+    order = group.add_argument(
         "--monotone",
         metavar="C=+,D=-",
         help="the prediction never falls as column C rises, never rises as D rises; classes by their names",
     )
-    group.add_argument("--max-leaves", metavar="K", type=int, help="at most K leaves in the tree")
+    most_leaves = group.add_argument("--max-leaves", metavar="K", type=int, help="at most K leaves in the tree")
+    for action in (order, most_leaves):
+        rarely(action)
     group.add_argument(
         "--split-size", metavar="K", type=int, help="at most K features in one split; hyperplanes where K is 2 or more"
     )
