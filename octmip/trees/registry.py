@@ -75,9 +75,7 @@ class Registration:
 CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=())
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
-SHAPED = replace(
-    EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
-)
+SHAPED = replace(EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint"))
 """The exact core where `Shape.max_splits` or `Shape.monotone` rule trees out."""
 TWO_FEATURE = Registration(
     "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone")
@@ -208,7 +206,7 @@ def options_for(problem: Problem, method: str, given: Options) -> Options:
     ProblemError
         one is given that the method does not take for this loss and split.
     """
-    return given.of_kind(OPTIONS[method], f"method {method!r}", solvers_of(problem)[method].without)
+    return given.of_kind(OPTIONS[method], *_taker(problem, method))
 
 
 def taken(problem: Problem, method: str) -> tuple[str, ...]:
@@ -225,7 +223,14 @@ def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Opt
     ProblemError
         as `options_for`, or a word is none of the values of its option.
     """
-    return OPTIONS[method].read(words, f"method {method!r}", solvers_of(problem)[method].without)
+    return OPTIONS[method].read(words, *_taker(problem, method))
+
+
+def _taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
+    """Return a method in words, with what of the problem keeps options from it, and the options it does not take."""
+    solver = solvers_of(problem)[method]
+    kept = " of a problem with max_splits or monotone" if solver is SHAPED else ""
+    return f"method {method!r}{kept}", solver.without
 
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:

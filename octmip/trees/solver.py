@@ -210,7 +210,8 @@ def chosen_method(problem: Problem, method: str) -> str:
     is_exact = problem.split == "axis" and problem.is_provable
     chosen = method if method != "auto" else "exact" if is_exact else "search"
     if (setting := known[chosen].refusal(problem)) is not None:
-        others = [f"use method {name!r}" for name, solver in known.items() if solver.refusal(problem) is None]
+        able = [repr(name) for name, solver in known.items() if solver.refusal(problem) is None]
+        others = [f"use method {' or '.join(able)}"] if able else []
         fill = ["fill missing readings, or let an estimator or the command encode them"] if setting == "gaps" else []
         raise ProblemError(
             f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {setting}; "
