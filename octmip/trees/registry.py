@@ -75,7 +75,9 @@ class Registration:
 CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=())
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
-SHAPED = replace(EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint"))
+SHAPED = replace(
+    EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
+)
 """The exact core where `Shape.max_splits` or `Shape.monotone` rule trees out."""
 TWO_FEATURE = Registration(
     "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone")
