@@ -11,7 +11,8 @@ oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
 oct_h     Bertsimas & Dunn's OCT-H, HiGHS           CART or search       HiGHS
 flow      the strengthened formulation, HiGHS       CART or search       HiGHS
 benders   Benders on HiGHS: axis-aligned trees      CART or search       HiGHS
-auto      exact for axis-aligned trees, search for hyperplanes (whose proofs end in time for few features only)
+auto      exact for axis-aligned trees where it knows all that is asked, else search; search for hyperplanes (whose
+          proofs end in time for few features only)
 
 HiGHS works alone unless it is given assistance (`options=MipOptions(assist=("exact", "search"))`): the exact core's
 bound becomes a row of its model, or trees of further local searches are handed to it while it runs.
@@ -77,7 +78,8 @@ def solve(
     problem
         the problem; which methods answer it, `REGISTRY` says by its loss and split.
     method
-        see the table of the module. "auto" is "exact" for axis-aligned trees and "search" for hyperplanes.
+        see the table of the module. "auto" is "exact" for axis-aligned trees where it knows all that is asked, else
+        "search".
     limits
         wall seconds, relative gap, nodes, memory; reaching one is no error.
     incumbent
@@ -207,11 +209,11 @@ def chosen_method(problem: Problem, method: str) -> str:
             f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
             f"{', '.join(('auto', *known))}"
         )
-    is_exact = problem.split == "axis" and problem.is_provable
-    chosen = method if method != "auto" else "exact" if is_exact else "search"
+    wanted = ("exact", "search") if problem.split == "axis" and problem.is_provable else ("search",)
+    able = [name for name, solver in known.items() if solver.refusal(problem) is None]
+    chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
     if (setting := known[chosen].refusal(problem)) is not None:
-        able = [repr(name) for name, solver in known.items() if solver.refusal(problem) is None]
-        others = [f"use method {' or '.join(able)}"] if able else []
+        others = [f"use method {' or '.join(map(repr, able))}"] if able else []
         fill = ["fill missing readings, or let an estimator or the command encode them"] if setting == "gaps" else []
         raise ProblemError(
             f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {setting}; "

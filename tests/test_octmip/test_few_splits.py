@@ -51,7 +51,8 @@ def test_trees_of_numbers_are_pruned_and_their_proof_says_that_it_cannot():
     numbers = Problem(FEATURES, FEATURES[:, 0] ** 2, depth=3, loss=SquaredError(), max_splits=2)
     assert n_splits(solve(numbers, "search").tree) <= 2
     with pytest.raises(ProblemError, match="does not know the problem's max_splits; use method 'cart'"):
-        solve(numbers)
+        solve(numbers, "exact")
+    assert solve(numbers).solver == "search"
 
 
 def test_a_certificate_refutes_one_split_too_many():

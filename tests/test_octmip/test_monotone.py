@@ -90,8 +90,8 @@ def test_numbers_are_searched_and_their_proof_says_that_it_cannot():
     numbers = Problem(FEATURES, -(FEATURES[:, 0] ** 2), depth=3, loss=SquaredError(), monotone={0: "+"})
     assert certify(numbers, solve(numbers, "search")).n_splits >= 1
     with pytest.raises(ProblemError, match="does not know the problem's monotone"):
-        solve(numbers)
-    tree = OptimalTreeRegressor(3, method="search", monotonic_cst=[1, 0, 0]).fit(FEATURES, -(FEATURES[:, 0] ** 2))
+        solve(numbers, "exact")
+    tree = OptimalTreeRegressor(3, monotonic_cst=[1, 0, 0]).fit(FEATURES, -(FEATURES[:, 0] ** 2))
     assert disorder(tree.tree_, (1, 0, 0)) is None
 
 
@@ -113,6 +113,13 @@ def test_an_order_that_is_none_is_refused(options, message):
 def test_no_order_is_no_limit():
     assert asked(monotone=[0, 0, 0]).monotone is None
     assert solve(asked(monotone={}), "flow", limits=Limits(seconds=1)).tree is not None
+
+
+def test_what_no_proof_knows_is_searched_unless_a_proof_is_asked_for():
+    priced = asked(sensor_budget=2)
+    assert (solve(priced).solver, solve(asked()).solver) == ("search", "exact")
+    with pytest.raises(ProblemError, match="does not know the problem's sensor_budget; use method 'cart' or 'search'"):
+        solve(priced, "exact")
 
 
 @pytest.mark.parametrize("method", ["oct", "flow", "benders"])

@@ -96,7 +96,7 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
         (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),
         (["--cluster", "local"], "takes no option 'cluster'"),
         (["--method", "oct"], "expected one of auto, cart, search, exact"),
-        (["--leaf-model", "linear", "--method", "exact"], "use method 'search'"),
+        (["--leaf-model", "linear", "--method", "exact"], "use method 'cart' or 'search'"),
     ],
 )
 def test_what_regression_does_not_know_is_refused(houses, run, options, sentence):
