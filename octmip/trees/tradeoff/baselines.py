@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.trees.problem import Problem
 from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.solution import Limits
 from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.family import Family
 from octmip.trees.tree import predict, predict_values
@@ -100,5 +101,6 @@ def _pruned_cart(problem: Problem, seed: int) -> Predictor:
     families = [Family(MAX_DEPTH, "cart", by_impurity=by_impurity) for by_impurity in by]
     if problem.n_samples < 2:
         raise ProblemError(f"pruned CART needs folds; got {problem.n_samples} samples, expected 2 or more")
-    choice = choose_tree(problem, families=families, folds=min(5, problem.n_samples), seed=seed, n_jobs=1)
+    folds, no_proof = min(5, problem.n_samples), Limits(seconds=0.0)  # nobody asks for a bound of a baseline
+    choice = choose_tree(problem, families=families, folds=folds, limits=no_proof, seed=seed, n_jobs=1)
     return partial(predict if problem.loss.predicts == "class" else predict_values, choice.tree)
