@@ -74,10 +74,12 @@ def judged_steps(
     weights = [problem.weights[rows] for rows in held]
     losses = [_held_losses(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
     costs = [np.array([math.fsum(column) for column in fold.T]) for fold in losses]
-    ends = sorted({c.penalty_low / f.problem.baseline for f in of_folds for c in f.trees})
+    baseline, baselines = problem.baseline, [f.problem.baseline for f in of_folds]  # each is a pass over the samples
+    ends = sorted({c.penalty_low / base for f, base in zip(of_folds, baselines, strict=True) for c in f.trees})
     known: list[tuple[float, list[int], NDArray[np.float64]]] = []
     for low, high in pairwise([*ends, math.inf]):
-        at = [_index_at(f, middle(low, high) if high > low else low) for f in of_folds]
+        alpha = middle(low, high) if high > low else low
+        at = [_index_at(f, alpha * base) for f, base in zip(of_folds, baselines, strict=True)]
         cost = np.array([fold[k] for fold, k in zip(costs, at, strict=True)])
         if not known or (cost != known[-1][2]).any():
             known.append((low, at, cost))
@@ -86,7 +88,7 @@ def judged_steps(
     ends_of = [*(low for low, _, _ in known[1:]), math.inf]
     means, errors = sums.means().tolist(), sums.standard_errors().tolist()
     for (low, _, _), high, mean, error in zip(known, ends_of, means, errors, strict=True):
-        tree = path.best_at(middle(low, high) * problem.baseline)
+        tree = path.best_at(middle(low, high) * baseline)
         steps.append(Step(family, low, high, mean, error, tree.complexity, tree.cost / float(problem.weights.sum())))
     return steps, judged
 
@@ -113,7 +115,6 @@ def _held_losses(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[np.
     return np.stack([problem.loss.row_costs(*part, how(best.tree, features)) for best in path.trees], axis=1)
 
 
-def _index_at(path: PenaltyPath, alpha: float) -> int:
-    """Return the index of the tree that is best at an alpha of the path's own problem."""
-    lows = [best.penalty_low for best in path.trees]
-    return bisect_right(lows, alpha * path.problem.baseline) - 1
+def _index_at(path: PenaltyPath, penalty: float) -> int:
+    """Return the index of the tree of a path that is best at a penalty."""
+    return bisect_right(path.trees, penalty, key=lambda best: best.penalty_low) - 1
