@@ -96,7 +96,7 @@ def plot():
 
 
 def design():
-    from octmip.sensing.placement.designs import by_information
+    from octmip.sensing.designs import by_information
     by_information(problem, 2.0, np.ones((2, 1)))
 
 

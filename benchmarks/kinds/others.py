@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.drift.enumeration import least_worst_case
 from benchmarks.kinds.classes import claims_complaint, log_complaint
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import least_cost
+from benchmarks.oracles.regression_runs import Runs
+from benchmarks.oracles.regression_trees import least_objective
 from benchmarks.oracles.strategies import random_problem, with_gaps
 from benchmarks.oracles.wide_problems import wide_numbers
-from benchmarks.regression.enumeration import least_objective
-from benchmarks.regression.runs import Runs
+from benchmarks.oracles.worst_case import least_worst_case
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
 from octmip.trees.drift import Bands, certify_drift

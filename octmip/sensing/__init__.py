@@ -7,9 +7,9 @@ sequential  sensors read one after the other, paid for when a path reaches them:
 failed_gauge  the failed gauge found at a stated false-alarm rate, and its reading replaced by what the others say
 """
 
+from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
 from octmip.sensing.failed_gauge import FaultDetector, Imputation, power
-from octmip.sensing.placement.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
-from octmip.sensing.placement.placement import (
+from octmip.sensing.placement import (
     Placement,
     label_bound,
     place_sensors,

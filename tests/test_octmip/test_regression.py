@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.regression.agreement import complaint
-from benchmarks.regression.enumeration import least_objective, random_problem
+from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.trees.losses import SPELLINGS, AbsoluteError, QuantileError, SquaredError, number_loss

@@ -8,8 +8,8 @@ from itertools import count
 import numpy as np
 import pytest
 
-from benchmarks.regression.enumeration import least_objective, random_problem
-from benchmarks.regression.runs import Runs
+from benchmarks.oracles.regression_runs import Runs
+from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
 from octmip.trees import _native

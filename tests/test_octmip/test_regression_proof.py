@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.regression.enumeration import least_objective, random_problem
+from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss

@@ -11,8 +11,8 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from benchmarks.drift.enumeration import least_worst_case
 from benchmarks.kinds.others import WorstCases
+from benchmarks.oracles.worst_case import least_worst_case
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.drift import Bands, solve

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.regression.enumeration import least_objective, random_problem
+from benchmarks.oracles.regression_trees import least_objective, random_problem
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corruptions import LINE_CHANGES, raise_claim
-from benchmarks.regression.enumeration import least_objective
-from benchmarks.regression.runs import Runs
+from benchmarks.oracles.regression_runs import Runs
+from benchmarks.oracles.regression_trees import least_objective
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify

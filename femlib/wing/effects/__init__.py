@@ -1,4 +1,4 @@
-"""Effects that a real wing may have and the model lacks: one effect, one file, one line here."""
+"""Effects that a real wing may have and the model lacks: one line here for each."""
 
 from collections.abc import Mapping
 
@@ -6,26 +6,26 @@ from femlib.wing.effects import (
     creep,
     damage_outside_library,
     large_deflection,
+    lift,
     modulus,
     payload_inertia,
     planform,
     root_flexibility,
     skin_thickness,
     spar_skin_debond,
+    thermal,
 )
 from femlib.wing.effects.card import WingEffect
-from femlib.wing.effects.lift import distribution, torsion
 from femlib.wing.effects.response import Response
-from femlib.wing.effects.thermal import gradient, uniform
 from femlib.wing.model import Wing
 
 EFFECTS = (
     modulus.effect,
     skin_thickness.effect,
-    uniform.effect,
-    gradient.effect,
-    distribution.effect,
-    torsion.effect,
+    thermal.temperature_uniform,
+    thermal.temperature_gradient,
+    lift.lift_distribution,
+    lift.torsion,
     large_deflection.effect,
     payload_inertia.effect,
     damage_outside_library.effect,

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
-from octmip.sensing.placement.placement import problem_on
+from octmip.sensing.placement import problem_on
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits

@@ -74,7 +74,7 @@ def place_sensors(
     problem
         its features are those of all candidates.
     starts
-        sets of sensors within the budget, for instance chosen as in `octmip.sensing.placement.designs`. Their trees are
+        sets of sensors within the budget, for instance chosen as in `octmip.sensing.designs`. Their trees are
         found first, and the search over all candidates begins at the best of them: so it is never worse than any of
         them, which a search by itself does not promise.
     method, limits, seed, n_jobs, options

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.regression.enumeration import slopes_of
+from benchmarks.oracles.regression_trees import slopes_of
 from octmip.trees.problem import Problem
 
 Rows = NDArray[np.int64]

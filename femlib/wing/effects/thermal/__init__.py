@@ -1,1 +1,0 @@
-"""Effects of temperature: the whole wing warmer, and one skin warmer than the other."""

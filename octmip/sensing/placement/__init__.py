@@ -1,1 +1,0 @@
-"""Placement: which sensors to install for one label."""
