@@ -41,6 +41,21 @@ def write_bytes(path: PathLike, content: bytes) -> None:
         raise WriteError(f"{path} cannot be written ({error.strerror}); choose another place") from error
 
 
+def make_folder(path: PathLike) -> Path:
+    """Return a folder, made with those above it where it is not there.
+
+    Raises
+    ------
+    WriteError
+        it cannot be made.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise WriteError(f"folder {shown(str(path))} cannot be made ({error.strerror}); name another") from error
+    return Path(path)
+
+
 def keep_bytes(path: PathLike, content: bytes) -> None:
     """Write a file as `write_bytes`, or warn where that fails: what is kept on the way is not worth the work itself."""
     try:

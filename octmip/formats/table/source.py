@@ -95,14 +95,19 @@ def open_source(path: PathLike, form: str | None = None) -> Source:
         held = _standard_input()
         return Source(Path(STANDARD_INPUT), form or ("parquet" if held.startswith(PARQUET) else "csv"), held)
     path = Path(path)
-    ending = Path(path.stem).suffix if path.suffix == ".gz" else path.suffix
-    found = form or ENDINGS.get(ending.lower())
+    found = form or form_by_ending(path)
     if found is None:
         raise DataError(
             f"{path} does not say what it holds: it ends with {shown(path.suffix)}; expected .csv, .tsv (either may be "
             f"compressed: .gz) or .parquet; rename it, or add --format {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
         )
     return Source(path, found)
+
+
+def form_by_ending(path: Path) -> str | None:
+    """Return the format that the ending of a file's name says, None where it says none."""
+    ending = Path(path.stem).suffix if path.suffix == ".gz" else path.suffix
+    return ENDINGS.get(ending.lower())
 
 
 def _standard_input() -> bytes:

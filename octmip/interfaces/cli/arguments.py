@@ -131,13 +131,17 @@ def _only_classes(_: str) -> NoReturn:
 
 
 def add_everyday_arguments(
-    parser: argparse.ArgumentParser, seconds: float = math.inf, has_target: bool = False, chooses: bool = False
+    parser: argparse.ArgumentParser,
+    seconds: float = math.inf,
+    has_target: bool = False,
+    chooses: bool = False,
+    of_folder: bool = False,
 ) -> None:
     """Add the table, the label (or a target of numbers and its loss), the depth and the time.
 
-    A command that `chooses` a tree where no depth is given needs none.
+    A command that `chooses` a tree where no depth is given needs none; one `of_folder` reads all tables of a folder.
     """
-    add_label_arguments(group_of(parser, DATA), is_required=not has_target)
+    add_label_arguments(group_of(parser, DATA), is_required=not has_target, of_folder=of_folder)
     levels = "levels of splits" + (" (default: chosen by cross-validation, for new rows)" if chooses else "")
     group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=not chooses, help=levels)
     if not has_target:

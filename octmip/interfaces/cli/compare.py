@@ -3,6 +3,7 @@
 import argparse
 import time
 import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from octmip.errors import DataError, ProblemError, SolverError
@@ -31,8 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run every method and show them."""
     limits = limits_of(arguments)
     question = ask(arguments)
-    rows = _rows(arguments, question, limits)
-    _add_gap_to_best_bound(rows)
+    rows = compared(arguments, question, limits)
     baselines = _baselines(question, arguments.seed) if arguments.baselines else []
     with held_back():
         _show(arguments, question, rows, baselines)
@@ -50,38 +50,40 @@ def _show(
         return
     measures = problem.loss.measured
     held = () if question.held_out is None else tuple(f"{name} held out" for name in measures)
-    columns = (
-        "method",
-        *measures,
-        *held,
-        "objective",
-        "bound",
-        "gap %",
-        "gap to best bound %",
-        "splits",
-        "tree by",
-        "seconds",
-        *(f"to {gap}" for gap in TIMES),
-        "stop",
-    )
     print_notes(question.notes)
-    print(markdown_table([_shown(row, measures) for row in rows], columns))
+    print(table_of(rows, (*measures, *held), measures))
     if baselines:
         named = [{**_shown(row, measures), "baseline": row["method"]} for row in baselines]
         print("\n" + markdown_table(named, ("baseline", *measures, *held, "seconds")))
     if question.held_out is not None:
         print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
-    for row in (*rows, *baselines):
+    for sentence in reasons([*rows, *baselines]):
+        print(f"\n{sentence}")
+
+
+def table_of(rows: Sequence[Mapping[str, Any]], columns: tuple[str, ...], measures: tuple[str, ...]) -> str:
+    """Return the printed table of methods, with columns for its measures among those that all have."""
+    before = ("objective", "bound", "gap %", "gap to best bound %", "splits", "tree by", "seconds")
+    every = ("method", *columns, *before, *(f"to {gap}" for gap in TIMES), "stop")
+    return markdown_table([_shown(row, measures) for row in rows], every)
+
+
+def reasons(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield a sentence for each method that did not answer, or whose bound is not about all trees."""
+    for row in rows:
         if "error" in row:
-            print(f"\n{row['method']}: {visible(row['error'])}")
+            yield f"{row['method']}: {visible(row['error'])}"
         elif row.get("scope"):
-            print(f"\n{row['method']}: its bound holds for {row['scope']} only")
+            yield f"{row['method']}: its bound holds for {row['scope']} only"
 
 
-def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
-    """Return a row for each method; after a signal those that are known, if there are any."""
+def compared(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
+    """Return a row for each method; after a signal those that are known, if there are any.
+
+    Each says how far it can be from the optimum, by the best bound of any method that speaks about all trees.
+    """
     rows: list[dict[str, Any]] = []
-    methods = _methods(arguments)
+    methods = methods_of(arguments)
     _refuse_options_of_none(arguments, question.problem, methods)
     for method in methods:
         try:
@@ -95,6 +97,7 @@ def _rows(arguments: argparse.Namespace, question: Question, limits: Limits) -> 
         rows.append(row)
         if row.get("stop") == Stop.INTERRUPTED:
             break
+    _add_gap_to_best_bound(rows)
     return rows
 
 
@@ -120,7 +123,8 @@ def _baselines(question: Question, seed: int) -> list[dict[str, Any]]:
     return rows
 
 
-def _methods(arguments: argparse.Namespace) -> list[Any]:
+def methods_of(arguments: argparse.Namespace) -> list[Any]:
+    """Return the methods that the arguments name, all without a name."""
     if not arguments.methods:
         return list(METHODS[1:])  # those that cannot answer say why
     names = [name.strip() for name in arguments.methods.split(",")]
@@ -156,14 +160,14 @@ def _row(arguments: argparse.Namespace, question: Question, method: Any, limits:
         row = describe(problem, solution, certify(problem, solution))
         held = question.held_out and score_json(score(problem, solution.tree, question.held_out))
         by = solution.details.get("tree_by", method)
-        reached = {"seconds_to_gap": times.at_end(solution)}
+        times.end(solution)
+        reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}
         return row | reached | {"method": method, "scope": narrow_scope(solution), "held_out": held, "tree_by": by}
     except (ProblemError, SolverError) as error:
         return {"method": method, "error": " ".join(str(error).split())}
 
 
 def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
-    """Say for each row how far it can be from the optimum, by the best bound that speaks about all trees."""
     proven = [row for row in rows if row.get("bound") is not None]
     over_all = [row["bound"] for row in proven if not row["scope"]]
     best = max(over_all, default=float("-inf"))
@@ -172,7 +176,7 @@ def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
             row["gap_to_best_bound"] = finite_or_none(relative_gap(row["objective"], best))
 
 
-def _shown(row: dict[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
+def _shown(row: Mapping[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
     """Return a row under the headings of the printed table, its figures rounded."""
     gaps = {"gap %": row.get("gap"), "gap to best bound %": row.get("gap_to_best_bound")}
     reached = row.get("seconds_to_gap", {})

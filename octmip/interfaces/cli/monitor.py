@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from octmip.errors import DataError, WriteError
-from octmip.formats.files import write_bytes
+from octmip.errors import DataError
+from octmip.formats.files import make_folder, write_bytes
 from octmip.formats.names import visible
 from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.gap.doors import open_twin
@@ -66,10 +66,7 @@ def _write(folder: Path, design: MonitorDesign, twin: Twin) -> None:
     WriteError
         the folder cannot be made or written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise WriteError(f"folder {visible(str(folder))} cannot be made ({error.strerror}); name another") from error
+    make_folder(folder)
     units = dict(zip(twin.gauges, units_of(twin), strict=True))
     for k, (one, problem, solution) in enumerate(zip(design.trees, design.problems, design.solutions, strict=True)):
         if set(one.parameter) & set(UNSAFE):

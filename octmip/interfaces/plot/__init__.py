@@ -8,13 +8,20 @@ scale in their order, other classes get colours that colour-blind readers can te
 from octmip.errors import needed_by
 
 with needed_by("a picture"):
-    from octmip.interfaces.plot.curves import choice_figure, frontier_figure, progress_figure, reliability_figure
+    from octmip.interfaces.plot.curves import (
+        benchmark_figure,
+        choice_figure,
+        frontier_figure,
+        progress_figure,
+        reliability_figure,
+    )
     from octmip.interfaces.plot.drawing import counted_tree_figure, split_text, tree_figure
     from octmip.interfaces.plot.plane import partition_figure
     from octmip.interfaces.plot.sensors import sensors_figure
     from octmip.interfaces.plot.style import class_colours
 
 __all__ = [
+    "benchmark_figure",
     "choice_figure",
     "class_colours",
     "counted_tree_figure",
