@@ -23,10 +23,14 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "sphinx_design",
+    "sphinxcontrib.bibtex",
     "example_pictures",
     "mathml",
 ]
 exclude_patterns = ["_build", "_extensions"]
+
+bibtex_bibfiles = ["references.bib"]
+bibtex_reference_style = "author_year"
 
 html_theme = "furo"
 html_static_path = ["_static"]

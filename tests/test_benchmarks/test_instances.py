@@ -1,5 +1,6 @@
 """The instances: the command writes files that HiGHS reads back, and the table says no more than is known."""
 
+import io
 import json
 import re
 from pathlib import Path
@@ -7,11 +8,12 @@ from pathlib import Path
 import highspy
 import pytest
 
+from benchmarks import as_csv
 from benchmarks.instances.__main__ import main
 from benchmarks.instances.catalogue import INSTANCES
 from benchmarks.instances.known import known, markdown, tree_key
 
-PAGE = Path(__file__).parents[2] / "docs/instances.md"
+KNOWN = Path(__file__).parents[2] / "docs/results/data/instances/known.csv"
 
 
 def test_a_file_read_back_has_the_size_in_the_table_and_the_optimum(tmp_path):
@@ -63,7 +65,10 @@ def test_a_run_that_contradicts_a_known_tree_is_refused(monkeypatch, tmp_path):
         known()
 
 
-def test_the_page_shows_the_table_of_the_command(capsys):
+def test_the_data_file_is_the_table_of_the_command(capsys, monkeypatch):
     assert main(["--table"]) == 0
-    assert capsys.readouterr().out == markdown(known()) + "\n"
-    assert markdown(known()) in PAGE.read_text()
+    printed = capsys.readouterr().out
+    assert printed == markdown(known()) + "\n"
+    monkeypatch.setattr("sys.stdin", io.StringIO(printed))
+    as_csv.main([])
+    assert capsys.readouterr().out == KNOWN.read_text()
