@@ -84,6 +84,6 @@ def test_the_site_loads_nothing_from_elsewhere(pages):
 
 
 def test_every_example_and_result_page_shows_a_picture(pages, site):
-    for name in ("index", "examples/first-tree", "examples/risk", "uav", "mission", "sensing", "wing", "how-long"):
+    for name in ("index", "examples/command", "examples/risk", "uav", "mission", "sensing", "wing", "how-long"):
         page = pages[(site / f"{name}.html").resolve()]
         assert any("_images/" in picture for picture in page.loaded), name
