@@ -60,6 +60,38 @@ def banned_phrases(text: str) -> list[str]:
     return [f"{number}: {line}" for number, line in prose_of(text) if BANNED.search(line)]
 
 
+def sentences(text: str) -> list[str]:
+    """Return the sentences of a page without headings and tables, code in them as one word."""
+    parts = []
+    for _, line in prose_of(text):
+        line = re.sub(r"`[^`]*`", "CODE", line.strip())
+        parts += [""] if line.startswith(("|", "#", ":")) else [""] * bool(re.match(r"(?:[*-]|\d+\.)\s", line)) + [line]
+    paragraphs = "\n".join(parts).split("\n\n")
+    return [one for text in paragraphs for one in re.split(r"(?<=[.?!:])\s+", " ".join(text.split()))]
+
+
+WHAT = re.compile(r"\b(?:until|plus|less|beside|besides) what\b|; what\b|^(?:\* )?What\b[^?]*\.$")
+PASSIVE = re.compile(
+    r"\b(?:is|are|was|were|been) (?:asked|said|told|believed|thought|owed|looked (?:at|for|into))\b(?! for)"
+)
+CHAIN = re.compile(r"(?:[^;]*\d[^;]*;){2,}[^;]*\d")
+
+
+def what_clauses(text: str) -> list[str]:
+    """Return the sentences in which a clause with `what` stands for a noun, as "what remains is cut"."""
+    return [one for one in sentences(text) if WHAT.search(one)]
+
+
+def passives(text: str) -> list[str]:
+    """Return the sentences in which nobody asks, says or looks."""
+    return [one for one in sentences(text) if PASSIVE.search(one)]
+
+
+def figure_chains(text: str) -> list[str]:
+    """Return the sentences that hold three figures or more between semicolons."""
+    return [one for one in sentences(text) if CHAIN.search(one)]
+
+
 Rule = Callable[[str], list[str]]
 RULES: dict[Rule, set[str]] = {
     bare_decimals: {
@@ -71,7 +103,6 @@ RULES: dict[Rule, set[str]] = {
     },
     long_lines: {
         "docs/developing.md",
-        "docs/examples/model.md",
         "docs/gap/damper.md",
         "docs/gap/measured.md",
         "docs/gap/noise.md",
@@ -79,9 +110,6 @@ RULES: dict[Rule, set[str]] = {
         "docs/gap/published.md",
         "docs/gap/quadrotor.md",
         "docs/gap/sealed.md",
-        "docs/howto/held-out.md",
-        "docs/reliability.md",
-        "docs/results/tables.md",
         "docs/theory/gap.md",
     },
     too_many_words: {
@@ -92,6 +120,24 @@ RULES: dict[Rule, set[str]] = {
         "docs/gap/noise.md",
         "docs/gap/quadrotor.md",
     },
+    what_clauses: {
+        "docs/developing.md",
+        "docs/gap.md",
+        "docs/gap/bridge.md",
+        "docs/gap/noise.md",
+        "docs/gap/published.md",
+        "docs/gap/sealed.md",
+        "docs/theory/gap.md",
+    },
+    passives: {
+        "docs/developing.md",
+        "docs/gap/noise.md",
+        "docs/gap/quadrotor.md",
+        "docs/gap/sealed.md",
+        "docs/results/gap.md",
+        "docs/results/mission.md",
+    },
+    figure_chains: {"docs/gap/published.md"},
 }
 """Each rule with the pages that do not keep it yet."""
 
@@ -114,6 +160,10 @@ def test_a_page_keeps_the_rules_of_prose(page: str, rule: Rule) -> None:
         (long_lines, "word " * 30, "```sh\n" + "word " * 30 + "\n```"),
         (too_many_words, "word " * (MOST_WORDS + 1), "word | " * MOST_WORDS),
         (banned_phrases, "a wing accuses", "a wing is suspected"),
+        (what_clauses, "What remains is\ncut.", "The rest is cut. What is a cut? It says what it costs."),
+        (what_clauses, "It is open; what is clear goes.", "What helps, in this order:"),
+        (passives, "The run was asked once.", "The problem that was asked for is solved."),
+        (figure_chains, "It takes 3 s; then 4 s;\nand 5 s.", "It takes 3 s; then 4 s.\n| 1 | 3; 4; 5 |"),
     ],
 )
 def test_a_rule_finds_what_breaks_it(rule: Rule, bad: str, good: str) -> None:
