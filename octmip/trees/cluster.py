@@ -89,7 +89,7 @@ class Cluster:
         """Whether there is a worker; where none is left a warning says so, once until there is one again."""
         is_left = self.n_workers > 0
         if not is_left and not self.is_waiting:
-            warnings.warn("no worker of the cluster is left: what is not done waits for one", stacklevel=2)
+            warnings.warn("no worker of the cluster is left: open tasks wait for one", stacklevel=2)
         self.is_waiting = not is_left
         return is_left
 

@@ -228,7 +228,7 @@ class Problem(Shape):
     @property
     def _class_costs(self) -> ClassCosts:
         if not isinstance(self.loss, ClassCosts):
-            raise ProblemError(f"{self.loss} is a loss of numbers; what is asked for needs classes")
+            raise ProblemError(f"{self.loss} is a loss of numbers; this question needs classes")
         return self.loss
 
     @property
@@ -245,7 +245,7 @@ class Problem(Shape):
     def number_loss(self) -> NumberLoss:
         """The loss, of numbers; a ProblemError of classes."""
         if not isinstance(self.loss, NumberLoss):
-            raise ProblemError("the loss is one of classes; what is asked for needs numbers")
+            raise ProblemError("the loss is one of classes; this question needs numbers")
         return self.loss
 
     @property

@@ -66,7 +66,7 @@ class ClassCosts(Loss):
         """
         if self.per_sample:
             raise ProblemError(
-                "the costs are those of single samples; what is asked for needs costs of classes; solve, certify and "
+                "the costs are those of single samples; this question needs costs of classes; solve, certify and "
                 "model answer costs of samples"
             )
         return self.table

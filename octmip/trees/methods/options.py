@@ -246,7 +246,7 @@ class ExactOptions(Options):
     )
     checkpoint: str | Path | None = field(
         default=None,
-        metadata=_means(FILE, "file that keeps what is proven; where it exists the search goes on from it"),
+        metadata=_means(FILE, "file that keeps the proven part; where it exists the search goes on from it"),
     )
     every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
 

@@ -119,7 +119,7 @@ def _not_yet(diagnosis: Diagnosis) -> str:
 def _separated(diagnosis: Diagnosis, otherwise: str = MORE) -> str:
     if diagnosis.next_test:
         return f"the next test that separates them: {diagnosis.next_test[0].words}"
-    return f"what separates them: {otherwise}"
+    return f"to separate them: {otherwise}"
 
 
 def _hidden(diagnosis: Diagnosis) -> list[str]:

@@ -197,7 +197,7 @@ def fit_lines(diagnosis: Diagnosis) -> list[str]:
     if s is None:
         return []
     fit = (
-        f"Chi-squared per mean reading: {s.chi2_before:.2f} before, {s.chi2_after:.2f} after (p-value of what remains "
+        f"Chi-squared per mean reading: {s.chi2_before:.2f} before, {s.chi2_after:.2f} after (p-value of the rest "
         f"{_chance(s.p_after)})."
     )
     left = "Something remains in the readings that no cause of the library describes."

@@ -17,7 +17,7 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
             "lower depth, and the samples in each leaf."
         ]
     sentences = [
-        "A greedy tree (CART) chooses each split by itself and never looks back; it is what most software grows."
+        "A greedy tree (CART) chooses each split by itself and never looks back; most software grows it."
     ]
     if file.settings["split"] == "hyperplane":
         sentences.append("The greedy tree has one feature in each split; this one may weigh several.")

@@ -40,7 +40,7 @@ def _bound(file: TreeFile, measure: Measure) -> str:
         return f"No tree can have less than {measure.none()} at all: this one is the best."
     least = measure.least(solution.bound)
     gap = (
-        "That is what this tree has, so it is the best."
+        "This tree meets that bound, so it is the best."
         if solution.is_optimal
         else f"This tree has {measure.amount(solution.objective)}: a gap of {percent(solution.gap)}."
     )

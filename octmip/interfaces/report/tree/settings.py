@@ -47,7 +47,7 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}."
     if has_sensors or budget is not None:
         limit = f", of a budget of {figure(budget)}" if budget is not None else ""
-        sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often it is asked."
+        sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often the tree reads it."
     if not has_sensors:
         rows = [[short_name(column), times] for column, times in asked.most_common()]
         return {"sentence": sentence, "head": ["column", readers], "rows": rows, "right": (1,)}
