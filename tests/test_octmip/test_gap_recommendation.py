@@ -236,7 +236,7 @@ def test_a_probability_is_never_rounded_to_certainty():
 @pytest.mark.parametrize(
     ("closed", "low", "high", "end"),
     [
-        (1.068, 0.93, 1.2, "So all of the gap has closed: the rest is no more than the difference of a sound asset and"),
+        (1.068, 0.93, 1.2, "So all of the gap has closed: the rest is no more than a sound asset may differ by."),
         (0.9, 0.8, 1.05, "So 90.0 % of its mean square has closed (90 %: 80.0 % to all of it)."),
         (0.3, -0.1, 0.6, "So 30.0 % of its mean square has closed (90 %: none of it to 60.0 %)."),
         (-0.2, -0.3, 0.0, "None of the gap has closed."),

@@ -180,7 +180,7 @@ def closed_words(s: Shrinkage) -> str:
             "no gap closes."
         )
     if s.closed >= 1.0:
-        return f"{gap} So all of the gap has closed: the rest is no more than the difference of a sound asset and its twin."
+        return f"{gap} So all of the gap has closed: the rest is no more than a sound asset may differ by."
     most = "all of it" if s.high >= 1.0 else percent(s.high)
     least = "none of it" if s.low <= 0.0 else percent(s.low)
     if s.closed <= 0.0:

@@ -16,9 +16,7 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
             "This page was made from the tree file alone. Given the data too, it also shows the greedy tree, trees of "
             "lower depth, and the samples in each leaf."
         ]
-    sentences = [
-        "A greedy tree (CART) chooses each split by itself and never looks back; most software grows it."
-    ]
+    sentences = ["A greedy tree (CART) chooses each split by itself and never looks back; most software grows it."]
     if file.settings["split"] == "hyperplane":
         sentences.append("The greedy tree has one feature in each split; this one may weigh several.")
     held = evidence.held_out
