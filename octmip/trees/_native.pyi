@@ -3,18 +3,79 @@
 Every solver takes problem, incumbent, limits, threads, seed, switches, progress, in this order, then its own by name.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from octmip.trees.encoding.rows import NodeRow
+
+class Limits(Protocol):
+    """Limits of a call, as `octmip.trees.solution.Limits` has them."""
+
+    @property
+    def seconds(self) -> float: ...
+    @property
+    def gap(self) -> float: ...
+    @property
+    def nodes(self) -> float: ...
+    @property
+    def memory(self) -> float: ...
+
+class Found:
+    """The best tree of a search as a node table, what no tree costs less than, and nodes or evaluated cuts."""
+
+    rows: list[NodeRow]
+    objective: int
+    bound: int
+    stop: str
+    n_nodes: int
+
+class FoundBelow:
+    """The best tree below a cost (None: there is none), what no tree costs less than, and evaluated cuts."""
+
+    rows: list[NodeRow] | None
+    bound: float
+    stop: str
+    n_nodes: int
+
+class Accepted:
+    """What an accepted log proves, its number of lines, the line of its claim."""
+
+    bound: float
+    n_lines: int
+    claim_line: int
+
+class Refused:
+    """Where and why a log is refused."""
+
+    line: int
+    reason: str
+
+class ProvenBelow:
+    """Claim, body and bound of a log of numbers."""
+
+    claim: int
+    body: str
+    bound: float
+
+class Counted:
+    """All trees up to a cost; `cuts` of the root as `octmip.trees.near_sets.near_set.Cut` by name, `open` features."""
+
+    leaves: list[NearEntry]
+    cuts: list[dict[str, Any]]
+    open: list[int]
+    stop: str
+    n_nodes: int
 
 class Problem:
     """A problem over dense ranks with integer costs, checked."""
 
     def __new__(
         cls,
-        ranks: NDArray[np.uint32],
+        *,
+        ranks: RankTable,
         n_ranks: list[int],
         labels: NDArray[np.uint32],
         weights: NDArray[np.int64],
@@ -26,7 +87,7 @@ class Problem:
         sensor_cost: list[float],
         sensor_limit: float,
         allowed: list[bool],
-        planes: tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None = None,
+        planes: Mapping[str, Any] | None = None,
     ) -> Problem: ...
 
 class SequentialProblem:
@@ -34,73 +95,81 @@ class SequentialProblem:
 
     def __new__(
         cls,
+        *,
         ranks: NDArray[np.uint32],
         paid: NDArray[np.float64],
         frequency: NDArray[np.float64],
         delay_costs: NDArray[np.float64],
-        shape: tuple[float, int, int, list[int], list[bool], list[int]],
-        prices: tuple[list[float], list[int], list[float], list[int]],
+        penalty: float,
+        depth: int,
+        leaf_size: int,
+        sensor_of_feature: list[int],
+        allowed: list[bool],
+        most_readings: list[int],
+        sensor_cost: list[float],
+        group_of_sensor: list[int],
+        setup_costs: list[float],
+        read: list[int],
         multiplier: float,
         cap: float | None,
     ) -> SequentialProblem:
-        """Take the problem.
-
-        `shape`: penalty, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-        `prices`: cost and group of each sensor, set-up cost of each group, sensors read before the root.
-        """
+        """Take the problem: most readings of each label, set-up cost of each group, sensors read before the root."""
 
 class Question:
     """What is asked, in float64 as given, for the checker of proof logs."""
 
     def __new__(
         cls,
+        *,
         features: NDArray[np.float64],
         labels: NDArray[np.uint32],
         weights: NDArray[np.float64],
         costs: NDArray[np.float64],
-        limits: tuple[int, bool, int, int, float],
-        sensors: tuple[list[int], list[float], float],
+        depth: int,
+        is_hyperplane: bool,
+        split_size: int,
+        leaf_size: int,
+        leaf_penalty: float,
+        sensor_of_feature: list[int],
+        sensor_cost: list[float],
+        sensor_limit: float,
         allowed_splits: list[list[int]] | None,
-    ) -> Question:
-        """Take the problem.
+    ) -> Question: ...
+    def digests(self) -> tuple[str, str]:
+        """Return the sha256 of samples, labels and weights, and that of all the rest."""
 
-        `limits`: depth, whether splits are hyperplanes, features of a split, samples of a leaf, penalty of a feature.
-        `sensors`: sensor of each feature, cost of each sensor, budget.
-        """
-
-    def identity(self) -> tuple[str, str, str]:
-        """Return the error by its name, the sha256 of samples, labels and weights, and that of all the rest."""
-
-    def check(self, log: str, n_threads: int) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
-        """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
+    def check(self, log: str, n_threads: int) -> Accepted | Refused:
+        """Return what a log proves, or why it fails."""
 
 class RegressionQuestion:
     """A regression problem in float64 as given, for the checker of proof logs and their writer."""
 
     def __new__(
         cls,
+        *,
         features: NDArray[np.float64],
         targets: NDArray[np.float64],
         weights: NDArray[np.float64],
-        asked: tuple[tuple[int, int, int] | None, int, int, float],
-        sensors: tuple[list[int], list[float], float],
+        slopes: tuple[int, int, int] | None,
+        depth: int,
+        leaf_size: int,
+        leaf_penalty: float,
+        sensor_of_feature: list[int],
+        sensor_cost: list[float],
+        sensor_limit: float,
     ) -> RegressionQuestion:
-        """Take the problem.
-
-        `asked`: slopes and what they are divided by (None: squared), depth, samples of a leaf, price of a split.
-        `sensors`: sensor of each feature, cost of each sensor, budget.
-        """
+        """Take the problem; `slopes` is `octmip.trees.losses.exact_sums.Slopes`, None: squared errors."""
 
     def identity(self) -> tuple[str, str, str]:
         """Return the error by its name, the sha256 of samples, targets and weights, and that of all the rest."""
 
-    def check(self, log: str) -> tuple[tuple[float, int, int] | None, tuple[int, str] | None]:
-        """Return the bound that a log proves, its number of lines, the line of its claim; or where and why it fails."""
+    def check(self, log: str) -> Accepted | Refused:
+        """Return what a log proves, or why it fails."""
 
-    def prove(self, scale: tuple[int, int, int, int], wanted: int) -> tuple[int, str, float] | None:
-        """Return claim, body and bound of a log: `wanted`, or what the best tree costs. None if it was stopped.
+    def prove(self, scale: tuple[int, int, int, int], wanted: int) -> ProvenBelow | None:
+        """Return a log that proves `wanted`, or what the best tree costs; None if it was stopped.
 
-        `scale`: exponents of weights, targets and costs of the log's grid.
+        `scale` is `octmip.trees.regression.proof_log.LogScale`.
         """
 
 class NearProblem:
@@ -109,27 +178,26 @@ class NearProblem:
     def __new__(
         cls,
         problem: Problem,
-        costs: tuple[list[int], list[int], list[int], int, int, int],
+        costs: Mapping[str, Any],
         above: list[int],
         is_narrow: bool,
         by_sets: bool,
     ) -> NearProblem:
         """Take the problem.
 
-        `costs`: class and weight of each sample, cost of each label for each class, number of labels, penalty, and by
-        how many binary digits a unit of `problem` is larger. `above`: columns that rank missing readings above others.
+        `costs` by name: class and weight of each sample, cost of each label for each class, number of labels, penalty,
+        and by how many binary digits a unit of `problem` is larger (`shift`). `above`: columns that rank missing
+        readings above others.
         """
 
-    def count(
-        self, limit: int, limit_values: LimitValues, n_threads: int, progress: NativeProgress | None
-    ) -> tuple[list[NearEntry], list[NearCut], list[int], str, int]:
-        """Return leaves, cuts of the root, features whose cuts are not all known, stop and evaluated cuts."""
+    def count(self, limit: int, limit_values: Limits, n_threads: int, progress: NativeProgress | None) -> Counted:
+        """Return all trees up to a cost."""
 
-    def trees(self, wanted: list[tuple[NearCut | None, int, int, int]]) -> list[list[NodeRow]] | None:
-        """Return the trees of a cut (None: leaves), a cost, sensors, and a number each."""
+    def trees(self, wanted: Sequence[Any]) -> list[list[NodeRow]] | None:
+        """Return trees, each asked for by an `octmip.trees.near_sets.near_set.Wanted`."""
 
     def readers(
-        self, known: list[int], limit_values: LimitValues, n_threads: int
+        self, known: list[int], limit_values: Limits, n_threads: int
     ) -> tuple[list[int | None], str | None, int]:
         """Return the least cost of a tree that reads each sensor if below `known`, stop if early, evaluated cuts."""
 
@@ -137,11 +205,7 @@ class NearProblem:
         """Return the number of distinct predictions, None if some node has more than `most` or time is out."""
 
 NearEntry = tuple[int, int, int]  # cost, sensors as bits, number of trees
-# Feature, largest rank that goes left, samples left of it, bounds of both sides, trees.
-NearCut = tuple[int, int, int, tuple[int, int], list[NearEntry] | None]
-LimitValues = tuple[float, float, float, float]  # seconds, gap, nodes, memory
 NativeProgress = Callable[[float, int, int, int], None]  # seconds, objective, bound, nodes
-NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
 __version__: str
 
 class RankTable:
@@ -167,19 +231,24 @@ def dense_ranks(features: NDArray[np.float64] | NDArray[np.float32]) -> tuple[Ra
     """Return ranks (n_features, n_samples) of features (n_samples, n_features), and each feature's distinct values."""
 
 def reached_nodes(
-    lists: tuple[list[int], list[float], list[list[int]], list[bool | None], int],
     rows: NDArray[np.float64] | NDArray[np.float32],
+    *,
+    feature: list[int],
+    threshold: list[float],
+    children: list[list[int]],
+    missing: list[bool | None],
+    depth: int,
 ) -> NDArray[np.uint32] | None:
     """Return the node that each row (n_samples, n_features), C-contiguous, ends at after as many steps as levels.
 
-    Lists: feature, threshold, children and whether a missing reading goes right, by node. None: a reading is missing
-    and its split has no side for it.
+    `missing`: whether a missing reading goes right, by node. None comes back where a reading is missing and its split
+    has no side for it.
     """
 
 def search(
     problem: Problem,
     incumbent: list[NodeRow] | None,
-    limit_values: LimitValues,
+    limit_values: Limits,
     n_threads: int,
     seed: int,
     progress: NativeProgress | None = None,
@@ -187,8 +256,8 @@ def search(
     n_restarts: int,
     n_perturbations: int,
     submit: tuple[Callable[[Any, Any], Any], int] | None = None,
-) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of visited nodes; the incumbent is a tree to begin with.
+) -> Found:
+    """Return a tree of low objective; the incumbent is a tree to begin with.
 
     `submit`: gives a turn of a restart and the limits that are left to somebody with a `TurnSolver` and returns a
     future, with the number of turns that are asked for at once; without it the threads of this process take the turns.
@@ -203,22 +272,22 @@ class TurnSolver:
         """Take the problem, incumbent and options of the search that asks."""
         ...
 
-    def take(self, row: Any, limit_values: LimitValues, progress: NativeProgress | None = None) -> Any:
+    def take(self, row: Any, limit_values: Limits, progress: NativeProgress | None = None) -> Any:
         """Take a turn within limits; return it, the nodes visited, and whether no limit has ended it."""
         ...
 
 def branch_and_bound(
     problem: Problem,
     incumbent: tuple[int, list[NodeRow]] | None,
-    limit_values: LimitValues,
+    limit_values: Limits,
     n_threads: int,
     off: list[str] = ...,
     progress: NativeProgress | None = None,
     *,
     checkpoint: tuple[float, Callable[[Any], None], Any] | None = None,
     submit: tuple[Callable[[int, Any], Any], int] | None = None,
-) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of evaluated cuts.
+) -> Found:
+    """Return the best tree and a bound.
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
     the state to begin with (see `octmip.trees.methods.checkpoint`) or None. `submit`: gives a cut of the root at a
@@ -241,13 +310,13 @@ def prove(
 def shaped_search(
     problem: Problem,
     incumbent: tuple[int, list[NodeRow]] | None,
-    limit_values: LimitValues,
+    limit_values: Limits,
     progress: Callable[[float, int, int, int], None] | None = None,
     *,
     max_splits: int,
     directions: list[int],
-) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return the best tree of a shape: node table, objective, bound, stop and evaluated cuts.
+) -> Found:
+    """Return the best tree of a shape and a bound.
 
     `directions`: for each column 1 where predictions never fall as it rises, -1 where they never rise, 0 elsewhere.
     """
@@ -272,16 +341,16 @@ def prunes() -> list[str]:
 def two_feature_branch_and_bound(
     problem: Problem,
     incumbent: int | None,
-    limit_values: LimitValues,
+    limit_values: Limits,
     n_threads: int,
     seed: int = 0,
     off: list[str] = ...,
     progress: NativeProgress | None = None,
     *,
     whole_coefficients: int | None = None,
-    checkpoint: tuple[float, Callable[[tuple[Any, ...]], None], tuple[Any, ...] | None] | None = None,
-) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return node table, objective, bound, stop and number of nodes; the incumbent is the cost of a feasible tree.
+    checkpoint: tuple[float, Callable[[dict[str, Any]], None], tuple[Any, ...] | None] | None = None,
+) -> Found:
+    """Return the best tree and a bound; the incumbent is the cost of a feasible tree.
 
     Checkpoint: seconds between two times that the open nodes are handed out, who takes them, those of an earlier run.
     """
@@ -292,46 +361,52 @@ def two_feature_prunes() -> list[str]:
 def prove_two_feature(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
 
-def sequential(
-    problem: SequentialProblem, room: float, limit_values: LimitValues
-) -> tuple[list[NodeRow] | None, float, str, int]:
-    """Return the node table of the best tree below the room (None: there is none), bound, stop and evaluated cuts."""
+def sequential(problem: SequentialProblem, room: float, limit_values: Limits) -> FoundBelow:
+    """Return the best tree below the room."""
 
 def regression(
+    room: float | None,
+    limit_values: Limits,
+    n_threads: int,
+    progress: NativeProgress | None = None,
+    *,
     ranks: NDArray[np.uint32],
     n_ranks: list[int],
-    targets: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float],
-    shape: tuple[tuple[int, int] | None, float, int, int, list[bool]],
-    room: float | None,
-    n_threads: int,
-    limit_values: LimitValues,
-    progress: NativeProgress | None = None,
-) -> tuple[list[NodeRow] | None, float, str, int]:
-    """Return the node table of the best regression tree below the room (None: there is none), bound, stop and cuts.
+    targets: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    squares: NDArray[np.float64],
+    grain: float,
+    slopes: tuple[int, int, int] | None,
+    penalty: float,
+    depth: int,
+    leaf_size: int,
+    allowed: list[bool],
+) -> FoundBelow:
+    """Return the best regression tree that costs less than `room` (None: any).
 
-    `targets`: targets, weights, rounded squares, the grid of the squares. `shape`: slopes (None: squared), price
-    of a split, depth, leaf size, which features may be used.
+    `squares` are rounded to the grid `grain`; `slopes` as `octmip.trees.losses.exact_sums.Slopes`, None: squared.
     """
-
-BandRow = tuple[NDArray[np.uint32], NDArray[np.uint32], int, int]  # lowest and highest ranks, most off, labels
 
 def drift(
     problem: Problem,
-    band_row: BandRow,
+    band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
     incumbent: tuple[int, list[NodeRow]] | None,
     floor: int,
-    limit_values: LimitValues,
+    limit_values: Limits,
     n_threads: int,
     progress: NativeProgress | None = None,
-) -> tuple[list[NodeRow], int, int, str, int]:
-    """Return the tree of least worst case to depth 2, its cost, the bound, stop and cuts of the root."""
+) -> Found:
+    """Return the tree of least worst case to depth 2.
+
+    `band_row`: by name `low` and `high` (n_features, n_samples) ranks, `n_off` most sensors off, `n_labels`.
+    """
 
 def drift_search(
     problem: Problem,
-    band_row: BandRow,
-    starts: list[tuple[int, list[NodeRow]]],
+    band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
+    starts: list[list[NodeRow]],
     n_rounds: int,
     seed: int,
-    limit_values: LimitValues,
+    limit_values: Limits,
 ) -> tuple[list[NodeRow], int, str]:
     """Return the best tree that changes of single nodes lead to, its cost, and stop."""

@@ -5,6 +5,7 @@ The core goes down a tree of thresholds with blocks of rows. Certificates do wit
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,14 +62,14 @@ def reached_leaves(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int6
         return leaf_index(tree, features)
     from octmip.trees import _native  # the core is loaded by whoever needs it
 
-    found = _native.reached_nodes((*_lists(every), depth(tree)), features)
+    found = _native.reached_nodes(features, **_lists(every), depth=depth(tree))
     if found is None:  # refused there, in words
         return leaf_index(tree, features)
     position = np.cumsum([isinstance(node, Leaf) for node in every], dtype=np.int64) - 1
     return np.asarray(position[found])
 
 
-def _lists(every: list[Node]) -> tuple[list[int], list[float], list[list[int]], list[bool | None]]:
+def _lists(every: list[Node]) -> dict[str, list[Any]]:
     """Return features, thresholds, children and where missing readings go (True: right) of nodes in preorder.
 
     A leaf is a split whose children are the leaf itself.
@@ -84,7 +85,7 @@ def _lists(every: list[Node]) -> tuple[list[int], list[float], list[list[int]], 
     missing = [
         False if split is None else None if split.missing is None else split.missing == "right" for split in splits
     ]
-    return features, thresholds, children, missing
+    return {"feature": features, "threshold": thresholds, "children": children, "missing": missing}
 
 
 def _threshold(split: Split) -> float:

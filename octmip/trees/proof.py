@@ -94,16 +94,14 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     content = read_bytes(path)
     text = content.decode("ascii", errors="replace")
     if problem.loss.predicts == "number":
-        report, refusal = proof_log.checker_question(problem).check(text)
+        found = proof_log.checker_question(problem).check(text)
     else:
-        report, refusal = checker_question(problem).check(text, n_jobs)
-    if refusal is not None:
-        raise _refused(path, *refusal)
-    assert report is not None, "a log is accepted or refused"
-    proven, n_lines, claim_line = report
-    if proven < bound:
-        raise _refused(path, claim_line, f"the log proves {proven} but {bound} is claimed for the tree")
-    return ProofReport(proven, n_lines, len(content), time.perf_counter() - start)
+        found = checker_question(problem).check(text, n_jobs)
+    if isinstance(found, _native.Refused):
+        raise _refused(path, found.line, found.reason)
+    if found.bound < bound:
+        raise _refused(path, found.claim_line, f"the log proves {found.bound} but {bound} is claimed for the tree")
+    return ProofReport(found.bound, found.n_lines, len(content), time.perf_counter() - start)
 
 
 def check_provable(problem: Problem) -> None:
@@ -129,13 +127,18 @@ def _refused(path: str | Path, line: int, reason: str) -> CertificateError:
 def checker_question(problem: Problem) -> _native.Question:
     """Return the problem as the checker reads it: values, weights and costs as they were given."""
     groups = problem.allowed_splits
-    is_hyperplane = problem.split == "hyperplane"
     return _native.Question(
-        np.ascontiguousarray(problem.features, dtype=np.float64),
-        problem.codes.astype(np.uint32),
-        np.ascontiguousarray(problem.weights),
-        np.ascontiguousarray(problem.costs),
-        (problem.depth, is_hyperplane, problem.max_split_size, problem.leaf_size, problem.leaf_penalty),
-        (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
-        None if groups is None else [[int(feature) for feature in group] for group in groups],
+        features=np.ascontiguousarray(problem.features, dtype=np.float64),
+        labels=problem.codes.astype(np.uint32),
+        weights=np.ascontiguousarray(problem.weights),
+        costs=np.ascontiguousarray(problem.costs),
+        depth=problem.depth,
+        is_hyperplane=problem.split == "hyperplane",
+        split_size=problem.max_split_size,
+        leaf_size=problem.leaf_size,
+        leaf_penalty=problem.leaf_penalty,
+        sensor_of_feature=problem.sensor_index.tolist(),
+        sensor_cost=problem.sensor_costs.tolist(),
+        sensor_limit=problem.sensor_limit,
+        allowed_splits=None if groups is None else [[int(feature) for feature in group] for group in groups],
     )

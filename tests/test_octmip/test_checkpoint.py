@@ -161,6 +161,13 @@ def test_a_checkpoint_of_another_problem_is_refused(kept, change, complaint):
         branch_and_bound(replace(problem, **change), options=ExactOptions(checkpoint=path))
 
 
+LEAVES = [{"label": 0}, {"label": 0}]
+
+
+def cut(feature: int, rank: int, left: int, right: int) -> dict[str, int]:
+    return {"feature": feature, "cut": rank, "left": left, "right": right}
+
+
 def rewritten(path, edit):
     """Change the content of a checkpoint and make its sum right again."""
     content = json.loads(path.read_bytes().split(b"\n")[1])
@@ -175,10 +182,11 @@ def rewritten(path, edit):
         (lambda c: c.update(version="0.0"), "belongs to another search: it has the version of octmip"),
         (lambda c: c.update(grid="0"), "holds costs on another grid"),
         (lambda c: c.update(bound=(1e9).hex()), "claims the bound .* above its tree's"),
-        (lambda c: c.update(tree=[[1, 77, 0, 1, 2, 0, [], 0.0], *[[0, 0, 0, 0, 0, 0, [], 0.0]] * 2]), "holds"),
-        (lambda c: c.update(tree=[[0, 0, 0, 0, 0, 99, [], 0.0]]), "holds a tree that is none of this problem"),
-        (lambda c: c.update(tree=[[1, 0, 0, 1, 1, 0, [], 0.0], [0, 0, 0, 0, 0, 0, [], 0.0]]), "rows are no tree"),
-        (lambda c: c.update(tree=[[1, 0, 999, 1, 2, 0, [], 0.0], *[[0, 0, 0, 0, 0, 0, [], 0.0]] * 2]), "holds"),
+        (lambda c: c.update(tree=[cut(77, 0, 1, 2), *LEAVES]), "holds"),
+        (lambda c: c.update(tree=[{"label": 99}]), "holds a tree that is none of this problem"),
+        (lambda c: c.update(tree=[cut(0, 0, 1, 1), *LEAVES[:1]]), "rows are no tree"),
+        (lambda c: c.update(tree=[cut(0, 999, 1, 2), *LEAVES]), "holds"),
+        (lambda c: c.update(tree=[{"label": 0, "left": 1}]), "holds something else"),
         (lambda c: c.update(known="nothing"), "holds something else"),
         (lambda c: c.update(nodes=2**80), "holds something else"),
         (lambda c: c.update(seconds="nan"), "holds something else"),

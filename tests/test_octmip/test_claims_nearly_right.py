@@ -142,9 +142,10 @@ def test_a_count_that_left_one_cut_out_claims_no_whole_set(monkeypatch: pytest.M
         whole = whole_problem(*arguments)  # type: ignore[arg-type]
 
         def count(*asked: object) -> object:
-            leaves, cuts, open_features, _, n_nodes = whole.native.count(*asked)  # type: ignore[arg-type]
-            assert not open_features
-            return leaves, [*cuts[:-1], (*cuts[-1][:4], None)], [], Stop.TIME, n_nodes
+            found = whole.native.count(*asked)  # type: ignore[arg-type]
+            assert not found.open
+            cuts = [*found.cuts[:-1], {**found.cuts[-1], "trees": None}]
+            return SimpleNamespace(leaves=found.leaves, cuts=cuts, open=[], stop=Stop.TIME, n_nodes=found.n_nodes)
 
         return dataclasses.replace(whole, native=SimpleNamespace(count=count))
 

@@ -350,13 +350,20 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
 
 
 def test_a_cut_of_another_problem_is_refused() -> None:
-    arguments = (
-        _native.RankTable(np.zeros((1, 3), np.uint32)),
-        [1],
-        np.zeros(3, np.uint32),
-        np.ones(3, np.int64),
-        np.eye(2, dtype=np.int64),
-    )
-    problem = shared_problem((*arguments, 0, 3, 1, [0], [1.0], 5.0, [True], None), [], False)
+    arguments = {
+        "ranks": _native.RankTable(np.zeros((1, 3), np.uint32)),
+        "n_ranks": [1],
+        "labels": np.zeros(3, np.uint32),
+        "weights": np.ones(3, np.int64),
+        "costs": np.eye(2, dtype=np.int64),
+        "penalty": 0,
+        "depth": 3,
+        "leaf_size": 1,
+        "sensor_of_feature": [0],
+        "sensor_cost": [1.0],
+        "sensor_limit": 5.0,
+        "allowed": [True],
+    }
+    problem = shared_problem(arguments, [], False)
     with pytest.raises(ValueError, match="feature 0 has no cut at 2"):
-        solve_cut(problem, 3, (0, 2, 0, 0, 5, 0))
+        solve_cut(problem, 3, {"feature": 0, "position": 2, "bounds": [0, 0], "target": 5, "slack": 0})

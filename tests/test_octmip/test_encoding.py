@@ -40,7 +40,7 @@ def test_ranks_of_rows_are_taken_by_the_core_and_survive_a_journey():
 
 def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():
     ranks = rank_features(Problem([[0.5], [1.5], [4.0]], [0, 1, 0], depth=1))
-    rows = [(1, 0, 1, 1, 2, 0, [], 0.0), (0, 0, 0, 0, 0, 1, [], 0.0), (0, 0, 0, 0, 0, 0, [], 0.0)]
+    rows = [{"feature": 0, "cut": 1, "left": 1, "right": 2}, {"label": 1}, {"label": 0}]
     assert tree_from_rows(rows, ranks) == Split(0, 2.75, Leaf(1), Leaf(0))
 
 

@@ -82,11 +82,12 @@ import numpy as np
 from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
 from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
 n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
 generator = np.random.default_rng(0)
 problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)
 native = native_problem(problem, rank_features(problem), integer_costs(problem))
-_native.branch_and_bound(native, None, (0.0, 0.0, 1.0, 0.0), 1)
+_native.branch_and_bound(native, None, Limits(seconds=0.0, nodes=1.0, memory=0.0), 1)
 ctypes.CDLL(None).malloc_trim(0)
 with open("/proc/self/clear_refs", "w") as file:
     file.write("5")  # the peak from now on
@@ -94,7 +95,7 @@ def status(name):
     with open("/proc/self/status") as file:
         return next(int(line.split()[1]) * 1024 for line in file if line.startswith(name))
 before = status("VmRSS")
-_native.branch_and_bound(native, None, (seconds, 0.0, float("inf"), float("inf")), threads)
+_native.branch_and_bound(native, None, Limits(seconds=seconds, memory=float("inf")), threads)
 print(status("VmHWM") - before, _native.exact_bytes(native, threads))
 """
 

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from fractions import Fraction
 from itertools import count
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,9 +91,10 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
         for last in range(1, 6):
             calls = count(1)
 
-            def stopped(*asked, calls=calls, last=last):
-                rows, bound, stop, n_cuts = core(*asked)
-                return rows, bound, "nodes" if next(calls) == last else stop, n_cuts
+            def stopped(*asked, calls=calls, last=last, **question):
+                found = core(*asked, **question)
+                stop = "nodes" if next(calls) == last else found.stop
+                return SimpleNamespace(rows=found.rows, bound=found.bound, stop=stop, n_nodes=found.n_nodes)
 
             monkeypatch.setattr(_native, "regression", stopped)
             early = exact_regression(problem)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,34 +78,37 @@ class Core:
         features = np.ascontiguousarray(problem.features[chosen])
         ranks = Ranks.of(features)
         asked = _native.SequentialProblem(
-            ranks.ranks,
-            np.ascontiguousarray(self.paid[chosen]),
-            self.sequential.counts[chosen],
-            self.sequential.delay_costs[chosen],
-            self._shape(problem.depth if depth is None else depth),
-            self._prices(read),
-            multiplier,
-            cap,
+            ranks=ranks.ranks,
+            paid=np.ascontiguousarray(self.paid[chosen]),
+            frequency=self.sequential.counts[chosen],
+            delay_costs=self.sequential.delay_costs[chosen],
+            penalty=problem.leaf_penalty,
+            depth=problem.depth if depth is None else depth,
+            leaf_size=problem.leaf_size,
+            sensor_of_feature=problem.sensor_index.tolist(),
+            allowed=[problem.is_allowed((feature,)) for feature in range(problem.n_features)],
+            most_readings=self.sequential.most_readings,
+            **self._prices(read),
+            multiplier=multiplier,
+            cap=cap,
         )
-        allowance = (limits.seconds, limits.gap, limits.nodes, limits.memory)
-        table, bound, stop, n_cuts = _native.sequential(asked, room, allowance)
-        tree = None if table is None else centred(tree_from_rows(table, ranks), features)
-        return CoreResult(tree, bound, stop, n_cuts)
+        found = _native.sequential(asked, room, limits)
+        tree = None if found.rows is None else centred(tree_from_rows(found.rows, ranks), features)
+        return CoreResult(tree, found.bound, found.stop, found.n_nodes)
 
-    def _shape(self, depth: int) -> tuple[float, int, int, list[int], list[bool], list[int]]:
-        problem = self.sequential.problem
-        allowed = [problem.is_allowed((feature,)) for feature in range(problem.n_features)]
-        sensors = problem.sensor_index.tolist()
-        return problem.leaf_penalty, depth, problem.leaf_size, sensors, allowed, self.sequential.most_readings
-
-    def _prices(self, read: frozenset[str]) -> tuple[list[float], list[int], list[float], list[int]]:
+    def _prices(self, read: frozenset[str]) -> dict[str, Any]:
         problem, groups = self.sequential.problem, self.sequential.groups
         names, of_sensor = list(groups), self.sequential.group_of_sensor
         # A sensor in no group has one of its own that costs nothing to set up.
         lone = len(names)
         index = [names.index(of_sensor[s]) if s in of_sensor else lone for s in problem.sensors]
         setup_costs = [groups[name].setup_cost for name in names] + [0.0]
-        return problem.sensor_costs.tolist(), index, setup_costs, [problem.sensors.index(s) for s in sorted(read)]
+        return {
+            "sensor_cost": problem.sensor_costs.tolist(),
+            "group_of_sensor": index,
+            "setup_costs": setup_costs,
+            "read": [problem.sensors.index(s) for s in sorted(read)],
+        }
 
     @property
     def least_reading(self) -> float:

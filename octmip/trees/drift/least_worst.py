@@ -10,8 +10,10 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees import _native
@@ -208,8 +210,8 @@ class _Search:
             share = min(FIRST_SECONDS, share * FIRST_SHARE)
         rounds = ROUNDS.get(self.problem.depth, MORE_ROUNDS)
         assert self.tree is not None
-        starts = [native.incumbent(tree) for tree in dict.fromkeys((self.tree, self.plain.tree)) if tree is not None]
-        limits = (share, 0.0, math.inf, self.limits.memory)
+        starts = [native.incumbent(tree)[1] for tree in dict.fromkeys((self.tree, self.plain.tree)) if tree is not None]
+        limits = replace(self.limits, seconds=share, gap=0.0, nodes=math.inf)
         rows, _, stop = _native.drift_search(native.problem, native.bands, starts, rounds, self.seed, limits)
         self._keep(tree_from_rows(rows, native.ranks))
         if Stop(stop) is not Stop.FINISHED:
@@ -221,8 +223,8 @@ class _Search:
         assert self.tree is not None
         now = time.perf_counter() - self.started
         before = Progress(now, self.objective, self.bound, self.n_nodes)
-        limits = (self.seconds_left, self.limits.gap, self.limits.nodes, self.limits.memory)
-        rows, cost, bound, stop, self.n_nodes = _native.drift(
+        limits = replace(self.limits, seconds=self.seconds_left)
+        found = _native.drift(
             native.problem,
             native.bands,
             native.incumbent(self.tree),
@@ -231,12 +233,12 @@ class _Search:
             self.n_jobs,
             native_progress(self.progress, costs, before),
         )
-        tree = tree_from_rows(rows, native.ranks)
-        if native.cost(tree) != cost:
-            raise SolverError(f"the core counts {cost} for its tree, recounted {native.cost(tree)}; please report this")
+        tree = tree_from_rows(found.rows, native.ranks)
+        if (cost := native.cost(tree)) != found.objective:
+            raise SolverError(f"the core counts {found.objective} for its tree, recounted {cost}; please report this")
         self._keep(tree)
-        self.bound = max(self.bound, costs.value(bound))
-        self.stop = Stop(stop)
+        self.bound, self.n_nodes = max(self.bound, costs.value(found.bound)), found.n_nodes
+        self.stop = Stop(found.stop)
         if costs.is_rounded and self.stop is Stop.OPTIMAL:
             tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
             self.tolerance, self.stop = max(0.0, tolerance), Stop.NUMERICS if tolerance < 0 else Stop.OPTIMAL
@@ -262,6 +264,15 @@ class _Search:
         )
 
 
+class _BandRanks(NamedTuple):
+    """Ranks of the lowest and highest readings (n_features, n_samples), most sensors off, number of labels."""
+
+    low: NDArray[np.uint32]
+    high: NDArray[np.uint32]
+    n_off: int
+    n_labels: int
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _NativeDrift:
     """A problem and its bands as the core holds them."""
@@ -270,7 +281,7 @@ class _NativeDrift:
     of_bands: Bands
     off: int
     problem: _native.Problem
-    bands: "_native.BandRow"
+    bands: _BandRanks
     ranks: Ranks
     costs: IntegerCosts
 
@@ -281,7 +292,7 @@ class _NativeDrift:
         together = Ranks.of(np.vstack([bands.low, problem.features, bands.high]))
         low, true, high = (np.ascontiguousarray(together.ranks[:, k * n : (k + 1) * n]) for k in range(3))
         ranks, costs = Ranks(_native.RankTable(true), together.values), integer_costs(problem, None)
-        row = low, high, min(off, len(problem.sensors)), problem.n_classes
+        row = _BandRanks(low, high, min(off, len(problem.sensors)), problem.n_classes)
         return cls(problem, bands, off, native_problem(problem, ranks, costs), row, ranks, costs)
 
     def incumbent(self, tree: Node) -> tuple[int, list[NodeRow]]:

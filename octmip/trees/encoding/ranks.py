@@ -163,10 +163,10 @@ def native_problem(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> _nati
     ProblemError
         splits are hyperplanes and readings are missing, of which the core knows nothing.
     """
-    return _native.Problem(*native_arguments(problem, ranks, costs))
+    return _native.Problem(**native_arguments(problem, ranks, costs))
 
 
-def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tuple[Any, ...]:
+def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> dict[str, Any]:
     """Return what the native core's problem is made of, as it can be sent to another process.
 
     Raises
@@ -175,30 +175,33 @@ def native_arguments(problem: Problem, ranks: Ranks, costs: IntegerCosts) -> tup
         splits are hyperplanes and readings are missing, of which the core knows nothing.
     """
     feature_of = [ranks.feature(column) for column in range(ranks.n_columns)]
-    return (
-        ranks.table,
-        list(ranks.n_values),
-        costs.rows.astype(np.uint32),
-        costs.weights,
-        costs.costs,
-        costs.penalty,
-        problem.depth,
-        problem.leaf_size,
-        problem.sensor_index[feature_of].tolist(),
-        problem.sensor_costs.tolist(),
-        problem.sensor_limit,
-        [problem.is_allowed((feature,)) for feature in feature_of],
-        _planes(problem),
-    )
+    return {
+        "ranks": ranks.table,
+        "n_ranks": list(ranks.n_values),
+        "labels": costs.rows.astype(np.uint32),
+        "weights": costs.weights,
+        "costs": costs.costs,
+        "penalty": costs.penalty,
+        "depth": problem.depth,
+        "leaf_size": problem.leaf_size,
+        "sensor_of_feature": problem.sensor_index[feature_of].tolist(),
+        "sensor_cost": problem.sensor_costs.tolist(),
+        "sensor_limit": problem.sensor_limit,
+        "allowed": [problem.is_allowed((feature,)) for feature in feature_of],
+        "planes": _planes(problem),
+    }
 
 
-def _planes(
-    problem: Problem,
-) -> tuple[NDArray[np.float64], int, list[list[int]] | None, int | None] | None:
+def _planes(problem: Problem) -> dict[str, Any] | None:
     """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
     if problem.max_split_size == 1:
         return None
     refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     groups = problem.allowed_splits
     members = None if groups is None else [[int(feature) for feature in group] for group in groups]
-    return np.ascontiguousarray(problem.features), problem.max_split_size, members, problem.integer_normals
+    return {
+        "values": np.ascontiguousarray(problem.features),
+        "split_size": problem.max_split_size,
+        "groups": members,
+        "integer_normals": problem.integer_normals,
+    }

@@ -5,29 +5,57 @@ cut between missing readings and the others is the split that asks for nothing e
 """
 
 from collections.abc import Sequence
+from typing import TypedDict, final
 
 import numpy as np
 
 from octmip.trees.encoding.ranks import Ranks
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, midpoint
 
-# One node of the native core's table, preorder, root first:
-# (kind 0 leaf | 1 split | 2 hyperplane, feature, cut, left, right, label, [(feature, coefficient)], offset)
-NodeRow = tuple[int, int, int, int, int, int, list[tuple[int, float]], float]
+
+@final
+class LeafRow(TypedDict):
+    """A leaf of the native core's table."""
+
+    label: int
+
+
+@final
+class SplitRow(TypedDict):
+    """A split at a rank: as much and less goes left. `left` and `right` are the children's rows, further down."""
+
+    feature: int
+    cut: int
+    left: int
+    right: int
+
+
+@final
+class HyperplaneRow(TypedDict):
+    """A split by a hyperplane, its terms (feature, coefficient)."""
+
+    terms: list[tuple[int, float]]
+    offset: float
+    left: int
+    right: int
+
+
+NodeRow = LeafRow | SplitRow | HyperplaneRow
+"""One node of the native core's table, in preorder, the root first."""
 
 
 def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
     """Return the tree that a native node table stands for, thresholds at guarded midpoints."""
 
     def build(index: int) -> Node:
-        kind, feature, cut, left, right, label, terms, offset = rows[index]
-        if kind == 0:
-            return Leaf(label)
-        if kind == 1:
-            return cut_as_split(ranks, feature, cut, build(left), build(right))
-        ordered = sorted(terms)
-        features, coefficients = tuple(f for f, _ in ordered), tuple(c for _, c in ordered)
-        return HyperplaneSplit(features, coefficients, offset, build(left), build(right))
+        row = rows[index]
+        if "label" in row:
+            return Leaf(row["label"])
+        left, right = build(row["left"]), build(row["right"])
+        if "cut" in row:
+            return cut_as_split(ranks, row["feature"], row["cut"], left, right)
+        features, coefficients = zip(*sorted(row["terms"]), strict=True)
+        return HyperplaneSplit(features, coefficients, row["offset"], left, right)
 
     return build(0)
 
@@ -67,17 +95,17 @@ def rows_from_tree(tree: Node, ranks: Ranks) -> list[NodeRow]:
 
     def add(node: Node) -> int:
         index = len(rows)
-        rows.append((0, 0, 0, 0, 0, 0, [], 0.0))
+        rows.append({"label": node.label if isinstance(node, Leaf) else 0})
         if isinstance(node, Leaf):
-            rows[index] = (0, 0, 0, 0, 0, node.label, [], 0.0)
             return index
         left, right = add(node.left), add(node.right)
         if isinstance(node, Split):
             # Trees whose sides all hold samples (see `tree.without_empty_sides`) have 0 <= cut < number of values - 1.
-            rows[index] = (1, *split_as_cut(ranks, node), left, right, 0, [], 0.0)
+            feature, cut = split_as_cut(ranks, node)
+            rows[index] = {"feature": feature, "cut": cut, "left": left, "right": right}
         else:
             terms = list(zip(node.features, node.coefficients, strict=True))
-            rows[index] = (2, 0, 0, left, right, 0, terms, node.offset)
+            rows[index] = {"terms": terms, "offset": node.offset, "left": left, "right": right}
         return index
 
     add(tree)

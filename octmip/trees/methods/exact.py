@@ -237,35 +237,35 @@ class _Search:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
         saving = None
         if self.file is not None:
-            saving = (self.file.every, lambda row: self._save(costs, KnownRow(*row)), self.known)
+            saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
         try:
             limits = remaining(self.limits, began, self.n_nodes)
             progress = native_progress(self.progress, costs, before)
             if not self.problem.is_shaped:
-                rows, _, bound, stop, n_nodes = _native.branch_and_bound(
+                result = _native.branch_and_bound(
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
                 )
             else:
-                rows, _, bound, stop, n_nodes = _native.shaped_search(native, first, limits, progress, **self.shape)
+                result = _native.shaped_search(native, first, limits, progress, **self.shape)
         except ValueError as error:
             if self.file is None or not str(error).startswith("known: "):
                 raise
             raise unusable(self.file.path, f"holds what cannot be proven: {error}") from error
-        self.n_nodes += n_nodes
-        lower = costs.value(bound)
+        self.n_nodes += result.n_nodes
+        lower, stop = costs.value(result.bound), Stop(result.stop)
         if self.proven is None or lower > self.bound:
-            self.proven = (native, costs, bound)
+            self.proven = (native, costs, result.bound)
         self.bound = max(self.bound, lower)
-        found = tree_from_rows(rows, self.ranks)
+        found = tree_from_rows(result.rows, self.ranks)
         if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
             self._keep(found)
-            return Stop(stop)
+            return stop
         found = centred(found, self.problem.features)
         self._keep(found)
         if costs.is_rounded:
             # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
             self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
-        return Stop(stop)
+        return stop
 
     def _keep(self, tree: Node | None, least: float = 0.0) -> None:
         """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""

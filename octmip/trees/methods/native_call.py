@@ -70,13 +70,13 @@ def whole_cost(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
     return min(MOST_WHOLE, costs.whole_objective(problem, tree))
 
 
-def remaining(limits: Limits, started: float, n_nodes: int = 0) -> tuple[float, float, float, float]:
+def remaining(limits: Limits, started: float, n_nodes: int = 0) -> Limits:
     """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent.
 
     No second is left to a call that was interrupted.
     """
     seconds = 0.0 if is_heard() else limits.seconds - (time.perf_counter() - started)
-    return seconds, limits.gap, limits.nodes - n_nodes, limits.memory
+    return replace(limits, seconds=max(0.0, seconds), nodes=max(0.0, limits.nodes - n_nodes))
 
 
 def native_progress(

@@ -86,8 +86,8 @@ def local_search(
         shared: Cluster | None = with_cluster.cluster
         arguments = native_arguments(searched, ranks, costs)
         turn = first, seed % 2**64, (n_restarts, n_perturbations)
-        rows, _, _, stop, n_nodes = _native.search(
-            _native.Problem(*arguments),
+        result = _native.search(
+            _native.Problem(**arguments),
             first,
             # What was spent on ranks counts, too.
             remaining(limits, start),
@@ -99,15 +99,15 @@ def local_search(
             submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
         )
     latest = start + limits.seconds + GRACE
-    tree = _finished(searched, tree_from_rows(rows, ranks), lambda: time.perf_counter() < latest)
+    tree = _finished(searched, tree_from_rows(result.rows, ranks), lambda: time.perf_counter() < latest)
     tree, objective = better(problem, problem.with_sides(tree), known)
     return Solution(
         tree=tree,
         objective=objective,
         bound=0.0 if objective == 0 else -math.inf,
-        stop=_stop(stop, objective),
+        stop=_stop(result.stop, objective),
         seconds=time.perf_counter() - start,
-        n_nodes=n_nodes,
+        n_nodes=result.n_nodes,
         solver="search",
         version=_native.__version__,
         seed=seed,

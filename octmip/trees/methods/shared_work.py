@@ -9,13 +9,14 @@ import hashlib
 import pickle
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from octmip.errors import SolverError
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, Future, is_given_up
 from octmip.trees.encoding import NodeRow
+from octmip.trees.solution import Limits
 
 MOST_KEPT = 2
 """Problems that a worker keeps."""
@@ -38,14 +39,14 @@ class SharedProblem(NamedTuple):
     content: bytes
 
 
-def shared_problem(arguments: tuple[Any, ...], *options: Any) -> SharedProblem:
+def shared_problem(arguments: Mapping[str, Any], *options: Any) -> SharedProblem:
     """Return a problem to be sent to workers, with what their solver takes beside it."""
     content = pickle.dumps((arguments, options, _native.__version__))
     return SharedProblem(hashlib.sha256(content).hexdigest(), content)
 
 
 def submitter(
-    cluster: Cluster, arguments: tuple[Any, ...], off: Sequence[str], *, is_logged: bool = False
+    cluster: Cluster, arguments: Mapping[str, Any], off: Sequence[str], *, is_logged: bool = False
 ) -> Callable[[int, Any], Future]:
     """Return what submits a cut of a problem: called by the native core with the level and the cut.
 
@@ -56,7 +57,7 @@ def submitter(
 
 
 def turn_submitter(
-    cluster: Cluster, arguments: tuple[Any, ...], incumbent: list[NodeRow] | None, seed: int, effort: tuple[int, int]
+    cluster: Cluster, arguments: Mapping[str, Any], incumbent: list[NodeRow] | None, seed: int, effort: tuple[int, int]
 ) -> Callable[[Any, Any], Future]:
     """Return what submits a turn of a restart: called by the native core with the turn and the limits that are left.
 
@@ -74,19 +75,19 @@ def solve_cut(problem: SharedProblem, level: int, cut: Any) -> Any:
     return solved
 
 
-def take_turn(problem: SharedProblem, turn: Any, limits: tuple[float, float, float, float]) -> Any:
+def take_turn(problem: SharedProblem, turn: Any, limits: Mapping[str, float]) -> Any:
     """Take a turn of a restart; done by a worker, which stops when nobody waits for it any more.
 
     The seconds count from here: a worker begins with the next task when it is free.
     """
     started = time.perf_counter()
     solver = _solver(problem, _native.TurnSolver)
-    seconds, *others = limits
     is_whole = False
     try:
-        left = (seconds - (time.perf_counter() - started), *others)
-        turn, n_visits, is_whole = solver.take(turn, left, _stop_when_given_up)
-        return turn, n_visits, is_whole
+        seconds = max(0.0, limits["seconds"] - (time.perf_counter() - started))
+        taken = solver.take(turn, Limits(**{**limits, "seconds": seconds}), _stop_when_given_up)
+        is_whole = taken["is_whole"]
+        return taken
     finally:
         if not is_whole:  # what the solver has made of the problem may have been cut short, too
             _kept.pop(problem.digest, None)
@@ -112,4 +113,4 @@ def _made(content: bytes, kind: Callable[..., Any]) -> Any:
         raise SolverError(
             f"a worker has octmip {_native.__version__}; expected {version}, as the process that asks; install the same"
         )
-    return kind(_native.Problem(*arguments), *options)
+    return kind(_native.Problem(**arguments), *options)

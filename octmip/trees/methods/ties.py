@@ -24,9 +24,9 @@ class Effort:
 
     def search(self, native: _native.Problem, first: tuple[int, list[NodeRow]]) -> tuple[list[NodeRow], int, bool]:
         """Return table and cost of the cheapest tree (`first` where none is cheaper), and whether that is proven."""
-        values = (max(0.0, self.until - time.perf_counter()), 0.0, self.limits.nodes, self.limits.memory)
-        rows, cost, _, stop, _ = _native.branch_and_bound(native, first, values, self.n_jobs)
-        return rows, cost, stop == Stop.OPTIMAL
+        limits = replace(self.limits, seconds=max(0.0, self.until - time.perf_counter()), gap=0.0)
+        found = _native.branch_and_bound(native, first, limits, self.n_jobs)
+        return found.rows, found.objective, found.stop == Stop.OPTIMAL
 
 
 def break_ties(
@@ -64,7 +64,7 @@ def _fewest_sensors(
         return rows, "not broken: a budget of sensors of different cost is kept"
     while n_sensors := len(problem.sensors_used(tree_from_rows(rows, ranks))):
         fewer = replace(problem, sensor_cost=[1.0] * len(problem.sensors), sensor_budget=float(n_sensors - 1))
-        leaf: NodeRow = (0, 0, 0, 0, 0, 0, [], 0.0)
+        leaf: NodeRow = {"label": 0}
         # Stands for "a tree that costs one more": what comes back in its place is as cheap as `best`.
         found, least, is_proven = effort.search(native_problem(fewer, ranks, costs), (cost + 1, [leaf]))
         if least <= cost:

@@ -118,9 +118,9 @@ def two_feature_branch_and_bound(
             state.check(file, costs)
     before = 0 if state is None else state.n_nodes
 
-    def save(row: tuple[Any, ...]) -> None:
+    def save(row: dict[str, Any]) -> None:
         assert file is not None
-        file.write(first, costs, TwoFeatureState(*row).to_json(costs))
+        file.write(first, costs, TwoFeatureState(**row).to_json(costs))
 
     native = native_problem(problem, ranks, costs)
     call = (
@@ -134,7 +134,7 @@ def two_feature_branch_and_bound(
         native_progress(progress, costs),
     )
     try:
-        rows, _, bound, stop, n_nodes = _native.two_feature_branch_and_bound(
+        result = _native.two_feature_branch_and_bound(
             *call,
             whole_coefficients=whole_coefficients,
             checkpoint=None if file is None else (file.every, save, state),
@@ -143,8 +143,9 @@ def two_feature_branch_and_bound(
         if file is None or not str(error).startswith("known: "):
             raise
         raise unusable(file.path, f"holds {str(error).removeprefix('known: ')}") from error
-    found = _centred(relabelled(problem, tree_from_rows(rows, ranks)), problem.features)
+    found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.features)
     tree, objective = better(problem, better(problem, found, first)[0], known)
+    bound, stop = result.bound, result.stop
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
     tolerance = max(0.0, closing_tolerance(objective, lower, problem.least_saving)) if stop == Stop.OPTIMAL else 0.0
@@ -155,7 +156,7 @@ def two_feature_branch_and_bound(
         bound=lower,
         stop=Stop.OPTIMAL if met else _open_stop(problem, stop),
         seconds=time.perf_counter() - start,
-        n_nodes=n_nodes - before,
+        n_nodes=result.n_nodes - before,
         solver=SOLVER,
         version=_native.__version__,
         seed=seed,

@@ -14,13 +14,14 @@ from fractions import Fraction
 from itertools import groupby
 
 from octmip.errors import ProblemError, SolverError
+from octmip.trees import _native
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.encoding import tree_from_rows
 from octmip.trees.encoding.numbers import exact_objective
 from octmip.trees.encoding.ranks import Ranks
 from octmip.trees.encoding.rows import threshold_of_cut
 from octmip.trees.methods import interruption
-from octmip.trees.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval
+from octmip.trees.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval, Wanted
 from octmip.trees.near_sets.whole_numbers import WholeProblem, whole_problem
 from octmip.trees.problem import Problem
 from octmip.trees.registry import refuse_numbers
@@ -87,12 +88,12 @@ def near_optimal(
     if first.stop is Stop.INTERRUPTED:
         interruption.note()
     seconds = 0.0 if interruption.is_heard() else max(0.0, limits.seconds - (time.perf_counter() - started))
-    row = whole.native.count(
-        whole.units(margin.above(known)), (seconds, 0.0, limits.nodes, limits.memory), n_jobs, None
+    counted = whole.native.count(
+        whole.units(margin.above(known)), replace(limits, seconds=seconds, gap=0.0), n_jobs, None
     )
-    if row[3] == Stop.INTERRUPTED:
+    if counted.stop == Stop.INTERRUPTED:
         interruption.note()
-    count = _Count(problem, whole, margin, known, first, row)
+    count = _Count(problem, whole, margin, known, first, counted)
     note, predictions = count.predictions(most_predictions, limits.seconds - (time.perf_counter() - started))
     return replace(
         count.result(), predictions=predictions, predictions_note=note, seconds=time.perf_counter() - started
@@ -155,24 +156,23 @@ class _Count:
         margin: _Margin,
         known: Fraction,
         first: Solution,
-        row: tuple[list[Entry], list[Cut], list[int], str, int],
+        found: _native.Counted,
     ) -> None:
         self.problem, self.whole, self.margin = problem, whole, margin
-        leaves, cuts, self.open_features, stop, self.n_nodes = row
-        self.n_nodes += first.n_nodes
-        self.is_complete = not self.open_features and all(cut[4] is not None for cut in cuts)
-        self.stop = Stop.FINISHED if self.is_complete else Stop.INTERRUPTED if interruption.is_heard() else Stop(stop)
-        counted = [entry for entries in (leaves, *(cut[4] or [] for cut in cuts)) for entry in entries]
+        leaves, cuts = found.leaves, [Cut(**cut) for cut in found.cuts]
+        self.open_features, self.n_nodes = found.open, first.n_nodes + found.n_nodes
+        self.is_complete = not self.open_features and all(cut.trees is not None for cut in cuts)
+        stop = Stop.INTERRUPTED if interruption.is_heard() else Stop(found.stop)
+        self.stop = Stop.FINISHED if self.is_complete else stop
+        counted = [entry for entries in (leaves, *(cut.trees or [] for cut in cuts)) for entry in entries]
         self.optimum = self._optimum(counted, known, first)
         # Without a proven optimum, what is within the amount above its bound is in the set for certain.
         least = self.optimum if self.optimum is not None else Fraction(max(0.0, first.bound))
         self.limit = margin.above(least)
         self.units = whole.units(self.limit)
         self.leaves = self._kept(leaves)
-        self.cuts: list[Cut] = [
-            (cut[0], cut[1], cut[2], cut[3], None if cut[4] is None else self._kept(cut[4])) for cut in cuts
-        ]
-        self.cuts = [cut for cut in self.cuts if cut[4] is None or cut[4]]
+        cuts = [cut if cut.trees is None else cut._replace(trees=self._kept(cut.trees)) for cut in cuts]
+        self.cuts = [cut for cut in cuts if cut.trees is None or cut.trees]
 
     def _optimum(self, counted: Sequence[Entry], known: Fraction, first: Solution) -> Fraction | None:
         if self.is_complete:
@@ -186,7 +186,7 @@ class _Count:
     @property
     def places(self) -> tuple[Place, ...]:
         of_leaves = [Place(None, entry) for entry in self.leaves]
-        of_cuts = [Place((cut[0], cut[1], cut[2], cut[3], None), entry) for cut in self.cuts for entry in cut[4] or []]
+        of_cuts = [Place(cut._replace(trees=None), entry) for cut in self.cuts for entry in cut.trees or []]
         return (*of_leaves, *of_cuts)
 
     @property
@@ -239,7 +239,7 @@ class _Count:
     def _by_root(self) -> dict[str, int]:
         by_root: dict[str, int] = defaultdict(int)
         for place in self.places:
-            feature = None if place.cut is None else self.whole.ranks.feature(place.cut[0])
+            feature = None if place.cut is None else self.whole.ranks.feature(place.cut.feature)
             by_root["" if feature is None else self.problem.feature_names[feature]] += place.entry[2]
         return dict(sorted(by_root.items(), key=lambda item: -item[1]))
 
@@ -257,7 +257,7 @@ class _Count:
 
     def look_up(self, chosen: list[tuple[Place, int]]) -> list[NearTree]:
         """Return trees by their number among those of one place, each checked: a tree of the problem of that cost."""
-        wanted = [(place.cut, place.entry[0], place.entry[1], number) for place, number in chosen]
+        wanted = [Wanted(place.cut, place.entry[0], place.entry[1], number) for place, number in chosen]
         rows = self.whole.native.trees(wanted)
         if rows is None:
             if interruption.is_heard():
@@ -276,17 +276,17 @@ class _Count:
 def _intervals(cuts: Sequence[Cut], ranks: Ranks) -> list[RootInterval]:
     """Return runs of neighbouring cuts of one feature and side for gaps, counted ones and others apart."""
     found = []
-    numbered = enumerate(sorted(cuts, key=lambda cut: cut[:2]))
-    for _, run in groupby(numbered, lambda item: (_group(item[1], ranks), item[1][1] - item[0])):
+    numbered = enumerate(sorted(cuts, key=lambda cut: (cut.feature, cut.rank)))
+    for _, run in groupby(numbered, lambda item: (_group(item[1], ranks), item[1].rank - item[0])):
         members = [cut for _, cut in run]
-        entries = [cut[4] for cut in members]
+        entries = [cut.trees for cut in members]
         trees = None if entries[0] is None else sum(entry[2] for cut in entries for entry in cut or [])
-        found.append(_interval(ranks, members[0][0], range(members[0][1], members[-1][1] + 1), trees))
+        found.append(_interval(ranks, members[0].feature, range(members[0].rank, members[-1].rank + 1), trees))
     return found
 
 
 def _group(cut: Cut, ranks: Ranks) -> tuple[int, bool, bool]:
-    return cut[0], cut[4] is None, threshold_of_cut(ranks, cut[0], cut[1]) is None
+    return cut.feature, cut.trees is None, threshold_of_cut(ranks, cut.feature, cut.rank) is None
 
 
 def _interval(ranks: Ranks, column: int, cuts: range, trees: int | None) -> RootInterval:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +15,39 @@ from octmip.trees.tree import Node, Side
 
 Entry = tuple[int, int, int]
 """Cost in units, sensors as bits, number of trees."""
-Cut = tuple[int, int, int, tuple[int, int], list[Entry] | None]
-"""A cut of the root: column of ranks, largest rank that goes left, samples left of it, bounds of both sides, trees."""
+
+
+class Cut(NamedTuple):
+    """A cut of the root as the native core names it.
+
+    Attributes
+    ----------
+    feature
+        the column of ranks.
+    rank
+        the largest that goes left.
+    position
+        samples left of it.
+    bounds
+        of both sides.
+    trees
+        with this cut; None where they are not counted.
+    """
+
+    feature: int
+    rank: int
+    position: int
+    bounds: tuple[int, int]
+    trees: list[Entry] | None
+
+
+class Wanted(NamedTuple):
+    """A tree by its number among those of one cut (None: a leaf), cost [units] and set of sensors (bits)."""
+
+    cut: Cut | None
+    cost: int
+    sensors: int
+    number: int
 
 
 @dataclass(frozen=True, slots=True)

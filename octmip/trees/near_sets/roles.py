@@ -223,7 +223,7 @@ def _least(
     readers: Callable[..., tuple[list[int | None], str | None, int]], known: list[int], calls: Calls
 ) -> tuple[list[int | None], str | None]:
     limits = calls.remaining
-    found, stop, _ = readers(known, (limits.seconds, 0.0, limits.nodes, limits.memory), calls.n_jobs)
+    found, stop, _ = readers(known, replace(limits, gap=0.0), calls.n_jobs)
     if stop == Stop.INTERRUPTED:
         interruption.note()
     if stop is not None:

@@ -72,10 +72,17 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
         )
     ranks = rank_features(problem)
     core = native_problem(problem, ranks, grid)
-    row = problem.codes.tolist(), weights, costs, problem.n_classes, penalty, exponent - grid.exponent
+    exact = {
+        "classes": problem.codes.tolist(),
+        "weights": weights,
+        "costs": costs,
+        "n_labels": problem.n_classes,
+        "penalty": penalty,
+        "shift": exponent - grid.exponent,
+    }
     above = [column for column in range(ranks.n_columns) if ranks.side(column) == "right"]
     try:
-        native = _native.NearProblem(core, row, above, most < NARROW, by_sets)
+        native = _native.NearProblem(core, exact, above, most < NARROW, by_sets)
     except ValueError as error:
         raise ProblemError(
             f"trees cannot be told apart by the sensors that they read: {error}; use fewer features, or no budget"

@@ -10,7 +10,7 @@ import heapq
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import count
 
@@ -183,24 +183,31 @@ class _Search:
     def _solve_part(self, part: _Part) -> tuple[Node | None, float]:
         """Return the best tree of a part that costs less than the best so far, if there is one, and the bound."""
         spent = time.perf_counter() - self.started
-        left = self.limits.seconds - spent, self.limits.gap, self.limits.nodes - self.n_cuts, self.limits.memory
+        seconds, nodes = max(0.0, self.limits.seconds - spent), max(0.0, self.limits.nodes - self.n_cuts)
         grid, problem = self.grid, self.problem
-        slopes = problem.number_loss.slopes
-        rows, bound, stop, n_cuts = _native.regression(
-            self.ranks.ranks,
-            list(self.ranks.n_values),
-            (grid.targets, grid.weights, grid.squares, grid.grain),
-            (slopes and slopes[:2], grid.penalty, problem.depth, problem.leaf_size, self._allowed(part)),
+        found = _native.regression(
             None if math.isinf(self.room) else self.room,
+            replace(self.limits, seconds=seconds, nodes=nodes),
             self.n_jobs,
-            left,
             self._native_progress(spent),
+            ranks=self.ranks.ranks,
+            n_ranks=list(self.ranks.n_values),
+            targets=grid.targets,
+            weights=grid.weights,
+            squares=grid.squares,
+            grain=grid.grain,
+            slopes=problem.number_loss.slopes,
+            penalty=grid.penalty,
+            depth=problem.depth,
+            leaf_size=problem.leaf_size,
+            allowed=self._allowed(part),
         )
-        self.n_cuts += n_cuts
-        self.stop = Stop(stop)
-        if rows is None:
-            return None, bound
-        return problem.with_best_leaves(centred(tree_from_rows(rows, self.ranks), problem.features)), bound
+        self.n_cuts += found.n_nodes
+        self.stop = Stop(found.stop)
+        if found.rows is None:
+            return None, found.bound
+        tree = centred(tree_from_rows(found.rows, self.ranks), problem.features)
+        return problem.with_best_leaves(tree), found.bound
 
     def _allowed(self, part: _Part) -> list[bool]:
         problem = self.problem

@@ -7,6 +7,7 @@ grid of the header by itself. Format, inequalities and what rounding costs: docs
 import math
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,11 +27,16 @@ SUM_BITS, COST_BITS, WEIGHT_BITS = 52, 59, 26
 def checker_question(problem: Problem) -> _native.RegressionQuestion:
     """Return the problem as the checker reads it: values, targets and weights as they were given."""
     return _native.RegressionQuestion(
-        np.ascontiguousarray(problem.features),
-        np.ascontiguousarray(problem.targets),
-        np.ascontiguousarray(problem.weights),
-        (problem.number_loss.slopes, problem.depth, problem.leaf_size, problem.leaf_penalty),
-        (problem.sensor_index.tolist(), problem.sensor_costs.tolist(), problem.sensor_limit),
+        features=np.ascontiguousarray(problem.features),
+        targets=np.ascontiguousarray(problem.targets),
+        weights=np.ascontiguousarray(problem.weights),
+        slopes=problem.number_loss.slopes,
+        depth=problem.depth,
+        leaf_size=problem.leaf_size,
+        leaf_penalty=problem.leaf_penalty,
+        sensor_of_feature=problem.sensor_index.tolist(),
+        sensor_cost=problem.sensor_costs.tolist(),
+        sensor_limit=problem.sensor_limit,
     )
 
 
@@ -47,19 +53,27 @@ def write_proof(path: str | Path, problem: Problem, wanted: Fraction) -> float:
     question, scale = checker_question(problem), log_scale(problem, float(wanted))
     slopes = problem.number_loss.slopes
     power, over = (2, 1) if slopes is None else (1, slopes.over)
-    unit = power_of_two(scale[0] + power * scale[1] - scale[2]) * over
+    unit = power_of_two(scale.weight + power * scale.target - scale.cost) * over
     found = question.prove(scale, min(2**60, math.floor(wanted * unit)))
     if found is None:
         raise SolverError(f"the proof of {float(wanted)} was interrupted; {path} is not written")
-    claim, body, bound = found
     loss, data, asked = question.identity()
     grid = " ".join(map(str, scale))
-    header = f"{FORMAT} {loss}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {claim}\n"
-    write_bytes(path, (header + body + "end\n").encode("ascii"))
-    return bound
+    header = f"{FORMAT} {loss}\ndata {data}\nquestion {asked}\ngrid {grid}\nclaim {found.claim}\n"
+    write_bytes(path, (header + found.body + "end\n").encode("ascii"))
+    return found.bound
 
 
-def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
+class LogScale(NamedTuple):
+    """Exponents of the grid of a log: a weight counts in units of ``2**-weight``, and so on."""
+
+    weight: int
+    target: int
+    cost: int
+    reach: int
+
+
+def log_scale(problem: Problem, wanted: float) -> LogScale:
     """Return the exponents of weights, targets, costs and reach: as fine a grid as the checker has room for."""
     exponent = whole_exponent(problem.weights)
     total = _bits(problem.weights, exponent)
@@ -69,12 +83,12 @@ def log_scale(problem: Problem, wanted: float) -> tuple[int, int, int, int]:
     farthest = reach(problem, wanted)
     gaps = np.minimum(np.diff(np.unique(problem.targets)), math.ldexp(1.0, min(farthest, 1000)))
     if not len(gaps):
-        return exponent, 0, 0, FARTHEST
+        return LogScale(exponent, 0, 0, FARTHEST)
     # Gaps and their sum are rounded.
     finest = SUM_BITS - total - math.frexp(math.fsum(gaps) * (1 + 1e-12))[1]
     if (slopes := problem.number_loss.slopes) is not None:
-        return exponent, finest - (slopes.steepest - 1).bit_length(), 0, farthest
-    return exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest
+        return LogScale(exponent, finest - (slopes.steepest - 1).bit_length(), 0, farthest)
+    return LogScale(exponent, finest, max(0, total + 2 * (SUM_BITS - total) - COST_BITS), farthest)
 
 
 def _bits(weights: np.ndarray[tuple[int, ...], np.dtype[np.float64]], exponent: int) -> int:

@@ -27,7 +27,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.tree import Node
 
 T = TypeVar("T")
-FIRST = "octmip-checkpoint 4"
+FIRST = "octmip-checkpoint 5"
 MOST, INDEX = 2**63 - 1, 2**32 - 1
 """Largest whole numbers and indices that the native core takes."""
 MEANING = {
@@ -186,16 +186,22 @@ def tree_rows(rows: Any) -> list[NodeRow]:
     """
     found: list[NodeRow] = []
     children: list[int] = []
-    for number, (*places, terms, offset) in enumerate(rows):
-        kind, feature, cut, left, right, label = (whole(place, INDEX) for place in places)
-        if kind > 2 or (kind != 2 and (terms or offset)):
-            raise ValueError(f"row {number} is neither a leaf nor a split")
-        if kind > 0:
-            if not number < left or not number < right:
-                raise ValueError(f"row {number} has the children {left} and {right}")
-            children += [left, right]
-        plane = [(whole(j, INDEX), finite(value)) for j, value in terms]
-        found.append((kind, feature, cut, left, right, label, plane, finite(offset)))
+    for number, row in enumerate(rows):
+        given = dict(row)
+        terms, offset = given.pop("terms", None), given.pop("offset", 0.0)
+        places = {name: whole(place, INDEX) for name, place in given.items()}
+        if places.keys() == {"label"} and terms is None:
+            found.append({"label": places["label"]})
+            continue
+        left, right = places["left"], places["right"]
+        if not number < left or not number < right:
+            raise ValueError(f"row {number} has the children {left} and {right}")
+        children += [left, right]
+        if terms is None:
+            found.append({"feature": places["feature"], "cut": places["cut"], "left": left, "right": right})
+        else:
+            plane = [(whole(j, INDEX), finite(value)) for j, value in terms]
+            found.append({"terms": plane, "offset": finite(offset), "left": left, "right": right})
     if sorted(children) != list(range(1, len(found))) or not found:
         raise ValueError(f"{len(found)} rows are no tree")
     return found

@@ -20,11 +20,17 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<run::Found>()?;
+    module.add_class::<run::FoundBelow>()?;
     module.add_class::<problem::PyProblem>()?;
     module.add_class::<problem::PySequentialProblem>()?;
     module.add_class::<check::PyQuestion>()?;
+    module.add_class::<check::Accepted>()?;
+    module.add_class::<check::Refused>()?;
     module.add_class::<regression::PyRegressionQuestion>()?;
+    module.add_class::<regression::ProvenBelow>()?;
     module.add_class::<near_optimal::NearProblem>()?;
+    module.add_class::<near_optimal::CountRow>()?;
     module.add_class::<ranks::PyRankTable>()?;
     module.add_class::<search::PyTurnSolver>()?;
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;

@@ -1,17 +1,45 @@
 //! `octmip.trees._native.Question`: what is asked, in float64 as given, for the checker of proof logs.
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
-use octmip_check::check;
 use octmip_check::question::Question;
+use octmip_check::{Refusal, Report, check};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-/// Depth, whether splits are hyperplanes, most features in one split, least samples of a leaf, its penalty.
-type Limits = (usize, bool, usize, usize, f64);
-/// Sensor of each feature, cost of each sensor, budget.
-type Sensors = (Vec<u32>, Vec<f64>, f64);
-/// The bound, the lines of the log and the line of its claim; or the line that is refused, and the reason.
-type Verdict = (Option<(f64, usize, usize)>, Option<(usize, String)>);
+/// What an accepted log proves.
+#[pyclass(frozen, get_all, module = "octmip.trees._native")]
+pub struct Accepted {
+    bound: f64,
+    /// Lines of the log.
+    n_lines: usize,
+    /// The line of its claim.
+    claim_line: usize,
+}
+
+/// Where and why a log is refused.
+#[pyclass(frozen, get_all, module = "octmip.trees._native")]
+pub struct Refused {
+    line: usize,
+    reason: String,
+}
+
+/// One of the two.
+#[derive(IntoPyObject)]
+pub enum Verdict {
+    /// The log holds.
+    Accepted(Accepted),
+    /// It does not.
+    Refused(Refused),
+}
+
+impl From<Result<Report, Refusal>> for Verdict {
+    fn from(found: Result<Report, Refusal>) -> Self {
+        match found {
+            Ok(Report { bound, n_lines, claim_line, .. }) => Self::Accepted(Accepted { bound, n_lines, claim_line }),
+            Err(Refusal { line, reason }) => Self::Refused(Refused { line, reason }),
+        }
+    }
+}
 
 /// `octmip_check::question::Question` as a Python object.
 #[pyclass(name = "Question", frozen)]
@@ -22,17 +50,24 @@ pub struct PyQuestion {
 #[pymethods]
 impl PyQuestion {
     #[new]
+    #[pyo3(signature = (*, features, labels, weights, costs, depth, is_hyperplane, split_size, leaf_size, leaf_penalty,
+        sensor_of_feature, sensor_cost, sensor_limit, allowed_splits))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         features: PyReadonlyArray2<'_, f64>,
         labels: PyReadonlyArray1<'_, u32>,
         weights: PyReadonlyArray1<'_, f64>,
         costs: PyReadonlyArray2<'_, f64>,
-        limits: Limits,
-        sensors: Sensors,
+        depth: usize,
+        is_hyperplane: bool,
+        split_size: usize,
+        leaf_size: usize,
+        leaf_penalty: f64,
+        sensor_of_feature: Vec<u32>,
+        sensor_cost: Vec<f64>,
+        sensor_limit: f64,
         allowed_splits: Option<Vec<Vec<u32>>>,
     ) -> PyResult<Self> {
-        let (depth, is_hyperplane, split_size, leaf_size, leaf_penalty) = limits;
-        let (sensor_of_feature, sensor_cost, sensor_limit) = sensors;
         let question = Question {
             n: features.shape()[0],
             p: features.shape()[1],
@@ -61,9 +96,6 @@ impl PyQuestion {
 
     /// Check a log.
     fn check(&self, py: Python<'_>, log: &str, n_threads: usize) -> Verdict {
-        match py.detach(|| check(&self.inner, log, n_threads)) {
-            Ok(report) => (Some((report.bound, report.n_lines, report.claim_line)), None),
-            Err(refusal) => (None, Some((refusal.line, refusal.reason))),
-        }
+        py.detach(|| check(&self.inner, log, n_threads)).into()
     }
 }

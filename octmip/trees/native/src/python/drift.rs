@@ -6,15 +6,25 @@ use pyo3::prelude::*;
 
 use crate::drift::{Bands, search, solve};
 use crate::python::problem::PyProblem;
-use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
+use crate::python::rows::{Incumbent, NodeRow, known_tree, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, stop_name, supervised};
 
-/// Ranks of the lowest and highest readings (p, n), most sensors off, number of labels.
-pub(crate) type BandRow<'py> = (PyReadonlyArray2<'py, u32>, PyReadonlyArray2<'py, u32>, usize, usize);
+/// The bands by the attributes of a Python object.
+#[derive(FromPyObject)]
+pub(crate) struct BandRow<'py> {
+    /// Ranks of the lowest readings (p, n).
+    low: PyReadonlyArray2<'py, u32>,
+    /// Ranks of the highest readings (p, n).
+    high: PyReadonlyArray2<'py, u32>,
+    /// Most sensors that are off.
+    n_off: usize,
+    /// Number of labels.
+    n_labels: usize,
+}
 
 /// The bands, checked against their problem.
 pub(crate) fn bands(problem: &PyProblem, row: BandRow<'_>) -> PyResult<Bands> {
-    let (low, high, n_off, n_labels) = row;
+    let BandRow { low, high, n_off, n_labels } = row;
     let shape = [problem.inner.p, problem.inner.n];
     if low.shape() != shape || high.shape() != shape {
         return Err(PyValueError::new_err(format!("bands have shape {:?}, expected {shape:?}", low.shape())));
@@ -31,7 +41,7 @@ pub(crate) fn drift(
     py: Python<'_>,
     problem: &PyProblem,
     band_row: BandRow<'_>,
-    incumbent: Option<(i64, Vec<NodeRow>)>,
+    incumbent: Incumbent,
     floor: i64,
     limit_values: LimitValues,
     n_threads: usize,
@@ -41,27 +51,27 @@ pub(crate) fn drift(
         return Err(PyValueError::new_err(format!("depth is {}, expected at most 2", problem.inner.depth)));
     }
     let bands = bands(problem, band_row)?;
-    let first = incumbent.map(|(cost, rows)| Ok::<_, PyErr>((cost, tree_from_rows(rows)?))).transpose()?;
+    let first = known_tree(incumbent)?;
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         solve(&problem.inner, &bands, first, floor, limits(limit_values), n_threads, keep_going)
     })?;
     Ok(found(&outcome))
 }
 
-/// The best tree that changes of single nodes lead to from some starts (with their costs), its cost, and stop.
+/// The best tree that changes of single nodes lead to from some starts, its cost, and stop.
 #[pyfunction]
 #[pyo3(signature = (problem, band_row, starts, n_rounds, seed, limit_values))]
 pub(crate) fn drift_search(
     py: Python<'_>,
     problem: &PyProblem,
     band_row: BandRow<'_>,
-    starts: Vec<(i64, Vec<NodeRow>)>,
+    starts: Vec<Vec<NodeRow>>,
     n_rounds: usize,
     seed: u64,
     limit_values: LimitValues,
 ) -> PyResult<(Vec<NodeRow>, i64, &'static str)> {
     let bands = bands(problem, band_row)?;
-    let starts = starts.into_iter().map(|(_, rows)| tree_from_rows(rows)).collect::<PyResult<Vec<_>>>()?;
+    let starts = starts.into_iter().map(tree_from_rows).collect::<PyResult<Vec<_>>>()?;
     let (tree, cost, stop) = supervised(py, None, |keep_going| {
         search(&problem.inner, &bands, &starts, n_rounds, seed, limits(limit_values), keep_going)
     })?;

@@ -15,25 +15,32 @@ use crate::exact::root_search::{Options, go_on};
 use crate::exact::shaped;
 use crate::exact::switches::Switches;
 use crate::python::problem::PyProblem;
-use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
+use crate::python::rows::{Incumbent, NodeRow, known_tree, rows_from_tree, tree_from_rows};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
 use crate::python::workers::Workers;
 use crate::supervise::Supervision;
 
-/// State of a search: level, bound of one level fewer, best cost and cut of each feature one level lower and at this
-/// level, solved cuts (feature, samples left of it, bounds of both sides), bound, objective and rows of the best tree,
-/// open sets of sensors (held, banned), evaluated cuts. Costs are above the base, the objective of the tree is not.
-type KnownRow = (
-    usize,
-    i64,
-    Vec<(i64, usize)>,
-    Vec<(i64, usize)>,
-    Vec<(usize, usize, i64, i64)>,
-    i64,
-    (i64, Vec<NodeRow>),
-    Option<Vec<Held>>,
-    u64,
-);
+/// State of a search: a dict to Python, `octmip.trees.methods.checkpoint.exact_state.KnownRow` back. Costs are above
+/// the base, the objective of the tree is not.
+#[derive(FromPyObject, IntoPyObject)]
+struct KnownRow {
+    level: usize,
+    /// Bound of the trees one level shallower.
+    whole: i64,
+    /// Best cost and cut of each feature one level lower.
+    order: Vec<(i64, usize)>,
+    /// Best cost and cut of each feature at this level.
+    incumbents: Vec<(i64, usize)>,
+    /// Solved cuts: feature, samples left of it, bounds of both sides.
+    cuts: Vec<(usize, usize, i64, i64)>,
+    bound: i64,
+    /// Objective and rows of the best tree.
+    best: (i64, Vec<NodeRow>),
+    /// Open sets of sensors (held, banned).
+    sets: Option<Vec<Held>>,
+    /// Evaluated cuts.
+    n_nodes: u64,
+}
 
 /// The best tree and a bound. `incumbent` is `(objective, rows)` of a feasible tree; `checkpoint` says how often to
 /// hand out what is known, to whom, and what an earlier search handed out last.
@@ -44,7 +51,7 @@ type KnownRow = (
 fn branch_and_bound(
     py: Python<'_>,
     problem: &PyProblem,
-    incumbent: Option<(i64, Vec<NodeRow>)>,
+    incumbent: Incumbent,
     limit_values: LimitValues,
     n_threads: usize,
     off: Vec<String>,
@@ -52,8 +59,7 @@ fn branch_and_bound(
     checkpoint: Option<(f64, Py<PyAny>, Option<KnownRow>)>,
     submit: Option<(Py<PyAny>, usize)>,
 ) -> PyResult<Found> {
-    let incumbent =
-        incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
+    let incumbent = known_tree(incumbent)?;
     let switches = switches(Switches::without(&off))?;
     let options = Options { limits: limits(limit_values), n_threads, incumbent, switches };
     let mut unsaved = None;
@@ -76,18 +82,40 @@ fn branch_and_bound(
     Ok(found(&outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?))
 }
 
-/// A cut of the root to be solved: usable feature, samples left of it, bounds of both sides, target, slack.
-type CutRow = (usize, usize, i64, i64, i64, i64);
-/// A solved cut: bounds of both sides, cost above the base and rows of the tree, evaluated cuts, lines of a log.
-type SolvedRow = (i64, i64, Option<(i64, Vec<NodeRow>)>, u64, String);
+/// A cut of the root to be solved, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct CutRow {
+    /// Usable feature.
+    feature: usize,
+    /// Samples left of it.
+    position: usize,
+    /// Of both sides.
+    bounds: [i64; 2],
+    target: i64,
+    slack: i64,
+}
+
+/// A solved cut, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct SolvedRow {
+    /// Of both sides.
+    bounds: [i64; 2],
+    /// Cost above the base, and rows of the tree.
+    tree: Incumbent,
+    /// Evaluated cuts.
+    n_evaluated: u64,
+    /// Lines of a log.
+    record: String,
+}
 
 /// A cut that one of the workers solved; None when it was stopped or has failed.
 fn ask_for(workers: &Workers, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
-    let row: CutRow = (cut.feature, cut.position, cut.bounds[0], cut.bounds[1], cut.target, cut.slack);
-    let solved: SolvedRow = workers.ask((level, row), &|| !control.is_stopped())?;
-    let (left, right, tree, n_evaluated, record) = solved;
-    let tree = workers.checked(tree.map(|(cost, rows)| Ok((cost, tree_from_rows(rows)?))).transpose())?;
-    Some(SolvedCut { bounds: [left, right], tree, n_evaluated, record })
+    let &Cut { feature, position, bounds, target, slack } = cut;
+    let row = CutRow { feature, position, bounds, target, slack };
+    let SolvedRow { bounds, tree, n_evaluated, record } = workers.ask((level, row), &|| !control.is_stopped())?;
+    Some(SolvedCut { bounds, tree: workers.checked(known_tree(tree))?, n_evaluated, record })
 }
 
 /// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
@@ -105,8 +133,8 @@ impl PyCutSolver {
 
     /// Solve a cut at a level, with what a log says of it if one is written; None when Ctrl-C stopped it.
     fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
-        let (feature, position, left, right, target, slack) = row;
-        let cut = Cut { feature, position, bounds: [left, right], target, slack };
+        let CutRow { feature, position, bounds, target, slack } = row;
+        let cut = Cut { feature, position, bounds, target, slack };
         if !self.inner.has(&cut) {
             return Err(PyValueError::new_err(format!("feature {feature} has no cut at {position}")));
         }
@@ -117,9 +145,9 @@ impl PyCutSolver {
             let work = || self.inner.solve(level, &cut, &control);
             supervision.run(work, || supervision.poll(&mut *keep_going, state))
         })?;
-        Ok(solved.map(|solved| {
-            let tree = solved.tree.map(|(cost, tree)| (cost, rows_from_tree(&tree)));
-            (solved.bounds[0], solved.bounds[1], tree, solved.n_evaluated, solved.record)
+        Ok(solved.map(|SolvedCut { bounds, tree, n_evaluated, record }| {
+            let tree = tree.map(|(cost, tree)| (cost, rows_from_tree(&tree)));
+            SolvedRow { bounds, tree, n_evaluated, record }
         }))
     }
 }
@@ -129,23 +157,23 @@ fn hand_out(taker: Option<&Py<PyAny>>, known: &Known, unsaved: &mut Option<PyErr
     let Some(taker) = taker else { return true };
     let pairs = |cuts: &[FeatureIncumbent]| -> Vec<_> { cuts.iter().map(|cut| (cut.cost, cut.position)).collect() };
     let cut = |cut: &Solved| (cut.feature, cut.position, cut.bounds[0], cut.bounds[1]);
-    let row: KnownRow = (
-        known.level,
-        known.whole,
-        pairs(&known.order),
-        pairs(&known.incumbents),
-        known.cuts.iter().map(cut).collect(),
-        known.bound,
-        (known.best.0, rows_from_tree(&known.best.1)),
-        known.sets.clone(),
-        known.n_nodes,
-    );
+    let row = KnownRow {
+        level: known.level,
+        whole: known.whole,
+        order: pairs(&known.order),
+        incumbents: pairs(&known.incumbents),
+        cuts: known.cuts.iter().map(cut).collect(),
+        bound: known.bound,
+        best: (known.best.0, rows_from_tree(&known.best.1)),
+        sets: known.sets.clone(),
+        n_nodes: known.n_nodes,
+    };
     let taken = Python::attach(|py| taker.call1(py, (row,)).map(|_| ()));
     taken.map_err(|raised| *unsaved = Some(raised)).is_ok()
 }
 
 fn known_from_row(row: KnownRow) -> PyResult<Known> {
-    let (level, whole, order, incumbents, cuts, bound, (objective, rows), sets, n_nodes) = row;
+    let KnownRow { level, whole, order, incumbents, cuts, bound, best: (objective, rows), sets, n_nodes } = row;
     let from_pairs = |pairs: Vec<(i64, usize)>| -> Vec<_> {
         pairs.into_iter().map(|(cost, position)| FeatureIncumbent { cost, position }).collect()
     };
@@ -199,7 +227,7 @@ fn prove(
 fn shaped_search(
     py: Python<'_>,
     problem: &PyProblem,
-    incumbent: Option<(i64, Vec<NodeRow>)>,
+    incumbent: Incumbent,
     limit_values: LimitValues,
     progress: Option<Py<PyAny>>,
     max_splits: usize,
@@ -212,8 +240,7 @@ fn shaped_search(
             problem.inner.p
         )));
     }
-    let incumbent =
-        incumbent.map(|(objective, rows)| Ok::<_, PyErr>((objective, tree_from_rows(rows)?))).transpose()?;
+    let incumbent = known_tree(incumbent)?;
     let options = shaped::Options { limits: limits(limit_values), incumbent, max_splits, directions };
     let outcome = supervised(py, progress.as_ref(), |keep_going| shaped::solve(&problem.inner, &options, keep_going))?;
     Ok(found(&outcome))

@@ -22,14 +22,58 @@ use crate::tree::Tree;
 
 /// Cost, sensors (bits), number of trees.
 type EntryRow = (i128, u128, u128);
-/// Feature, largest rank that goes left, samples left of it, bounds of both sides, trees (None: not counted).
-type CutRow = (u32, u32, usize, (i64, i64), Option<Vec<EntryRow>>);
-/// Leaves, cuts of the root, features whose cuts are not all known, stop, evaluated cuts.
-type CountRow = (Vec<EntryRow>, Vec<CutRow>, Vec<u32>, &'static str, u64);
+
+/// A cut of the root: a dict to Python, `octmip.trees.near_sets.near_set.Cut` back.
+#[derive(Clone, FromPyObject, IntoPyObject)]
+struct CutRow {
+    feature: u32,
+    /// The largest rank that goes left.
+    rank: u32,
+    /// Samples left of it.
+    position: usize,
+    /// Of both sides.
+    bounds: (i64, i64),
+    /// None: not counted.
+    trees: Option<Vec<EntryRow>>,
+}
+
+/// `octmip.trees.near_sets.near_set.Wanted` by its attributes.
+#[derive(FromPyObject)]
+struct WantedRow {
+    /// Of the root; None: a leaf.
+    cut: Option<CutRow>,
+    cost: i128,
+    /// Bits of the sensors that they read.
+    sensors: u128,
+    number: u128,
+}
+
+/// All trees up to a cost.
+#[pyclass(name = "Counted", frozen, get_all, module = "octmip.trees._native")]
+pub(crate) struct CountRow {
+    leaves: Vec<EntryRow>,
+    /// Of the root.
+    cuts: Vec<CutRow>,
+    /// Features whose cuts are not all known.
+    open: Vec<u32>,
+    stop: &'static str,
+    /// Evaluated cuts.
+    n_nodes: u64,
+}
 /// Least costs by sensor, why the search stopped early, evaluated cuts.
 type ReadersRow = (Vec<Option<i128>>, Option<&'static str>, u64);
-/// Classes, weights, costs, labels, penalty, shift: see `ExactCosts`.
-type CostsRow = (Vec<u32>, Vec<i128>, Vec<i128>, usize, i128, u32);
+
+/// Costs as a dict, see `ExactCosts`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct CostsRow {
+    classes: Vec<u32>,
+    weights: Vec<i128>,
+    costs: Vec<i128>,
+    n_labels: usize,
+    penalty: i128,
+    shift: u32,
+}
 
 enum Inner {
     Narrow(Instance<i64>),
@@ -88,16 +132,14 @@ impl NearProblem {
         })
     }
 
-    /// Trees by number: each wanted as (cut of the root or None for a leaf, cost, sensors, number).
-    fn trees(
-        &self,
-        py: Python<'_>,
-        wanted: Vec<(Option<CutRow>, i128, u128, u128)>,
-    ) -> PyResult<Option<Vec<Vec<NodeRow>>>> {
+    /// Trees by their number among those of one cut, cost and set of sensors.
+    fn trees(&self, py: Python<'_>, wanted: Vec<WantedRow>) -> PyResult<Option<Vec<Vec<NodeRow>>>> {
         either!(&self.inner, instance => {
             let wanted = wanted
                 .into_iter()
-                .map(|(cut, cost, mask, number)| Ok((solved(instance, cut), Wanted { cost: narrow(cost)?, mask, number })))
+                .map(|WantedRow { cut, cost, sensors, number }| {
+                    Ok((solved(instance, cut), Wanted { cost: narrow(cost)?, mask: sensors, number }))
+                })
                 .collect::<PyResult<Vec<_>>>()?;
             let trees = alone(py, |control| trees(instance, control, &wanted))?;
             Ok(trees.map(|trees| trees.iter().map(rows_from_tree).collect()))
@@ -142,7 +184,7 @@ impl NearProblem {
 }
 
 fn exact_costs<T: Cost>(row: CostsRow) -> PyResult<ExactCosts<T>> {
-    let (classes, weights, costs, n_labels, penalty, shift) = row;
+    let CostsRow { classes, weights, costs, n_labels, penalty, shift } = row;
     let all = |numbers: Vec<i128>| numbers.into_iter().map(narrow).collect::<PyResult<Vec<T>>>();
     Ok(ExactCosts { classes, weights: all(weights)?, costs: all(costs)?, n_labels, penalty: narrow(penalty)?, shift })
 }
@@ -187,7 +229,7 @@ fn trees<T: Cost>(
 
 /// The usable feature and position of a cut that Python holds.
 fn solved<T>(instance: &Instance<T>, cut: Option<CutRow>) -> Option<Solved> {
-    let (feature, _, position, bounds, _) = cut?;
+    let CutRow { feature, position, bounds, .. } = cut?;
     let feature = instance.samples.features.iter().position(|&f| f == feature)?;
     Some(Solved { feature, position, bounds: bounds.into() })
 }
@@ -203,8 +245,13 @@ fn count_row<T: Cost>(instance: &Instance<T>, counted: Counted<T>) -> CountRow {
         let cut = &known.cut;
         let rank = instance.samples.ranks_of(cut.feature)[root.list(cut.feature)[cut.position - 1] as usize];
         let trees = known.trees.as_deref().map(entry_rows);
-        (features[cut.feature], rank, cut.position, cut.bounds.into(), trees)
+        CutRow { feature: features[cut.feature], rank, position: cut.position, bounds: cut.bounds.into(), trees }
     });
-    let open = counted.open.iter().map(|&f| features[f]).collect();
-    (entry_rows(&counted.leaves), cuts.collect(), open, stop_name(counted.stop), counted.n_nodes)
+    CountRow {
+        leaves: entry_rows(&counted.leaves),
+        cuts: cuts.collect(),
+        open: counted.open.iter().map(|&f| features[f]).collect(),
+        stop: stop_name(counted.stop),
+        n_nodes: counted.n_nodes,
+    }
 }

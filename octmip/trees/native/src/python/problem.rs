@@ -6,8 +6,8 @@
 //! problem, incumbent, limits, n_threads, seed, off, progress, then its own by name
 //! ```
 //!
-//! each left out where a solver has no use for it. `limits` is `(seconds, gap, nodes, memory)`, `off` names the prunes
-//! that are switched off, `progress` takes `(seconds, objective, bound, n_nodes)`.
+//! each left out where a solver has no use for it. `limits` is `octmip.trees.solution.Limits`, `off` names the prunes that
+//! are switched off, `progress` takes `(seconds, objective, bound, n_nodes)`. What a problem is made of is given by name.
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -17,8 +17,15 @@ use crate::problem::{Planes, Problem};
 use crate::python::ranks::PyRankTable;
 use crate::sequential::SequentialProblem;
 
-/// Data of hyperplane splits: values (n, p), split_size, groups, integer_normals.
-type PlaneArguments<'py> = (PyReadonlyArray2<'py, f64>, usize, Option<Vec<Vec<u32>>>, Option<i64>);
+/// Data of hyperplane splits: a dict with these names, see `Planes`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct PlaneArguments<'py> {
+    values: PyReadonlyArray2<'py, f64>,
+    split_size: usize,
+    groups: Option<Vec<Vec<u32>>>,
+    integer_normals: Option<i64>,
+}
 
 /// `crate::problem::Problem` as a Python object.
 #[pyclass(name = "Problem", frozen)]
@@ -30,7 +37,7 @@ pub(crate) struct PyProblem {
 #[pymethods]
 impl PyProblem {
     #[new]
-    #[pyo3(signature = (ranks, n_ranks, labels, weights, costs, penalty, depth, leaf_size, sensor_of_feature,
+    #[pyo3(signature = (*, ranks, n_ranks, labels, weights, costs, penalty, depth, leaf_size, sensor_of_feature,
         sensor_cost, sensor_limit, allowed, planes=None))]
     #[allow(clippy::too_many_arguments)]
     fn new(
@@ -49,7 +56,7 @@ impl PyProblem {
         planes: Option<PlaneArguments<'_>>,
     ) -> PyResult<Self> {
         let planes = planes
-            .map(|(values, split_size, groups, integer_normals)| {
+            .map(|PlaneArguments { values, split_size, groups, integer_normals }| {
                 let values = values.as_slice()?.to_vec();
                 PyResult::Ok(Planes { values, split_size, groups, integer_normals })
             })
@@ -77,11 +84,6 @@ impl PyProblem {
     }
 }
 
-/// Cost of each sensor, group of each sensor, set-up cost of each group, sensors read before the root.
-type Prices = (Vec<f64>, Vec<usize>, Vec<f64>, Vec<usize>);
-/// Penalty of a split, depth, leaf size, sensor of each feature, whether it may be used, most readings of each label.
-type Shape = (f64, usize, usize, Vec<usize>, Vec<bool>, Vec<usize>);
-
 /// `crate::sequential::SequentialProblem` as a Python object.
 #[pyclass(name = "SequentialProblem", frozen)]
 pub(crate) struct PySequentialProblem {
@@ -92,20 +94,27 @@ pub(crate) struct PySequentialProblem {
 #[pymethods]
 impl PySequentialProblem {
     #[new]
-    #[pyo3(signature = (ranks, paid, frequency, delay_costs, shape, prices, multiplier, cap))]
+    #[pyo3(signature = (*, ranks, paid, frequency, delay_costs, penalty, depth, leaf_size, sensor_of_feature, allowed,
+        most_readings, sensor_cost, group_of_sensor, setup_costs, read, multiplier, cap))]
     #[allow(clippy::too_many_arguments)]
     fn new(
         ranks: PyReadonlyArray2<'_, u32>,
         paid: PyReadonlyArray2<'_, f64>,
         frequency: PyReadonlyArray1<'_, f64>,
         delay_costs: PyReadonlyArray1<'_, f64>,
-        shape: Shape,
-        prices: Prices,
+        penalty: f64,
+        depth: usize,
+        leaf_size: usize,
+        sensor_of_feature: Vec<usize>,
+        allowed: Vec<bool>,
+        most_readings: Vec<usize>,
+        sensor_cost: Vec<f64>,
+        group_of_sensor: Vec<usize>,
+        setup_costs: Vec<f64>,
+        read: Vec<usize>,
         multiplier: f64,
         cap: Option<f64>,
     ) -> PyResult<Self> {
-        let (penalty, depth, leaf_size, sensor_of_feature, allowed, most_readings) = shape;
-        let (sensor_cost, group_of_sensor, setup_costs, read) = prices;
         let inner = SequentialProblem {
             n: ranks.shape()[1],
             p: ranks.shape()[0],

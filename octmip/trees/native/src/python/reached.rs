@@ -6,9 +6,6 @@ use pyo3::prelude::*;
 
 use crate::tree::reached::ThresholdTree;
 
-/// Features, thresholds, children, whether missing readings go right, levels.
-pub(crate) type TreeLists = (Vec<u32>, Vec<f64>, Vec<[u32; 2]>, Vec<Option<bool>>, usize);
-
 /// A table of rows in either precision.
 #[derive(FromPyObject)]
 pub(crate) enum Rows<'py> {
@@ -20,12 +17,16 @@ pub(crate) enum Rows<'py> {
 
 /// The node that each row ends at, None where a reading is missing and its split has no side for it.
 #[pyfunction]
+#[pyo3(signature = (rows, *, feature, threshold, children, missing, depth))]
 pub(crate) fn reached_nodes<'py>(
     py: Python<'py>,
-    lists: TreeLists,
     rows: Rows<'py>,
+    feature: Vec<u32>,
+    threshold: Vec<f64>,
+    children: Vec<[u32; 2]>,
+    missing: Vec<Option<bool>>,
+    depth: usize,
 ) -> PyResult<Option<Bound<'py, PyArray1<u32>>>> {
-    let (feature, threshold, children, missing, depth) = lists;
     let tree = ThresholdTree { feature, threshold, children, missing, depth };
     let p = match &rows {
         Rows::Double(rows) => rows.shape()[1],

@@ -10,43 +10,55 @@ use octmip_check::regression::slopes::Slopes;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::python::rows::{NodeRow, rows_from_tree};
-use crate::python::run::{LimitValues, limits, stop_name, supervised, written};
+use crate::python::check::Verdict;
+use crate::python::rows::rows_from_tree;
+use crate::python::run::{FoundBelow, LimitValues, limits, stop_name, supervised, written};
 use crate::regression::{Question, prove, solve};
 
-/// Targets, weights, rounded squares of each sample, the grid of the squares.
-type Targets<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>, f64);
-/// Slopes above and below a prediction (None: squared), price of a split, depth, leaf size, features that may be used.
-type Shape = (Option<(f64, f64)>, f64, usize, usize, Vec<bool>);
-/// Node rows (None without a tree below the room), bound, stop, evaluated cuts.
-type Found = (Option<Vec<NodeRow>>, f64, &'static str, u64);
+/// `octmip.trees.losses.exact_sums.Slopes` by its attributes.
+#[derive(FromPyObject)]
+pub(crate) struct SlopeValues {
+    /// Price of a unit above the prediction.
+    up: i64,
+    /// Price of a unit below it.
+    down: i64,
+    /// What both are divided by.
+    over: i64,
+}
 
-/// The best tree that costs less than `room` (None: any), and a bound of all trees.
+/// The best tree that costs less than `room` (None: any), and a bound of all trees. Without slopes the error is squared.
 #[pyfunction]
-#[pyo3(signature = (ranks, n_ranks, targets, shape, room, n_threads, limit_values, progress=None))]
+#[pyo3(signature = (room, limit_values, n_threads, progress=None, *, ranks, n_ranks, targets, weights, squares, grain,
+    slopes, penalty, depth, leaf_size, allowed))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn regression(
     py: Python<'_>,
+    room: Option<f64>,
+    limit_values: LimitValues,
+    n_threads: usize,
+    progress: Option<Py<PyAny>>,
     ranks: PyReadonlyArray2<'_, u32>,
     n_ranks: Vec<u32>,
-    targets: Targets<'_>,
-    shape: Shape,
-    room: Option<f64>,
-    n_threads: usize,
-    limit_values: LimitValues,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Found> {
-    let (slopes, penalty, depth, leaf_size, allowed) = shape;
+    targets: PyReadonlyArray1<'_, f64>,
+    weights: PyReadonlyArray1<'_, f64>,
+    squares: PyReadonlyArray1<'_, f64>,
+    grain: f64,
+    slopes: Option<SlopeValues>,
+    penalty: f64,
+    depth: usize,
+    leaf_size: usize,
+    allowed: Vec<bool>,
+) -> PyResult<FoundBelow> {
     let question = Question {
         n: ranks.shape()[1],
         p: ranks.shape()[0],
         ranks: ranks.as_slice()?.to_vec(),
         n_ranks,
-        targets: targets.0.as_slice()?.to_vec(),
-        weights: targets.1.as_slice()?.to_vec(),
-        squares: targets.2.as_slice()?.to_vec(),
-        grain: targets.3,
-        slopes: slopes.map(|(up, down)| crate::regression::Slopes { up, down }),
+        targets: targets.as_slice()?.to_vec(),
+        weights: weights.as_slice()?.to_vec(),
+        squares: squares.as_slice()?.to_vec(),
+        grain,
+        slopes: slopes.map(|each| crate::regression::Slopes { up: each.up as f64, down: each.down as f64 }),
         penalty,
         depth,
         leaf_size,
@@ -58,15 +70,29 @@ pub(crate) fn regression(
     let found = supervised(py, progress.as_ref(), |keep_going| {
         solve(&question, room, n_threads, limits(limit_values), keep_going)
     })?;
-    Ok((found.tree.as_ref().map(rows_from_tree), found.bound, stop_name(found.stop), found.n_cuts))
+    let rows = found.tree.as_ref().map(rows_from_tree);
+    Ok(FoundBelow { rows, bound: found.bound, stop: stop_name(found.stop), n_nodes: found.n_cuts })
 }
 
-/// Slopes and what they are divided by (None: squared), depth, least samples of a leaf, price of a split.
-type Asked = (Option<(i64, i64, i64)>, usize, usize, f64);
-/// Sensor of each feature, cost of each sensor, budget.
-type Sensors = (Vec<u32>, Vec<f64>, f64);
-/// The bound, the lines of the log and the line of its claim; or the line that is refused, and the reason.
-type Verdict = (Option<(f64, usize, usize)>, Option<(usize, String)>);
+/// `octmip.trees.regression.proof_log.LogScale` by its attributes: exponents of the grid of a log.
+#[derive(FromPyObject)]
+struct ScaleValues {
+    weight: i64,
+    target: i64,
+    cost: u32,
+    reach: i64,
+}
+
+/// What a log proves of numbers.
+#[pyclass(frozen, get_all, module = "octmip.trees._native")]
+pub(crate) struct ProvenBelow {
+    /// The whole number that it claims.
+    claim: i64,
+    /// Its lines.
+    body: String,
+    /// The bound that it proves.
+    bound: f64,
+}
 
 /// `octmip_check::regression::question::RegressionQuestion` as a Python object.
 #[pyclass(name = "RegressionQuestion", frozen)]
@@ -77,22 +103,28 @@ pub struct PyRegressionQuestion {
 #[pymethods]
 impl PyRegressionQuestion {
     #[new]
+    #[pyo3(signature = (*, features, targets, weights, slopes, depth, leaf_size, leaf_penalty, sensor_of_feature,
+        sensor_cost, sensor_limit))]
+    #[allow(clippy::too_many_arguments)]
     fn new(
         features: PyReadonlyArray2<'_, f64>,
         targets: PyReadonlyArray1<'_, f64>,
         weights: PyReadonlyArray1<'_, f64>,
-        asked: Asked,
-        sensors: Sensors,
+        slopes: Option<SlopeValues>,
+        depth: usize,
+        leaf_size: usize,
+        leaf_penalty: f64,
+        sensor_of_feature: Vec<u32>,
+        sensor_cost: Vec<f64>,
+        sensor_limit: f64,
     ) -> PyResult<Self> {
-        let (slopes, depth, leaf_size, leaf_penalty) = asked;
-        let (sensor_of_feature, sensor_cost, sensor_limit) = sensors;
         let question = RegressionQuestion {
             n: features.shape()[0],
             p: features.shape()[1],
             features: features.as_slice()?.to_vec(),
             targets: targets.as_slice()?.to_vec(),
             weights: weights.as_slice()?.to_vec(),
-            slopes: slopes.map(|(up, down, over)| Slopes { up, down, over }),
+            slopes: slopes.map(|SlopeValues { up, down, over }| Slopes { up, down, over }),
             depth,
             leaf_size,
             leaf_penalty,
@@ -110,21 +142,19 @@ impl PyRegressionQuestion {
 
     /// Check a log.
     fn check(&self, py: Python<'_>, log: &str) -> Verdict {
-        match py.detach(|| check(&self.inner, log)) {
-            Ok(report) => (Some((report.bound, report.n_lines, report.claim_line)), None),
-            Err(refusal) => (None, Some((refusal.line, refusal.reason))),
-        }
+        py.detach(|| check(&self.inner, log)).into()
     }
 
     /// Claim, body and bound of a log on the grid of these exponents; the claim is `wanted` or, where a tree costs
     /// less, the cost of the best one. None if it was stopped.
-    fn prove(&self, py: Python<'_>, scale: (i64, i64, u32, i64), wanted: i64) -> PyResult<Option<(i64, String, f64)>> {
-        let scale = Scale { weight: scale.0, target: scale.1, cost: scale.2, reach: scale.3 };
+    fn prove(&self, py: Python<'_>, scale: ScaleValues, wanted: i64) -> PyResult<Option<ProvenBelow>> {
+        let ScaleValues { weight, target, cost, reach } = scale;
+        let scale = Scale { weight, target, cost, reach };
         let samples = Samples::on_grid(&self.inner, scale).map_err(PyValueError::new_err)?;
         let found = written(py, wanted, |supervision| {
             let flag = supervision.flag();
             prove(&samples, wanted, &|| flag.load(Ordering::Relaxed))
         })?;
-        Ok(found.map(|(claim, body)| (claim, body, samples.value(claim))))
+        Ok(found.map(|(claim, body)| ProvenBelow { claim, body, bound: samples.value(claim) }))
     }
 }

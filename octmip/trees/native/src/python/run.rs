@@ -9,14 +9,50 @@ use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::python::rows::{NodeRow, rows_from_tree};
 use crate::supervise::Supervision;
 
-/// Seconds, gap, nodes, memory.
-pub(crate) type LimitValues = (f64, f64, f64, f64);
-/// Node rows, objective, bound, stop, number of nodes.
-pub(crate) type Found = (Vec<NodeRow>, i64, i64, &'static str, u64);
+/// `octmip.trees.solution.Limits` by its attributes; to Python it goes as a dict of them.
+#[derive(Clone, Copy, FromPyObject, IntoPyObject)]
+pub(crate) struct LimitValues {
+    /// Wall time [s].
+    pub(crate) seconds: f64,
+    /// Relative gap that is good enough.
+    pub(crate) gap: f64,
+    /// Search nodes.
+    pub(crate) nodes: f64,
+    /// Bytes of the solver's tables.
+    pub(crate) memory: f64,
+}
 
-/// Limits from `(seconds, gap, nodes, memory)`.
-pub(crate) fn limits(values: LimitValues) -> Limits {
-    Limits { seconds: values.0, gap: values.1, nodes: values.2, memory: values.3 }
+/// The best tree of a search, and a bound of all.
+#[pyclass(frozen, get_all, module = "octmip.trees._native")]
+pub(crate) struct Found {
+    /// Its node table.
+    rows: Vec<NodeRow>,
+    /// Its cost.
+    objective: i64,
+    /// What no tree costs less than.
+    bound: i64,
+    /// Why the search ended.
+    stop: &'static str,
+    /// Nodes, or evaluated cuts.
+    n_nodes: u64,
+}
+
+/// The best tree below a cost in float64, if there is one, and a bound of all.
+#[pyclass(frozen, get_all, module = "octmip.trees._native")]
+pub(crate) struct FoundBelow {
+    /// Its node table.
+    pub(crate) rows: Option<Vec<NodeRow>>,
+    /// What no tree costs less than.
+    pub(crate) bound: f64,
+    /// Why the search ended.
+    pub(crate) stop: &'static str,
+    /// Evaluated cuts.
+    pub(crate) n_nodes: u64,
+}
+
+/// Limits as the solvers take them.
+pub(crate) fn limits(LimitValues { seconds, gap, nodes, memory }: LimitValues) -> Limits {
+    Limits { seconds, gap, nodes, memory }
 }
 
 /// The name that `octmip.trees.solution.Stop` gives a stop.
@@ -39,8 +75,13 @@ pub(crate) fn switches<T>(found: Result<T, String>) -> PyResult<T> {
 
 /// The result of a solver as Python gets it.
 pub(crate) fn found(outcome: &Outcome) -> Found {
-    let rows = rows_from_tree(&outcome.tree);
-    (rows, outcome.objective, outcome.bound, stop_name(outcome.stop), outcome.n_nodes)
+    Found {
+        rows: rows_from_tree(&outcome.tree),
+        objective: outcome.objective,
+        bound: outcome.bound,
+        stop: stop_name(outcome.stop),
+        n_nodes: outcome.n_nodes,
+    }
 }
 
 /// Run a solver without the interpreter lock; what `progress` raises stops it and is raised here.

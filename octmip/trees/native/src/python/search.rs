@@ -11,13 +11,41 @@ use crate::search::turn_solver::TurnSolver;
 use crate::search::turns::{FinishedTurn, OtherProcesses, Turn, TurnTask};
 use crate::search::{Options, search_with};
 
-/// A restart after a turn: number, state of its random stream, counts of deep blocks, whether nothing beats its tree,
-/// rows of the tree.
-type TurnRow = (usize, u64, (u32, u32), bool, Vec<NodeRow>);
-/// A turn to be taken: round, number of the restart, the turn before.
-type TaskRow = (usize, usize, Option<TurnRow>);
-/// A turn that was taken: the turn, nodes visited in it, whether no limit has ended it.
-type FinishedRow = (TurnRow, u64, bool);
+/// A restart after a turn, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct TurnRow {
+    number: usize,
+    /// State of its random stream.
+    stream: u64,
+    /// Deep blocks that helped, and that were tried.
+    deep_tries: [u32; 2],
+    /// Whether nothing beats its tree.
+    is_best: bool,
+    rows: Vec<NodeRow>,
+}
+
+/// A turn to be taken, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct TaskRow {
+    round: usize,
+    /// Of the restart.
+    number: usize,
+    /// The turn before.
+    before: Option<TurnRow>,
+}
+
+/// A turn that was taken, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct FinishedRow {
+    turn: TurnRow,
+    /// Nodes visited in it.
+    n_visits: u64,
+    /// Whether no limit has ended it.
+    is_whole: bool,
+}
 
 /// A tree of low objective. `incumbent` is the table of a tree to begin with.
 #[pyfunction(name = "search")]
@@ -52,19 +80,25 @@ pub(crate) fn py_search(
 }
 
 fn row_of(turn: &Turn) -> TurnRow {
-    let [helped, tried] = turn.deep_tries;
-    (turn.number, turn.stream, (helped, tried), turn.is_best, rows_from_tree(&turn.tree))
+    TurnRow {
+        number: turn.number,
+        stream: turn.stream,
+        deep_tries: turn.deep_tries,
+        is_best: turn.is_best,
+        rows: rows_from_tree(&turn.tree),
+    }
 }
 
-fn turn_from_row((number, stream, (helped, tried), is_best, rows): TurnRow) -> PyResult<Turn> {
-    Ok(Turn { number, stream, deep_tries: [helped, tried], is_best, tree: tree_from_rows(rows)? })
+fn turn_from_row(TurnRow { number, stream, deep_tries, is_best, rows }: TurnRow) -> PyResult<Turn> {
+    Ok(Turn { number, stream, deep_tries, is_best, tree: tree_from_rows(rows)? })
 }
 
 /// A turn that one of the workers took; None when it was given up or has failed.
 fn ask_for(workers: &Workers, task: TurnTask, waits: &dyn Fn() -> bool) -> Option<FinishedTurn> {
-    let row: TaskRow = (task.round, task.number, task.before.map(row_of));
+    let row = TaskRow { round: task.round, number: task.number, before: task.before.map(row_of) };
     let Limits { seconds, gap, nodes, memory } = task.limits;
-    let (turn, n_visits, is_whole): FinishedRow = workers.ask((row, (seconds, gap, nodes, memory)), waits)?;
+    let left = LimitValues { seconds, gap, nodes, memory };
+    let FinishedRow { turn, n_visits, is_whole } = workers.ask((row, left), waits)?;
     Some(FinishedTurn { turn: workers.checked(turn_from_row(turn))?, n_visits, is_whole })
 }
 
@@ -98,10 +132,10 @@ impl PyTurnSolver {
         limit_values: LimitValues,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<FinishedRow> {
-        let (round, number, before) = row;
+        let TaskRow { round, number, before } = row;
         let before = before.map(turn_from_row).transpose()?;
         let task = TurnTask { round, number, before: before.as_ref(), limits: limits(limit_values) };
         let taken = supervised(py, progress.as_ref(), |keep_going| self.inner.take(task, keep_going))?;
-        Ok((row_of(&taken.turn), taken.n_visits, taken.is_whole))
+        Ok(FinishedRow { turn: row_of(&taken.turn), n_visits: taken.n_visits, is_whole: taken.is_whole })
     }
 }

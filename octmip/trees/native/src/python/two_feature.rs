@@ -7,15 +7,25 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 
 use crate::python::problem::PyProblem;
-use crate::python::rows::{NodeRow, rows_from_tree, tree_from_rows};
+use crate::python::rows::{Incumbent, known_tree, rows_from_tree};
 use crate::python::run::{Found, LimitValues, found, limits, supervised, switches, written};
 use crate::two_feature::nodes::queue::{Saved, Saver};
 use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
 use crate::two_feature::{go_on, proof};
 
-/// The state of a search: bytes, most slope intervals of a dual plane, the best tree's cost and rows, bound, nodes.
-type StateRow = (Py<PyBytes>, usize, Option<(i64, Vec<NodeRow>)>, i64, u64);
+/// The state of a search: a dict to Python, `octmip.trees.methods.checkpoint.two_feature_state.TwoFeatureState` back.
+#[derive(FromPyObject, IntoPyObject)]
+struct StateRow {
+    state: Py<PyBytes>,
+    /// Most slope intervals of a dual plane.
+    n_intervals: usize,
+    /// The best tree's cost and rows.
+    best: Incumbent,
+    bound: i64,
+    n_nodes: u64,
+}
+
 /// Seconds between two times that the state is handed out, who takes it, the state of an earlier search.
 type Checkpoint = (f64, Py<PyAny>, Option<StateRow>);
 
@@ -61,14 +71,16 @@ fn hand_out(taker: Option<&Py<PyAny>>, saved: &Saved, unsaved: &mut Option<PyErr
     let best = saved.best.as_ref().map(|(tree, cost)| (*cost, rows_from_tree(tree)));
     let taken = Python::attach(|py| {
         let state = PyBytes::new(py, &saved.state).unbind();
-        let row: StateRow = (state, saved.n_intervals, best, saved.bound, saved.n_nodes);
+        let Saved { n_intervals, bound, n_nodes, .. } = *saved;
+        let row = StateRow { state, n_intervals, best, bound, n_nodes };
         taker.call1(py, (row,)).map(|_| ())
     });
     taken.map_err(|raised| *unsaved = Some(raised)).is_ok()
 }
 
-fn saved_from_row(py: Python<'_>, (state, n_intervals, best, bound, n_nodes): StateRow) -> PyResult<Saved> {
-    let best = best.map(|(cost, rows)| Ok::<_, PyErr>((tree_from_rows(rows)?, cost))).transpose()?;
+fn saved_from_row(py: Python<'_>, row: StateRow) -> PyResult<Saved> {
+    let StateRow { state, n_intervals, best, bound, n_nodes } = row;
+    let best = known_tree(best)?.map(|(cost, tree)| (tree, cost));
     Ok(Saved { state: state.as_bytes(py).to_vec(), n_intervals, best, bound, n_nodes })
 }
 
