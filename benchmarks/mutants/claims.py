@@ -184,8 +184,8 @@ CLAIMS = (
     ),
     Mutant(
         "octmip/trees/proof.py",
-        "if proven < bound:",
-        "if proven < bound - 1:",
+        "if found.bound < bound:",
+        "if found.bound < bound - 1:",
         ("test_octmip/test_proof.py", "test_octmip/test_exact_proof.py"),
     ),
     Mutant(

@@ -115,7 +115,7 @@ PROOFS = (
     Mutant("octmip/trees/near_sets/counting.py", "else Fraction(max(0.0, first.bound))", "else known", SETS),
     Mutant(
         "octmip/trees/near_sets/counting.py",
-        "not self.open_features and all(cut[4] is not None for cut in cuts)",
+        "not self.open_features and all(cut.trees is not None for cut in cuts)",
         "not self.open_features",
         SETS,
     ),
