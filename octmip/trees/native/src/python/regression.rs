@@ -26,7 +26,7 @@ pub(crate) struct SlopeValues {
     over: i64,
 }
 
-/// The best tree that costs less than `room` (None: any), and a bound of all trees. Without slopes the error is squared.
+/// The best tree that costs less than `room` (None: any), and a bound of all. Without slopes the error is squared.
 #[pyfunction]
 #[pyo3(signature = (room, limit_values, n_threads, progress=None, *, ranks, n_ranks, targets, weights, squares, grain,
     slopes, penalty, depth, leaf_size, allowed))]
