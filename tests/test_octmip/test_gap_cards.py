@@ -14,12 +14,10 @@ from tests.test_examples import BLOCK, DOCS
 
 LOADS = {
     "doors": [{"force": f} for f in (20.0, 50.0, 80.0)],
-    "frame": [{}],
     "joint": [{"amplitude": a} for a in (0.3, 0.6)],
     "rod": [{"power": p, "air": a} for p, a in ((5.0, 20.0), (10.0, 21.0), (20.0, 23.0))],
     "own-machines motor_twin": [{"voltage": v, "torque": t} for v in (12.0, 24.0) for t in (0.1, 0.2)],
     "own-machines frame_twin": [{"force": f} for f in (20.0, 60.0, 100.0)],
-    "own-machines bridge_twin": [{"truck_1": a, "truck_2": b} for a, b in ((200.0, 0.0), (0.0, 200.0), (200.0, 300.0))],
     "own-machines bolted_twin": [{"force": f} for f in (100.0, 300.0, 600.0)],
 }
 """What is applied to the models of each page; a page of several has a line for each twin."""

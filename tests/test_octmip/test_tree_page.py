@@ -29,6 +29,7 @@ from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import TreeFile, record_tree
 from octmip.interfaces.report.html import tree_page
+from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.curve import depth_curve
 from octmip.interfaces.report.tree.drawing import draw_tree
@@ -55,7 +56,9 @@ def xor_page() -> str:
     problem = xor()
     file = record_tree(problem, solve(problem), "side")
     evidence = with_share_held_out(gather(file, problem), 0.25, Run())
-    return tree_page(file, "t.json", evidence, data="xor.csv", units={"g01": "microstrain"}, made=DAY)
+    return tree_page(
+        file, "t.json", evidence, data="xor.csv", units={"g01": "microstrain"}, masthead=Masthead(made=DAY)
+    )
 
 
 def mixed() -> tuple[TreeFile, Problem, pd.DataFrame]:

@@ -12,6 +12,7 @@ from benchmarks.oracles.page_check import check_page
 from octmip import AbsoluteError, Problem, QuantileError, SearchOptions, Split, SquaredError, ValueLeaf, solve
 from octmip.formats.tree_file import record_tree
 from octmip.interfaces.report.html import tree_page
+from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
@@ -34,7 +35,7 @@ def prices(loss: Loss, **asked: Any) -> Problem:
 def number_page(problem: Problem, **options: Any) -> str:
     file = record_tree(problem, solve(problem, **options), "price")
     evidence = with_share_held_out(gather(file, problem, seconds=2.0), 0.25, Run())
-    return tree_page(file, "t.json", evidence, data="houses.csv", units={"price": "EUR"}, made=DAY)
+    return tree_page(file, "t.json", evidence, data="houses.csv", units={"price": "EUR"}, masthead=Masthead(made=DAY))
 
 
 @pytest.mark.parametrize("loss", [SquaredError(), AbsoluteError(), QuantileError(0.9)], ids=lambda loss: loss.name)

@@ -11,6 +11,7 @@ campaign leaves out is 0. "state_limits" says up to which value each state is lo
 {"crack": 0.6}. The search asks the model some hundred times, so a state without a limit is taken as stated. Functions
 and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
 "linear": true says that readings are proportional to the loads: one question then answers all their multiples.
+"positions" says where each reading is taken, {"f1": [1.5, 0.0]} in metres: the page then shows the place.
 """
 
 import math
@@ -33,6 +34,7 @@ ENTRIES: dict[str, Kind] = {
     "sign": Text(),
     "channels": MapOf(Text()),
     "state_limits": MapOf(Number(low=0.0)),
+    "positions": MapOf(ListOf(Number(), least=2)),
     "linear": Truth(),
 }
 """Entries of a card's file."""
@@ -94,6 +96,8 @@ class Card:
         up to which value a state is looked for, by name.
     linear
         whether readings are proportional to the load, of several loads to all of them together.
+    positions
+        (x, y) [m] of every reading by name, or nothing.
     Derived:
         ranges: the parameters' ranges.
     """
@@ -106,6 +110,7 @@ class Card:
     channels: Mapping[str, str] = field(default_factory=dict)
     state_limits: Mapping[str, float] = field(default_factory=dict)
     linear: bool = False
+    positions: Mapping[str, Sequence[float]] = field(default_factory=dict)
     ranges: Mapping[str, Range] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -116,6 +121,7 @@ class Card:
             "ranges": {name: _range(name, given) for name, given in self.parameters.items()},
             "channels": dict(self.channels),
             "state_limits": {name: float(value) for name, value in self.state_limits.items()},
+            "positions": {name: tuple(map(float, place)) for name, place in self.positions.items()},
         }.items():
             object.__setattr__(self, name, value)
         if not self.readings:
@@ -127,6 +133,21 @@ class Card:
         unknown = [name for name in self.channels if name not in self.readings]
         if unknown:
             raise DataError(f"a card gives a channel to {unknown[0]!r}, which is no reading; expected a reading's name")
+        self._check_positions()
+
+    def _check_positions(self) -> None:
+        """Check that every reading has a place of two finite coordinates, or none has one."""
+        if not self.positions:
+            return
+        other = sorted(set(self.positions) ^ set(self.readings))
+        if other:
+            kind = "has no place" if other[0] in self.readings else "is no reading, but has a place"
+            raise DataError(
+                f"{other[0]!r} {kind} in 'positions' of a card; expected one of every reading, or none at all"
+            )
+        for name, place in self.positions.items():
+            if len(place) != 2 or not all(map(math.isfinite, place)):
+                raise DataError(f"'positions' gives {name!r} the place {list(place)}; expected x and y in metres")
 
 
 def _range(name: str, given: RangeLike) -> Range:

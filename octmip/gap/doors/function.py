@@ -58,6 +58,12 @@ class FunctionTwin:
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
         self._answers: dict[tuple[float, ...], Floats] = {}
 
+    @property
+    def gauge_positions(self) -> Floats | None:
+        """Places (n_readings, 2) [m], or None where the card does not say them."""
+        places = self.card.positions
+        return np.array([places[name] for name in self.gauges]) if places else None
+
     def with_effects(self, *effects: Effect) -> "FunctionTwin":
         """Return the twin with more effects that the asset may show, beside all that it has; the answers are shared.
 
@@ -121,6 +127,7 @@ def function_twin(
     sign: str = "",
     channels: Mapping[str, str] | None = None,
     linear: bool = False,
+    positions: Mapping[str, Sequence[float]] | None = None,
 ) -> FunctionTwin:
     """Return the twin of a function ``f(parameters, loads) -> readings``.
 
@@ -142,6 +149,8 @@ def function_twin(
         instrument of a reading by name, where one gives several.
     linear
         whether readings are proportional to the load, of several loads to all of them together.
+    positions
+        (x, y) [m] of every reading by name: the page of a diagnosis then shows the place.
 
     Raises
     ------
@@ -149,4 +158,5 @@ def function_twin(
         a name that comes twice, a range that is none.
     """
     limits = dict.fromkeys(states, 1.0)
-    return FunctionTwin(function, Card(readings, loads, states, parameters or {}, sign, channels or {}, limits, linear))
+    card = Card(readings, loads, states, parameters or {}, sign, channels or {}, limits, linear, positions or {})
+    return FunctionTwin(function, card)

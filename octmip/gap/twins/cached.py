@@ -48,6 +48,25 @@ class CachedTwin:
         self._signatures: dict[tuple[int, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
         self._asked: dict[int, Effect] = {}  # by identity; held, so that no other effect takes the number of one
 
+    def in_units(self, units: Mapping[str, str]) -> "CachedTwin":
+        """Return the twin with the units that somebody states, microstrain for readings that `units` leaves out.
+
+        Raises
+        ------
+        TwinError
+            the model says its units itself, and another one for some reading.
+        """
+        own = dict(zip(self.gauges, units_of(self), strict=True))
+        other = next((name for name in units if self.units is not None and units[name] != own[name]), None)
+        if other is not None:
+            raise TwinError(
+                f"the twin says that {other!r} is in {own[other]}, but {units[other]} was given; expected its own; "
+                "leave the unit out, or correct the twin"
+            )
+        stated = CachedTwin(self.twin)
+        stated.units = tuple({**own, **units}[name] for name in self.gauges)
+        return stated
+
     @property
     def gauges(self) -> tuple[str, ...]:
         """Names of the gauges."""

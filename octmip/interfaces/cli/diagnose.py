@@ -10,6 +10,7 @@ from typing import Any
 from octmip.formats.files import read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
+from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.stages import StageLine
 
 EXPECTED = (
@@ -23,9 +24,10 @@ def run(arguments: argparse.Namespace) -> int:
         importlib.import_module(
             "octmip.interfaces.report.diagnosis.page"
         )  # a missing extra is said before the work, not after it
+    masthead = masthead_of(arguments, is_page=bool(arguments.out))
     with StageLine(EXPECTED) as line:
         diagnosis = _diagnosed(arguments, line)
-    _show(arguments, diagnosis)
+    _show(arguments, diagnosis, masthead)
     return 0
 
 
@@ -38,6 +40,8 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
 
     line(f"building the twin {arguments.twin}")
     twin = CachedTwin(open_twin(arguments.twin, arguments.card))
+    if arguments.unit:
+        twin = twin.in_units(units_of_options(arguments.unit, twin.gauges, "no reading of the twin"))
     line(f"reading {arguments.campaign}")
     campaign = read_campaign(arguments.campaign, twin)
     commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
@@ -48,7 +52,7 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, progress=line, **settings)
 
 
-def _show(arguments: argparse.Namespace, diagnosis: Any) -> None:
+def _show(arguments: argparse.Namespace, diagnosis: Any, masthead: Any) -> None:
     from octmip.interfaces.report.diagnosis.as_json import as_object
     from octmip.interfaces.report.diagnosis.page import report_page
     from octmip.interfaces.report.diagnosis.words import page_of_words
@@ -60,6 +64,7 @@ def _show(arguments: argparse.Namespace, diagnosis: Any) -> None:
             sha256=hashlib.sha256(read_bytes(arguments.campaign)).hexdigest(),
             commissioning=Path(arguments.commissioning).name if arguments.commissioning else "",
             twin=arguments.twin,
+            masthead=masthead,
         )
         write_bytes(path, page.encode())
         print(f"wrote {visible(path)}", file=sys.stderr)

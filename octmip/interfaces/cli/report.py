@@ -13,12 +13,14 @@ from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.interfaces.cli.answer import ElapsedLine, printable, verdict
 from octmip.interfaces.cli.arguments import MOST_THREADS
+from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import KINDS
 from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
 
 if TYPE_CHECKING:
+    from octmip.interfaces.report.page import Masthead
     from octmip.interfaces.report.tree.evidence import Evidence
 
 WITH_DATA = (".html", ".md", ".txt")
@@ -31,6 +33,7 @@ def run(arguments: argparse.Namespace) -> int:
     file = read_tree_file(arguments.tree)
     kind = Path(arguments.out).suffix if arguments.out else ".txt"
     _check(arguments, kind)
+    masthead = masthead_of(arguments, is_page=kind == ".html")
     units = _units(arguments.unit, file)
     evidence = None
     if arguments.data:
@@ -39,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.out:
         print(printable(_words(file, evidence)))
         return 0
-    write_bytes(arguments.out, _content(arguments, kind, file, evidence, units))
+    write_bytes(arguments.out, _content(arguments, kind, file, evidence, units, masthead))
     return 0
 
 
@@ -58,23 +61,9 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
 
 
 def _units(given: list[str], file: TreeFile) -> dict[str, str]:
-    """Return the unit of each column of numbers.
-
-    Raises
-    ------
-    DataError
-        a unit is given for a column that is none.
-    """
+    """Return the unit of each column of numbers."""
     numbers = _number_columns(file.columns, file)
-    units: dict[str, str] = {}
-    for words in given:
-        column, sign, unit = words.rpartition("=")
-        if sign and column not in numbers:
-            raise DataError(
-                f"--unit names {shown(column)}, which is no column of numbers that the tree was trained on or predicts"
-            )
-        units |= {column: unit} if sign else dict.fromkeys(numbers, unit)
-    return units
+    return units_of_options(given, numbers, "no column of numbers that the tree was trained on or predicts")
 
 
 def _number_columns(columns: Columns | None, file: TreeFile) -> tuple[str, ...]:
@@ -118,7 +107,12 @@ def _name_of(data: str) -> str:
 
 
 def _content(
-    arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
+    arguments: argparse.Namespace,
+    kind: str,
+    file: TreeFile,
+    evidence: "Evidence | None",
+    units: dict[str, str],
+    masthead: "Masthead | None",
 ) -> bytes:
     if kind in DRAWN:
         return _drawing(file, kind)
@@ -126,7 +120,8 @@ def _content(
         from octmip.interfaces.report.html import tree_page  # slow to import, and words do without
 
         data = _name_of(arguments.data) if arguments.data else None
-        return tree_page(file, Path(arguments.tree).name, evidence, data=data, units=units).encode()
+        page = tree_page(file, Path(arguments.tree).name, evidence, data=data, units=units, masthead=masthead)
+        return page.encode()
     return ((_markdown(file, evidence) if kind == ".md" else _words(file, evidence)) + "\n").encode()
 
 

@@ -1,10 +1,9 @@
 """The page of one tree, for who has to decide with it: whole in itself, nothing asked for from elsewhere."""
 
-import datetime
 from collections.abc import Mapping
 
 from octmip.formats.tree_file import TreeFile
-from octmip.interfaces.report.page import page_facts, render
+from octmip.interfaces.report.page import Masthead, page_facts, render
 from octmip.interfaces.report.tree.contents import page_contents
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.words import Wording
@@ -15,10 +14,9 @@ def tree_page(
     source: str | None = None,
     evidence: Evidence | None = None,
     *,
-    title: str | None = None,
     data: str | None = None,
     units: Mapping[str, str] | None = None,
-    made: datetime.date | None = None,
+    masthead: Masthead | None = None,
 ) -> str:
     """Return the HTML page of a tree.
 
@@ -31,16 +29,15 @@ def tree_page(
     evidence
         what its data say (`octmip.interfaces.report.tree.evidence.gather`); without it the page shows what the file
         holds.
-    title
-        the heading; by default what is told, by the name of the label's column.
     data
         name of the data file, None where there is none.
     units
         of the columns' values, by column.
-    made
-        day on the page; today by default.
+    masthead
+        heading, asset and day; by default the heading names the label's column.
     """
     wording = Wording(file.feature_names, file.class_names, file.columns, units or {})
+    made = masthead.made if masthead else None
     facts = page_facts(data, file.sha256, made, **({"Tree file": source} if source else {}))
-    page = page_contents(file, source, evidence, wording, data) | ({"title": title} if title else {})
-    return render("tree.html", styles=["tree.css"], scripts=["tree.js"], facts=facts, **page)
+    page = page_contents(file, source, evidence, wording, data)
+    return render("tree.html", masthead=masthead, styles=["tree.css"], scripts=["tree.js"], facts=facts, **page)

@@ -9,6 +9,7 @@ import base64
 import datetime
 import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
@@ -26,13 +27,41 @@ POLICY = (
 )
 
 
-def render(template: str, *, styles: Sequence[str] = (), scripts: Sequence[str] = (), **context: Any) -> str:
+@dataclass(frozen=True, slots=True)
+class Masthead:
+    """What a reader says of a page: its heading, the machine that it is about, its day.
+
+    Attributes
+    ----------
+    title
+        heading of the page; "" for the page's own.
+    asset
+        name of the machine, above the heading; "" where it has none.
+    made
+        day of the page; today by default.
+    """
+
+    title: str = ""
+    asset: str = ""
+    made: datetime.date | None = None
+
+
+def render(
+    template: str,
+    *,
+    masthead: Masthead | None = None,
+    styles: Sequence[str] = (),
+    scripts: Sequence[str] = (),
+    **context: Any,
+) -> str:
     """Return the page that a template makes of a context.
 
     Parameters
     ----------
     template
         name of a file of `octmip/interfaces/report/templates` that extends base.html.
+    masthead
+        heading and asset that stand in place of the template's own.
     styles, scripts
         names of further files there, used after style.css and base.js.
     **context
@@ -43,6 +72,7 @@ def render(template: str, *, styles: Sequence[str] = (), scripts: Sequence[str] 
     texts = [_source(name) for name in ("base.js", *scripts)]
     page = environment.get_template(template).render(
         context,
+        masthead=masthead or Masthead(),
         policy=POLICY.format(" ".join(f"'sha256-{_digest(text)}'" for text in texts)),
         styles=[Markup(_source(name)) for name in ("style.css", *styles)],
         scripts=[Markup(text) for text in texts],

@@ -7,6 +7,7 @@ parameters, optional time and temperature, and one column per gauge under the tw
 import argparse
 
 from octmip.interfaces.cli.arguments import add_json_argument
+from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 
 
@@ -42,6 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="loads between which the structure may be tested; no test beyond them is proposed",
     )
     writes(parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file"))
+    add_page_arguments(parser, "READING", "unit of the readings of a twin that names none (default microstrain)")
     add_json_argument(parser)
 
 

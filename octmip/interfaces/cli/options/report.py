@@ -8,6 +8,7 @@ With DATA, the table that the tree was trained on, every claim is recounted, and
 
 import argparse
 
+from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
 
@@ -17,6 +18,7 @@ EXAMPLES = """\
   octmip report tree.json iris.csv --out iris.html
   octmip report tree.json strains.csv --holdout 0.25 --unit microstrain --out strains.html
   octmip report tree.json train.csv --test test.csv --unit age=years --unit weight=kg --out page.html
+  octmip report tree.json pumps.csv --title "When a pump fails" --asset "Hall 2" --out pumps.html
 """
 
 
@@ -32,13 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_held_out_arguments(group)
     group = parser.add_argument_group("page")
-    group.add_argument(
-        "--unit",
-        metavar="[COL=]UNIT",
-        action="append",
-        default=[],
-        help="unit of the numbers, of one column or of all; may be given several times",
-    )
+    add_page_arguments(group, "COL", "unit of the numbers, of one column or of all; may be given several times")
     reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
     group.add_argument(
         "--seconds",

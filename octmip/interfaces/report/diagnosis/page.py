@@ -1,6 +1,5 @@
 """The diagnosis as a page: what to do first, then the figures that say why, then the matter for those who check."""
 
-import datetime
 import math
 from typing import Any
 
@@ -42,6 +41,7 @@ from octmip.interfaces.report.diagnosis.words import (
     fit_lines,
     flipping_nodes,
     gap_line,
+    named_gauges,
     node_name,
     noise_lines,
     page_of_words,
@@ -49,7 +49,7 @@ from octmip.interfaces.report.diagnosis.words import (
     shown_causes,
     state_lines,
 )
-from octmip.interfaces.report.page import page_facts, render
+from octmip.interfaces.report.page import Masthead, page_facts, render
 from octmip.twin import MICROSTRAIN, MIXED, Load, amounts_of, sign_of
 
 Floats = NDArray[np.float64]
@@ -68,7 +68,7 @@ def report_page(
     sha256: str = "",
     commissioning: str = "",
     twin: str = "",
-    made: datetime.date | None = None,
+    masthead: Masthead | None = None,
 ) -> str:
     """Return the page of a diagnosis.
 
@@ -82,14 +82,15 @@ def report_page(
         name of the commissioning run's file.
     twin
         what the twin is called.
-    made
-        day of the page; today by default.
+    masthead
+        heading, asset and day of the page.
     """
     more = {name: shown(value) for name, value in (("Twin", twin), ("Commissioning_run", commissioning)) if value}
     return render(
         "diagnosis.html",
+        masthead=masthead,
         styles=("diagnosis.css",),
-        facts=page_facts(data or None, sha256 or None, made, **more),
+        facts=page_facts(data or None, sha256 or None, masthead.made if masthead else None, **more),
         subtitle=_subtitle(diagnosis, data, twin),
         sentence=recommend(diagnosis),
         figures=_figures(diagnosis),
@@ -245,7 +246,9 @@ def _maps(diagnosis: Diagnosis) -> list[dict[str, str]]:
         added = f", with {_first_name(diagnosis)} added" if name == "After" else ""
         caption = f"{name}: measured less predicted{at}{added}; most {amount(limit, unit)}"
         caption = caption if name == "Before" else caption.partition(";")[0]
-        drawn = gauge_map(points, values, inputs.campaign.gauges, limit, outline, caption, unit)
+        drawn = gauge_map(
+            points, values, inputs.campaign.gauges, limit, outline, caption, unit, named_gauges(diagnosis)
+        )
         found.append({"svg": Markup(drawn), "caption": f"{caption}."})
     return found
 

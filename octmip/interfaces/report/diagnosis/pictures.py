@@ -192,8 +192,11 @@ def gauge_map(
     outline: Floats | None,
     title: str,
     unit: str = MICROSTRAIN,
+    ringed: Sequence[str] = (),
 ) -> str:
     """Return gauges (x aft, y outboard) as dots on the outline, y to the right; the farthest off are named.
+
+    A ring stands around those that the diagnosis names.
 
     Chords are drawn larger than spans, so that neighbouring rows of gauges stay apart.
     """
@@ -215,6 +218,8 @@ def gauge_map(
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(place, np.asarray(outline)[:, :2]))
         parts.append(f'<polygon points="{path}" class="outline"/>')
     parts += [_dot(*place(p), float(v), name, limit, unit) for p, v, name in zip(points, values, names, strict=True)]
+    rings = [place(p) for p, name in zip(points, names, strict=True) if name in ringed]
+    parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{DOT + 6}" class="ring"/>' for x, y in rings]
     order = np.argsort(-np.abs(np.nan_to_num(values)), kind="stable")[:3]
     for k in (int(k) for k in order if abs(np.nan_to_num(values[k])) > 0.25 * limit):
         x, y = place(points[k])

@@ -4,7 +4,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from octmip.formats.names import visible_lines
+from octmip.formats.names import shown, visible_lines
 from octmip.gap.causes import MISFIT, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
@@ -86,7 +86,23 @@ def place_lines(diagnosis: Diagnosis) -> list[str]:
         if worth and len(places) > 1:
             more = f"; and {len(worth) - FEW} more" if len(worth) > FEW else ""
             lines.append(f"By {kind}: {'; '.join(_place(place) for place in worth[:FEW])}{more}.")
-    return lines
+    return lines + seat_lines(diagnosis)
+
+
+def named_gauges(diagnosis: Diagnosis) -> list[str]:
+    """Return the gauges that the first cause names."""
+    gauges = diagnosis.posterior.model.inputs.campaign.gauges
+    return [one.place for one in diagnosis.which[0].parameters if one.place in gauges]
+
+
+def seat_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return where the gauges of the first cause sit, a sentence each; none where the twin does not say."""
+    inputs = diagnosis.posterior.model.inputs
+    places = inputs.twin.gauge_positions
+    if places is None:
+        return []
+    seats = {name: places[inputs.twin.gauges.index(name)] for name in named_gauges(diagnosis)}
+    return [f"{shown(name)} sits at x {x:.4g} m, y {y:.4g} m." for name, (x, y, *_) in seats.items()]
 
 
 def _node_lines(diagnosis: Diagnosis) -> list[str]:
