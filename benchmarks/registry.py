@@ -11,6 +11,7 @@ FAMILIES = {
     "exact_uci": "benchmarks.cases.exact.uci",
     "exact_uav": "benchmarks.cases.exact.uav",
     "exact_budget": "benchmarks.cases.exact.budget",
+    "exact_order": "benchmarks.cases.exact.order",
     "exact_anytime": "benchmarks.cases.exact.anytime",
     "exact_call": "benchmarks.cases.exact.call",
     "exact_flat": "benchmarks.cases.exact.flat",

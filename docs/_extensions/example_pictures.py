@@ -65,7 +65,7 @@ def drawn_pictures(page: Path) -> Iterator[list[Path]]:
 
 def pages_with_pictures() -> list[Path]:
     """Return the pages whose code draws a picture."""
-    pages = [DOCS / "index.md", *sorted((DOCS / "examples").glob("*.md"))]
+    pages = [DOCS / "index.md", *sorted((DOCS / "examples").glob("*.md")), *sorted((DOCS / "howto").glob("*.md"))]
     return [page for page in pages if page.stem != "gallery" and shown_pictures(page.read_text())]
 
 
