@@ -14,6 +14,7 @@ FAMILIES = {
     "exact_order": "benchmarks.cases.exact.order",
     "exact_anytime": "benchmarks.cases.exact.anytime",
     "exact_call": "benchmarks.cases.exact.call",
+    "walk": "benchmarks.source_map.walk",
     "exact_flat": "benchmarks.cases.exact.flat",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_large": "benchmarks.cases.exact.large",

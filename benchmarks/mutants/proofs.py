@@ -183,7 +183,7 @@ PROOFS = (
         PATH,
     ),
     Mutant(
-        "octmip/trees/solver.py",
+        "octmip/formats/solves_file.py",
         "if solution.stop is not Stop.INTERRUPTED:\n        kept.keep",
         "if solution.stop is not None:\n        kept.keep",
         ("test_octmip/cli/test_cli_signals.py",),

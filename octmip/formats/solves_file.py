@@ -7,11 +7,12 @@ sums find accidents, not forgers: trees are certified again, bounds are believed
 """
 
 import hashlib
+import importlib
 import json
 import math
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from octmip.errors import DataError, OctmipError, WriteError
 from octmip.formats.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
 from octmip.formats.problem_file import question_digest
 from octmip.formats.tree_nodes import decode_tree, encode_tree
+from octmip.trees.certificate import checked_solution
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Solution, Stop
@@ -119,6 +121,33 @@ def _append(path: PathLike, line: bytes) -> None:
         os.fsync(file)
     finally:
         os.close(file)
+
+
+def kept_solve(
+    problem: Problem,
+    run: Run,
+    path: PathLike,
+    incumbent: Node | Solution | None,
+    solve: Callable[[Problem, Run, Node | Solution | None], Solution],
+) -> Solution:
+    """Return the solution that a file of solves has, or make it by `solve` and add it there.
+
+    Raises
+    ------
+    DataError
+        the file cannot be read or written, or holds something else.
+    SolverError
+        the solution in the file fails its certificate.
+    """
+    asked = replace(run, options=replace(run.options, solves=None))
+    version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
+    kept, key = SolvesFile(path, version), key_of(problem, asked, incumbent)
+    if (found := kept.find(problem, key)) is not None:
+        return checked_solution(problem, found)
+    solution = solve(problem, asked, incumbent)
+    if solution.stop is not Stop.INTERRUPTED:
+        kept.keep(problem, key, solution)
+    return solution
 
 
 def key_of(problem: Problem, run: Run, incumbent: Node | Solution | None) -> str:

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import CertificateError, ProblemError
+from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.messages import several
+from octmip.trees.methods.interruption import held_back
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import words_of
@@ -95,6 +96,24 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         bound=solution.bound,
         gap=solution.gap,
     )
+
+
+def checked_solution(problem: Problem, solution: Solution) -> Solution:
+    """Return a solver's solution once it is certified, or found no tree; a signal waits until then.
+
+    Raises
+    ------
+    SolverError
+        its certificate refutes it.
+    """
+    if solution.tree is None:
+        return solution
+    try:
+        with held_back():  # what hours have found is not lost to a signal in these moments
+            certify(problem, solution)
+    except CertificateError as error:
+        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    return solution
 
 
 def checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:

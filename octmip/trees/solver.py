@@ -18,19 +18,17 @@ HiGHS works alone unless it is given assistance (`options=MipOptions(assist=("ex
 bound becomes a row of its model, or trees of further local searches are handed to it while it runs.
 """
 
-import importlib
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.formats.files import PathLike
-from octmip.formats.solves_file import SolvesFile, key_of
-from octmip.trees.certificate import certify, checked_incumbent
+from octmip.errors import ProblemError
+from octmip.formats.solves_file import kept_solve
+from octmip.trees.certificate import checked_incumbent, checked_solution
 from octmip.trees.cluster import opened
-from octmip.trees.methods.interruption import held_back
+from octmip.trees.methods import interruption
 from octmip.trees.methods.options import (
     METHODS,
     NO_OPTIONS,
@@ -44,7 +42,7 @@ from octmip.trees.methods.pruning import ordered, pruned
 from octmip.trees.problem import Problem
 from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
-from octmip.trees.run import Run, until_interrupted
+from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.tree import Node
 
@@ -120,7 +118,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
         the file of the option ``solves`` cannot be read or written.
     """
     if run.options.solves is not None:
-        return _kept_solve(problem, run, run.options.solves, incumbent)
+        return kept_solve(problem, run, run.options.solves, incumbent, solve_run)
     name = chosen_method(problem, run.method)
     run = replace(run, options=options_for(problem, name, run.options))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
@@ -135,7 +133,35 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
             return _result(_Call(problem, replace(run, options=options), start), name, first)
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
-    return _checked(problem, replace(solution, seconds=time.perf_counter() - start))
+    return checked_solution(problem, replace(solution, seconds=time.perf_counter() - start))
+
+
+def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str, known: Node | None) -> Solution:
+    """Return the solution of `solve`; once the call is interrupted, the tree that is known, or the best single leaf.
+
+    Parameters
+    ----------
+    problem
+        that is solved.
+    solve
+        does so; where the call was interrupted before, it is not called.
+    name
+        of the solver.
+    known
+        a tree of the problem.
+    """
+    with interruption.whole_call():
+        if not interruption.is_heard():
+            try:
+                solution = solve()
+            except KeyboardInterrupt:
+                interruption.note()
+            else:
+                if solution.stop is Stop.INTERRUPTED:
+                    interruption.note()
+                return solution
+        tree = problem.best_leaf() if known is None else known
+        return Solution(tree, problem.objective(tree), -math.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
 
 
 def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
@@ -165,7 +191,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     # A relative gap of the rows is another one of the problem.
     limits = replace(run.limits, gap=0.0)
     run = replace(run, options=options, limits=limits, progress=made.progress(run.progress))
-    return _checked(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)))
+    return checked_solution(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)))
 
 
 def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) -> None:
@@ -177,20 +203,6 @@ def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) 
 
     made = model_of(problem, name, start=first, mu=options.mu, seed=run.seed, limits=run.limits)
     made.write(options.write)
-
-
-def _kept_solve(problem: Problem, run: Run, path: PathLike, incumbent: Node | Solution | None) -> Solution:
-    """Return the solution that a file of solves has, or make it and add it there."""
-    asked = replace(run, options=replace(run.options, solves=None))
-    version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
-    kept, key = SolvesFile(path, version), key_of(problem, asked, incumbent)
-    found = kept.find(problem, key)
-    if found is not None:
-        return _checked(problem, found)
-    solution = solve_run(problem, asked, incumbent)
-    if solution.stop is not Stop.INTERRUPTED:
-        kept.keep(problem, key, solution)
-    return solution
 
 
 def chosen_method(problem: Problem, method: str) -> str:
@@ -289,7 +301,7 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
         if first.stop is Stop.INTERRUPTED:
             return first
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = _checked(call.problem, _solved(call, name, first))
+    solution = checked_solution(call.problem, _solved(call, name, first))
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)
@@ -331,7 +343,7 @@ def _assisted(call: _Call, name: str, tree: Node | None, options: MipOptions) ->
     """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
     lower_bound = -math.inf
     if "exact" in options.assist:
-        proven = _checked(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
+        proven = checked_solution(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
         if proven.stop is Stop.INTERRUPTED:
             return replace(proven, solver=name)
         tree, lower_bound = proven.tree, proven.bound
@@ -365,14 +377,3 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     if better.is_optimal and better.stop is not Stop.INTERRUPTED:
         better = replace(better, stop=Stop.OPTIMAL)
     return better
-
-
-def _checked(problem: Problem, solution: Solution) -> Solution:
-    if solution.tree is None:
-        return solution
-    try:
-        with held_back():  # what hours have found is not lost to a signal in these moments
-            certify(problem, solution)
-    except CertificateError as error:
-        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
-    return solution

@@ -8,9 +8,8 @@ from octmip.trees.encoding.numbers import exact_objective
 from octmip.trees.methods import interruption
 from octmip.trees.near_sets.counting import near_optimal
 from octmip.trees.problem import Problem
-from octmip.trees.run import until_interrupted
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.solver import solve
+from octmip.trees.solver import solve, until_interrupted
 from octmip.trees.tree import Node
 
 
