@@ -13,7 +13,8 @@ ROOT = Path(__file__).parent.parent
 PAGES = {str(page.relative_to(ROOT)): page for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]}
 
 LONGEST_LINE = 120
-MOST_WORDS = 2500
+MOST_WORDS, MOST_WORDS_IN_ALL = 2500, 70_000
+"""Words of a page, and of all pages together; a mark without a letter is no word."""
 
 NO_ZERO = re.compile(r"(?<![\w.\])`*/])\.\d")
 BANNED = re.compile(
@@ -50,9 +51,14 @@ def long_lines(text: str) -> list[str]:
 
 
 def too_many_words(text: str) -> list[str]:
-    """Return the number of words, as a sentence, where it is over the limit; a mark without a letter is no word."""
-    n_words = sum(bool(re.search(r"\w", word)) for word in text.split())
+    """Return the number of words, as a sentence, where it is over the limit."""
+    n_words = words_in(text)
     return [f"{n_words} words; expected {MOST_WORDS} at most"] if n_words > MOST_WORDS else []
+
+
+def words_in(text: str) -> int:
+    """Return the number of words of a text."""
+    return sum(bool(re.search(r"\w", word)) for word in text.split())
 
 
 def banned_phrases(text: str) -> list[str]:
@@ -149,6 +155,10 @@ def test_a_page_keeps_the_rules_of_prose(page: str, rule: Rule) -> None:
     if found and page in RULES[rule]:
         pytest.xfail(f"{page} is listed: {len(found)} lines")
     assert not found, f"{page}: " + "\n".join(found)
+
+
+def test_the_pages_together_are_read_in_a_few_hours() -> None:
+    assert sum(words_in(page.read_text()) for page in PAGES.values()) <= MOST_WORDS_IN_ALL
 
 
 @pytest.mark.parametrize(
