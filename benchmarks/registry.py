@@ -50,6 +50,7 @@ FAMILIES = {
     "mio_build": "benchmarks.cases.mio.build",
     "mio_benders": "benchmarks.cases.mio.benders",
     "mio_gaps": "benchmarks.cases.mio.gaps",
+    "mio_root_rows": "benchmarks.cases.mio.root_rows",
     "mio_limits": "benchmarks.cases.mio.limits",
     "mio_random": "benchmarks.cases.mio.random_problems",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",

@@ -295,11 +295,23 @@ class MipOptions(BendersOptions):
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OctOptions(MipOptions):
+    """Options of OCT."""
+
+    root_rows: int | None = field(
+        default=None,
+        metadata=_means(
+            _whole(0), "rows that say what the trees below each cut of the root cost, by so many subproblems of Benders"
+        ),
+    )
+
+
 OPTIONS: Mapping[str, type[Options]] = {
     "cart": Options,
     "search": SearchOptions,
     "exact": ExactOptions,
-    "oct": MipOptions,
+    "oct": OctOptions,
     "oct_h": MipOptions,
     "flow": MipOptions,
     "benders": BendersOptions,

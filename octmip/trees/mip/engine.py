@@ -179,6 +179,7 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
     try:
         check_heap(problem, known.rows)
         formulation = formulate(problem, known, request.options)
+        result.better(problem, known.tree)
         clock.check(seconds=formulation.rows.n_entries * SECONDS_OF_ENTRY)
         run_formulation(problem, formulation, request, clock, result)
     except LimitReachedError as reached:

@@ -45,12 +45,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks, rank_features
-from octmip.trees.methods.options import MipOptions
+from octmip.trees.methods.options import MipOptions, OctOptions
+from octmip.trees.mip.benders.bounds import Bounds
+from octmip.trees.mip.benders.root_rows import RootRows, add_root_rows, root_bounds
 from octmip.trees.mip.blocks import axis, sensor_rows
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.leaves import Leaves, add_leaves
 from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.engine import solver_of
+from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Columns, Rows
@@ -71,6 +74,7 @@ class Oct:
     d: Columns  # (n_branches,)
     leaves: Leaves
     prices: Prices
+    root: RootRows | None = None
     scope: Scope = Scope()  # noqa: RUF009  (frozen)
 
     def start(self, placed: Placed) -> NDArray[np.float64]:
@@ -81,6 +85,8 @@ class Oct:
             # The smallest value on the right: the midpoint would break the left row, which asks for a whole eps.
             values[self.b[m - 1]] = (axis.cut_of(split, self.ranks) + 1) / axis.n_cuts(self.ranks)[feature]
             values[self.a[feature, m - 1]] = values[self.d[m - 1]] = 1
+        if self.root is not None:
+            self.root.set(values, placed.splits.get(1), self.ranks)
         self.leaves.set(values, self.prices, self.heap, placed)
         sensor_rows.set_sensors(values, self.rows, self.problem, placed)
         return values
@@ -108,6 +114,7 @@ def encode(
     closed: bool = True,
     prices: Prices | None = None,
     rows: Rows | None = None,
+    root: Bounds | None = None,
 ) -> Oct:
     """Return OCT as rows, built family by family: the Pyomo model of `benchmarks.oracles`, forty times faster.
 
@@ -119,6 +126,8 @@ def encode(
         what is minimised; None: the problem's own weights, costs and penalty, as on paper.
     rows
         an empty model to build in, watched for limits; None: a new one.
+    root
+        what the trees below each cut of the root cost at least, for the rows of Benders; None: the rows as printed.
     """
     prices, rows = prices or own_prices(problem), rows or Rows()
     ranks, heap = rank_features(problem), Heap(problem.depth)
@@ -146,7 +155,8 @@ def encode(
                 "left", -np.inf, room - shift, (a[:, m - 1][None, :], x + eps - shift), (b[[m - 1]], -1.0), (z, room)
             )
     sensor_rows.add_sensor_rows(rows, problem, [dict(enumerate(a[:, m - 1])) for m in branches])
-    return Oct(problem, ranks, heap, rows, a, b, d, leaves, prices)
+    rows_of_root = None if root is None else add_root_rows(rows, root, a, b, d, leaves, prices.penalty)
+    return Oct(problem, ranks, heap, rows, a, b, d, leaves, prices, rows_of_root)
 
 
 def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -156,7 +166,7 @@ def scaled_features(ranks: Ranks) -> tuple[NDArray[np.float64], NDArray[np.float
 
 
 def formulate(problem: Problem, known: Known, options: MipOptions) -> Oct:
-    """Return OCT as rows in what is known.
+    """Return OCT as rows in what is known, with the rows of Benders at the root where the options ask for them.
 
     Raises
     ------
@@ -164,7 +174,12 @@ def formulate(problem: Problem, known: Known, options: MipOptions) -> Oct:
         the problem asks for hyperplanes.
     """
     axis.require_axis(problem, "oct")
-    return encode(problem, prices=known.prices, rows=known.rows)
+    root = None
+    if isinstance(options, OctOptions) and options.root_rows is not None:
+        found = root_bounds(problem, known.prices, known.tree, options.root_rows, known.rows.check_limits)
+        known.better(problem, canonicalise(problem, found.tree))
+        root = found.bounds
+    return encode(problem, prices=known.prices, rows=known.rows, root=root)
 
 
 solve_oct = solver_of("oct", formulate)

@@ -19,14 +19,15 @@ from octmip.trees.solution import Solution, Stop, relative_gap
 from octmip.trees.tree import Node
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Known:
     """The best tree, the prices and the empty model that a formulation is built from, beside the problem.
 
     Attributes
     ----------
     tree
-        the best tree known, by which a formulation may leave out what cannot be better.
+        the best tree known, by which a formulation may leave out what cannot be better; one that is met while the
+        model is built takes its place (`better`).
     objective
         of it.
     prices
@@ -39,6 +40,11 @@ class Known:
     objective: float
     prices: Prices
     rows: Rows
+
+    def better(self, problem: Problem, tree: Node) -> None:
+        """Take a tree that is better than the best one."""
+        if (objective := problem.objective(tree)) < self.objective:
+            self.tree, self.objective = tree, objective
 
 
 @dataclass(slots=True, eq=False)
