@@ -30,6 +30,8 @@ DRAWS = 400
 """Bootstrap draws behind the interval."""
 LEAST_GAP = 2.0
 """G0 must exceed G* by so many standard errors before its share means anything."""
+LEAST_LEFT = 0.05
+"""Share of what all readings say of a size that the others must still say where some are held out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +111,10 @@ class _Left:
 def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 0) -> Shrinkage:
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
-    allowing, own = inference.allowing(chosen).model, inference.judge([chosen])[0].fit
+    allowing, own = inference.allowing(chosen).model, inference.fit(chosen)
     scale, shared = model.inputs.scale[model.gauge], noise_covariance(model)
     floor = np.diag(model.covariance) - np.diag(shared) - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
-    names, held = _folds(model)
+    names, held = _folds(model, chosen)
     rows = np.concatenate([np.zeros(0, dtype=np.int64), *held])
     fold = np.repeat(np.arange(len(held)), [len(part) for part in held])
     residuals = np.concatenate([np.zeros((2, 0)), *(_residuals(model, chosen, part) for part in held)], axis=1)
@@ -141,8 +143,11 @@ def chance_of_rest(model: LinearModel, own: Fit) -> float:
     return float(chi2.sf(float(left @ left), max(1, model.n - len(own.members))))
 
 
-def _folds(model: LinearModel) -> tuple[list[str], list[NDArray[np.int64]]]:
-    """Return names and rows of load levels and tests that can be held out: the rest keeps two loads or another test."""
+def _folds(model: LinearModel, members: Sequence[int]) -> tuple[list[str], list[NDArray[np.int64]]]:
+    """Return names and rows of load levels and tests that can be held out.
+
+    The rest keeps two loads or another test, and still says how large each of the candidates `members` is.
+    """
     cells, words = model.inputs.campaign.cells, model.inputs.campaign.load_words
     loads, tests = model.loads, [cells[k].test for k in model.cells]
     folds = {}
@@ -153,7 +158,16 @@ def _folds(model: LinearModel) -> tuple[list[str], list[NDArray[np.int64]]]:
     if len(set(zip(tests, loads, strict=True))) > len(set(tests)) >= 2:  # tests of one load each are loads held out
         known = [test for test in dict.fromkeys(tests) if test not in open_tests]
         folds |= {f"test {test}": np.flatnonzero([own == test for own in tests]) for test in known}
+    whole = model.whitened.lengths[list(members)]
+    folds = {name: held for name, held in folds.items() if np.all(_told(model, members, held) >= LEAST_LEFT * whole)}
     return list(folds), list(folds.values())
+
+
+def _told(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:
+    """Return the squared lengths (n_members,) of whitened signatures without the rows that are held out."""
+    rest = np.setdiff1d(np.arange(model.n), held)
+    columns = model.signatures[rest][:, list(members)]
+    return np.asarray(np.sum(columns * np.linalg.solve(model.covariance[np.ix_(rest, rest)], columns), axis=0))
 
 
 def _residuals(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:

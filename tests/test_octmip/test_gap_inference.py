@@ -4,12 +4,13 @@ from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
+from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError
 from octmip.gap import CHAIN, CachedTwin, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.linear_model import at_level, linearise
+from octmip.gap.inference.linear_model import assembled, columns_of, linearise, with_covariance
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -34,15 +35,15 @@ def test_nothing_of_a_linear_model_can_be_written(model):
 
 def test_an_answer_does_not_hang_on_what_was_asked_before(model):
     asked = Inference(model)
-    asked.judge(SETS)
+    asked.fits(SETS)
     asked.allowing(SETS[2])
     for members in reversed(SETS):
         fresh = Inference(model)
-        one, other = asked.judge([members])[0], fresh.judge([members])[0]
+        one, other = asked.fit(members), fresh.fit(members)
         assert one.log_factor == pytest.approx(other.log_factor, rel=1e-9, abs=1e-9)
-        assert np.allclose(one.fit.size, other.fit.size, rtol=1e-9)
+        assert np.allclose(one.size, other.size, rtol=1e-9)
         assert asked.identifiable(members) == fresh.identifiable(members)
-        assert asked.judge([members])[0] is one
+        assert asked.fit(members) is one
         assert asked.allowing(members) is asked.allowing(members)
 
 
@@ -98,11 +99,18 @@ def test_limits_of_the_load_in_the_wrong_order_are_refused():
 
 
 @pytest.mark.parametrize("level", [0.5, 4.0])
-def test_a_model_at_another_level_is_the_one_that_is_made_there(level):
+def test_columns_are_good_for_every_level(level):
     campaign = measured(3, states=((0.4, 0.2),))  # how wrong a damage is known depends on the level
     inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
     states = np.array([cell.state for cell in campaign.cells])
-    moved, made = at_level(linearise(inputs, states), level), linearise(inputs, states, level)
+    moved, made = assembled(columns_of(inputs, states), inputs.noise, level), linearise(inputs, states, level)
     assert moved.log_none == pytest.approx(made.log_none, abs=1e-9)
     assert np.allclose(moved.residual, made.residual)
     assert moved.log_none != pytest.approx(linearise(inputs, states).log_none, abs=1e-3)
+
+
+def test_a_covariance_that_is_added_has_the_dense_gaussian_density(model):
+    root = np.random.default_rng(0).standard_normal((model.n, 3))
+    under = with_covariance(model, root @ root.T)
+    dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + root @ root.T)
+    assert under.whitened.log_none == pytest.approx(dense, abs=1e-6)

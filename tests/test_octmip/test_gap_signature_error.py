@@ -1,17 +1,16 @@
 """A large effect whose signature is not quite the library's: its name is right, and nothing else is dragged in."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, diagnose
+from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.signature_error import LEVELS, QUALITIES, _chosen_levels
+from octmip.gap.inference.signature_error import LEVELS
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)
@@ -43,36 +42,47 @@ def candidate(model, words):
     return next(k for k, c in enumerate(model.inputs.candidates) if c.words == words)
 
 
+OFF = SHAPE * (1.0 + 0.05 * np.random.default_rng(6).standard_normal(20))
+SOAKED = measured(3, lambda state, load, time: 40.0 * load * OFF)
+
+
 def test_the_model_that_allows_for_errors_of_signatures_has_the_dense_gaussian_density():
-    off = SHAPE * (1.0 + 0.05 * np.random.default_rng(6).standard_normal(20))
-    twin = twin_with(Uncertain("soak", SHAPE, 1, 10.0))
-    inference = inference_of(twin, measured(3, lambda state, load, time: 40.0 * load * off))
+    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
     model = inference.model
     j = candidate(model, "soak")
-    root = model.factor @ inference.judge([(j,)])[0].root
-    assert root.shape[1] > 0
-    dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + root @ root.T)
+    error = inference.errors((j,))
+    assert error is not None
+    dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + error)
     assert inference.allowing((j,)).model.whitened.log_none == pytest.approx(dense, abs=1e-6)
 
 
-def test_levels_of_errors_are_summed_like_the_density_of_every_combination():
-    rng = np.random.default_rng(2)
-    blocks = np.zeros((2, 8, 2))
-    blocks[0, :4], blocks[1, 4:] = rng.normal(0.0, 3.0, (4, 2)), rng.normal(0.0, 1.0, (4, 2))
-    left = np.array([4.0, -3.0, 2.0, 0.5, 0.1, -0.2, 0.3, 0.4])
-    none = multivariate_normal.logpdf(left, cov=np.eye(8))
+def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_the_size():
+    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
+    model = inference.model
+    j = candidate(model, "soak")
+    error, own = inference.errors((j,)), inference.fit((j,))
+    last = np.flatnonzero(model.load_factors == 3.0)[0]  # the constant course, along the load, bent over it: 1 + 1 + 1
+    other = next(k for k in range(last + 1, model.n) if model.load_factors[k] == 3.0)
+    at = 0.03 * own.level * float(own.size[0]) * model.signatures[:, j]
+    assert error[last, last] == pytest.approx(5.0 * at[last] ** 2)  # two of these also of the kind as a whole
+    assert error[last, other] == pytest.approx(2.0 * at[last] * at[other])
 
-    def log_density(root):
-        return multivariate_normal.logpdf(left, cov=np.eye(8) + root @ root.T) - none
 
-    weights, logs = [], []
-    for shares, quality in QUALITIES.items():
-        for a, b in product(range(len(LEVELS)), repeat=2):
-            weights.append(quality * shares[a] * shares[b])
-            logs.append(log_density(np.hstack([LEVELS[a] * blocks[0], LEVELS[b] * blocks[1]])))
-    root, beside = _chosen_levels(blocks, left, np.array([0, 0]))
-    assert root.shape[1] >= 2
-    assert log_density(root) + beside == pytest.approx(logsumexp(logs, b=weights), abs=1e-9)
+def test_levels_of_errors_are_summed_like_the_density_at_every_level():
+    inference = inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), SOAKED)
+    model = inference.model
+    j = candidate(model, "soak")
+    column, sd = model.signatures[:, j], model.inputs.priors.sd[j]
+    size = inference.fit((j,)).size  # what the errors are as large as
+    logs, weights = [], []
+    for level, share in LEVELS.items():
+        error = inference._errors((j,), size, level)
+        for scale in SCALES:
+            covariance = model.covariance + error + (scale * sd) ** 2 * np.outer(column, column)
+            logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
+            weights.append(share / len(SCALES))
+    found = model.whitened.log_none + inference._over_levels([(j,)])[0].log_factor
+    assert found == pytest.approx(logsumexp(logs, b=weights), abs=1e-6)
 
 
 @pytest.mark.parametrize("knows", [True, False])

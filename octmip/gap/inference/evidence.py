@@ -43,6 +43,8 @@ class Fit:
         (n_members, n_members).
     scales
         evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
+    level
+        of the errors of the members' signatures that bears the readings best.
     """
 
     members: Members
@@ -50,13 +52,24 @@ class Fit:
     size: Floats
     covariance: Floats
     scales: tuple[float, ...]
+    level: float = 0.0
 
 
-def group_fits(model: LinearModel, group: Sequence[Members]) -> list[Fit]:
-    """Return the fit of every set of one group (see `alike`), without errors of signatures."""
-    index = np.array(group, dtype=np.int64).reshape(len(group), -1)
-    white = model.whitened.signatures[:, index].transpose(1, 2, 0)
-    return fits_of(model.inputs.priors, group, white @ white.transpose(0, 2, 1), white @ model.whitened.residual)
+def mixed(fits: Sequence[Fit], log_shares: Floats, levels: Sequence[float]) -> Fit:
+    """Return one set's fits at several levels of error, of these log weights (n_levels,) beside their evidence, as one.
+
+    The weights hold what each level changes in the evidence of no effect.
+    """
+    logs = np.array([one.log_factor for one in fits]) + log_shares
+    total = float(np.logaddexp.reduce(logs))
+    share = np.exp(logs - total)
+    size = np.sum([w * one.size for w, one in zip(share, fits, strict=True)], axis=0)
+    spread = [
+        w * (one.covariance + np.outer(one.size - size, one.size - size)) for w, one in zip(share, fits, strict=True)
+    ]
+    scales = share @ np.array([one.scales for one in fits])
+    best = levels[int(np.argmax(logs))]
+    return Fit(fits[0].members, total, size, np.sum(spread, axis=0), tuple(scales.tolist()), best)
 
 
 def alike(prior: Priors, sets: Sequence[Members]) -> list[list[Members]]:
@@ -131,21 +144,20 @@ def _between(size: Floats, spread: Floats, bounds: Floats) -> tuple[Floats, Floa
     return np.clip(size + spread * shift, bounds[0], bounds[1]), spread * np.sqrt(variance)
 
 
-def extensions(model: LinearModel, members: Members, root: Floats | None = None) -> tuple[Floats, Floats]:
+def extensions(model: LinearModel, members: Members) -> tuple[Floats, Floats]:
     """Return log_factor (n_candidates,) of `members` with each candidate added, and what is new in each.
 
-    The members, with the prior of scale 1, and the errors `root` (n, r) of their signatures are columns B of a
-    covariance I + B B'; the added candidate sums over the scale mixture. What is new is the share of its squared length
-    that B leaves. Good for choosing, not for reporting: `Inference.judge` is exact. The log factor is -inf for the
-    members themselves.
+    The members, with the prior of scale 1, are columns B of a covariance I + B B'; the added candidate sums over the
+    scale mixture. What is new is the share of its squared length that B leaves. Good for choosing, not for reporting:
+    `Inference.fit` is exact. The log factor is -inf for the members themselves.
     """
     prior, white, index = model.inputs.priors, model.whitened, list(members)
     variance, gain, start = white.lengths, white.projection, 0.0
     if index:
         own = white.signatures[:, index]
-        columns = own * prior.sd[index] if root is None else np.hstack([own * prior.sd[index], root])
+        columns = own * prior.sd[index]
         left = white.residual - own @ prior.mean[index]
-        factor = linalg.cholesky(np.eye(columns.shape[1]) + columns.T @ columns, lower=True, check_finite=False)
+        factor = linalg.cholesky(np.eye(len(index)) + columns.T @ columns, lower=True, check_finite=False)
         across = columns.T @ np.column_stack([white.signatures, left])
         solved = linalg.solve_triangular(factor, across, lower=True, check_finite=False)
         variance = variance - np.einsum("ij,ij->j", solved[:, :-1], solved[:, :-1])

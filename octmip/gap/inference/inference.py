@@ -1,36 +1,22 @@
-"""The inference about one linear model: every set of candidates is fitted and judged once."""
+"""The inference about one linear model: every set of candidates is fitted once, under the errors of its signatures."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
+import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from octmip.gap.inference.confounding import VISIBLE
-from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, group_fits
-from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.signature_error import (
-    Judgement,
-    Reduced,
-    SignatureError,
-    error_of,
-    propagated_signatures,
-    propagates,
-    reduced,
-    weighed_errors,
-    with_errors,
-    with_propagated,
-)
+from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
+from octmip.gap.inference.linear_model import LinearModel, with_covariance, with_signatures
+from octmip.gap.inference.signature_error import LEVELS, between, correlation, is_uncertain, own_error, propagated
 
 Floats = NDArray[np.float64]
 
-PASSES = 2
-"""Fits of the sizes, each under the errors of the one before."""
-
 
 class Inference:
-    """Fits and judgements of sets of a linear model's candidates; each is made once and kept.
-
-    Sets are fitted together where they can be: one by one they cost several times as much.
+    """Fits of sets of a linear model's candidates; each is made once and kept.
 
     Attributes
     ----------
@@ -41,62 +27,83 @@ class Inference:
     def __init__(self, model: LinearModel) -> None:
         self.model = model
         self._fits: dict[Members, Fit] = {}
-        self._propagated: dict[Members, Floats] = {}
-        self._errors: dict[int, SignatureError] = {}
-        self._judgements: dict[Members, Judgement] = {}
+        self._between: dict[int, Floats] = {}
         self._allowing: dict[Members, Inference] = {}
         self._identifiable: dict[Members, Members] = {}
 
+    @cached_property
+    def _correlation(self) -> Floats:
+        return correlation(self.model)
+
     def fit(self, members: Sequence[int]) -> Fit:
-        """Return the exact evidence of a set, summed over the scale mixture, with the moments of the sizes."""
+        """Return the evidence of a set, summed over scales of its sizes and levels of its errors, and its sizes."""
         return self.fits([tuple(members)])[0]
 
     def fits(self, sets: Sequence[Members]) -> list[Fit]:
-        """Return `fit` of every set."""
+        """Return `fit` of every set: one by one they cost several times as much."""
         new = [members for members in dict.fromkeys(sets) if members not in self._fits]
         for group in alike(self.model.inputs.priors, new):
-            self._fits.update(zip(group, group_fits(self.model, group), strict=True))
+            self._fits.update(zip(group, self._under(group, [None] * len(group))[0], strict=True))
+        uncertain = [members for members in new if is_uncertain(self.model, members)]
+        for group in alike(self.model.inputs.priors, uncertain):
+            self._fits.update(zip(group, self._at_level(group, 1.0)[0], strict=True))
+            self._fits.update(zip(group, self._over_levels(group), strict=True))
         return [self._fits[members] for members in sets]
 
-    def judge(self, sets: Sequence[Members]) -> list[Judgement]:
-        """Return every set under the errors of its own signatures."""
-        new = [members for members in dict.fromkeys(sets) if members not in self._judgements]
-        for members, own in zip(new, self.fits(new), strict=True):
-            self._judgements[members] = Judgement(own, 0.0, np.zeros((self.model.n, 0)))
-        for _ in range(PASSES if new else 0):  # most sets are asked for again
-            self._judge_again(new)
-        return [self._judgements[members] for members in sets]
+    def _over_levels(self, group: Sequence[Members]) -> list[Fit]:
+        """Return the fits of sets summed over the levels of their errors, which are as large as their last sizes."""
+        by_level = [(*self._at_level(group, level), np.log(share)) for level, share in LEVELS.items()]
+        logs = np.array([shifts + log_share for _, shifts, log_share in by_level]).T
+        return [mixed([fits[k] for fits, _, _ in by_level], own, list(LEVELS)) for k, own in enumerate(logs)]
 
-    def _judge_again(self, sets: Sequence[Members]) -> None:
-        """Judge sets under errors as large as their sizes were fitted last."""
-        found = {members: self._errors_of(members, range(len(members))) for members in sets}
-        roots = {m: own for m, own in found.items() if own[0].shape[1] or own[1] or propagates(self.model, m)}
-        priors = self.model.inputs.priors
-        for group in alike(priors, list(roots)):
-            parts = [self._reduced(members, roots[members][0]) for members in group]
-            gram, projection = np.array([p.gram for p in parts]), np.array([p.projection for p in parts])
-            for members, own, part in zip(group, fits_of(priors, group, gram, projection), parts, strict=True):
-                root, beside = roots[members]
-                self._judgements[members] = Judgement(own, part.log_shift + beside, root)
+    def _at_level(self, group: Sequence[Members], level: float) -> tuple[list[Fit], Floats]:
+        return self._under(group, [self._errors(m, self._fits[m].size, level) for m in group])
 
-    def _errors_of(self, members: Members, of: Sequence[int]) -> tuple[Floats, float]:
-        """Return the errors of some members of a set, given by position, and what all others weigh beside them."""
-        size = self._judgements[members].fit.size
-        left = self.model.whitened.residual - self._signatures(members) @ size
-        return weighed_errors(size[list(of)], [self._error(members[k]) for k in of], left, self.model.inputs.frame.kind)
+    def _under(self, group: Sequence[Members], errors: Sequence[Floats | None]) -> tuple[list[Fit], Floats]:
+        """Return the fits of sets under added covariances, and what these change of the log of no effect."""
+        parts = [self._reduced(members, error) for members, error in zip(group, errors, strict=True)]
+        gram, projection = np.array([part[0] for part in parts]), np.array([part[1] for part in parts])
+        return fits_of(self.model.inputs.priors, group, gram, projection), np.array([part[2] for part in parts])
 
-    def _signatures(self, members: Members) -> Floats:
-        if members not in self._propagated:
-            self._propagated[members] = propagated_signatures(self.model, members)
-        return self._propagated[members]
+    def _reduced(self, members: Members, error: Floats | None) -> tuple[Floats, Floats, float]:
+        """Return the Gram matrix (m, m) and projections (m,) of a set under an added covariance, and log p0' / p0."""
+        model, own = self.model, propagated(self.model, members)
+        if error is None:
+            white = model.whiten(own)
+            return white.T @ white, white.T @ model.whitened.residual, 0.0
+        factor = linalg.cholesky(model.covariance + error, lower=True, overwrite_a=True, check_finite=False)
+        stacked = np.column_stack([own, model.residual])
+        white = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
+        columns, left = white[:, :-1], white[:, -1]
+        before = model.whitened.residual
+        shift = 0.5 * float(before @ before - left @ left)
+        shift -= float(np.log(np.diag(factor)).sum() - np.log(np.diag(model.factor)).sum())
+        return columns.T @ columns, columns.T @ left, shift
 
-    def _reduced(self, members: Members, root: Floats) -> Reduced:
-        return reduced(self.model, self._signatures(members), root)
+    def _errors(self, members: Members, size: Floats, level: float) -> Floats:
+        """Return the covariance (n, n) of the errors of some signatures at these sizes."""
+        model, n = self.model, self.model.n
+        own = [theta * own_error(model, j) for j, theta in zip(members, size.tolist(), strict=True)]
+        parts = np.array(own).reshape(-1, n).T
+        found = level**2 * (parts @ parts.T) * self._correlation
+        beside = [theta * self._beside(j) for j, theta in zip(members, size.tolist(), strict=True)]
+        root = np.hstack([np.zeros((n, 0)), *beside])
+        return np.asarray(found + root @ root.T if root.shape[1] else found)
 
-    def _error(self, candidate: int) -> SignatureError:
-        if candidate not in self._errors:
-            self._errors[candidate] = error_of(self.model, candidate)
-        return self._errors[candidate]
+    def _beside(self, candidate: int) -> Floats:
+        if candidate not in self._between:
+            self._between[candidate] = between(self.model, candidate)
+        return self._between[candidate]
+
+    def errors(self, members: Members, without: int | None = None) -> Floats | None:
+        """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none.
+
+        One member's may be left out.
+        """
+        own = self.fit(members)
+        kept = [k for k in range(len(members)) if k != without]
+        chosen = tuple(members[k] for k in kept)
+        return self._errors(chosen, own.size[kept], own.level) if is_uncertain(self.model, chosen) else None
 
     def allowing(self, members: Members) -> "Inference":
         """Return the inference under the errors of a set's signatures, which are propagated through its members.
@@ -104,9 +111,11 @@ class Inference:
         Itself, with all that it keeps, where nothing changes.
         """
         if members not in self._allowing:
-            root = self.judge([members])[0].root
-            own = with_propagated(self.model, members)
-            own = with_errors(own, root) if root.shape[1] else own
+            own, error = self.model, self.errors(members)
+            moved = propagated(own, members)
+            if not np.array_equal(moved, own.signatures[:, list(members)]):
+                own = with_signatures(own, members, moved)
+            own = own if error is None else with_covariance(own, error)
             self._allowing[members] = self if own is self.model else Inference(own)
         return self._allowing[members]
 
@@ -115,12 +124,12 @@ class Inference:
 
         A member's own errors grow with its size and vanish with it: they blur how large it is, not whether it acts.
         """
-        size = self.judge([members])[0].fit.size
+        size = self.fit(members).size
         precision = np.diag((3.0 * self.model.inputs.priors.sd[list(members)]) ** -2)
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
-            gram = self._reduced(members, self._errors_of(members, np.flatnonzero(others).tolist())[0]).gram
+            gram = self._reduced(members, self.errors(members, without=k))[0]
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))

@@ -19,6 +19,7 @@ import numpy as np
 import scipy.linalg as linalg
 from numpy.typing import NDArray
 
+from octmip.gap.campaign.noise import Noise
 from octmip.gap.inference.difference import Rows
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.rows import Means
@@ -199,68 +200,86 @@ class LinearModel:
         return np.asarray(self.whitened.residual - self.whitened.signatures[:, list(members)] @ size)
 
 
-def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
-    """Return the linear model about states (n_cells, n_parameters) at a level of the difference."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Columns:
+    """What does not depend on the noise, nor on the level of the difference, about states (n_cells, n_parameters).
+
+    Attributes
+    ----------
+    means
+        the rows.
+    signatures, tangents
+        (n, n_candidates) S and (n, n_open) J.
+    """
+
+    inputs: Inputs
+    states: Floats
+    means: Means
+    signatures: Floats
+    tangents: Floats
+
+
+def columns_of(inputs: Inputs, states: Floats) -> Columns:
+    """Return rows, signatures and tangents; the signatures go with what the run says at level 1."""
     states = np.array(states)
     _ask_together(inputs, states)
     means = inputs.frame.means(inputs.campaign, inputs.averages, states, 0)
     flat = means.average * len(inputs.order) + means.gauge
-    noise = inputs.noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
-    given = _given_run(inputs, level, means.rows)
-    expected = means.expected + _on_grid(given.mean, means)
+    expected = means.expected + _on_grid(_given_run(inputs, 1.0, means.rows).mean, means)
     signatures = signatures_of(inputs, states, expected)[:, flat].T
-    return _assembled(inputs, states, means, level, given, noise, signatures, _tangents(inputs, states, flat))
+    return Columns(inputs, states, means, signatures, _tangents(inputs, states, flat))
 
 
-def at_level(model: LinearModel, level: float) -> LinearModel:
-    """Return the model at another level of the difference."""
-    if level == model.level:
-        return model
-    given = _given_run(model.inputs, level, model.means.rows)
-    rest = (model.noise, model.signatures, model.tangents)
-    return _assembled(model.inputs, model.states, model.means, level, given, *rest)
+def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
+    """Return the linear model about states (n_cells, n_parameters) at a level of the difference."""
+    return assembled(columns_of(inputs, states), inputs.noise, level)
 
 
-def with_columns(model: LinearModel, members: Sequence[int], columns: Floats) -> LinearModel:
-    """Return the model with other signatures (n, n_members) of some candidates."""
-    signatures, white = model.signatures.copy(), model.whitened.signatures.copy()
-    signatures[:, list(members)], white[:, list(members)] = columns, model.whiten(columns)
-    whitened = Whitened(white, model.whitened.residual, model.whitened.log_none)
-    open_ = OPEN_STATE**2 * model.whiten(model.tangents)
-    return replace(model, signatures=signatures, whitened=whitened, open_states=open_states_of(open_, whitened))
-
-
-def _assembled(
-    inputs: Inputs,
-    states: Floats,
-    means: Means,
-    level: float,
-    given: "Given",
-    noise: Floats,
-    signatures: Floats,
-    tangents: Floats,
-) -> LinearModel:
-    covariance = given.covariance + noise + OPEN_STATE**2 * tangents @ tangents.T
+def assembled(columns: Columns, noise: Noise, level: float) -> LinearModel:
+    """Return the linear model of some columns under a noise and a level of the difference."""
+    inputs, means = replace(columns.inputs, noise=noise), columns.means
+    own = noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
+    given = _given_run(inputs, level, means.rows)
+    covariance = given.covariance + own + OPEN_STATE**2 * columns.tangents @ columns.tangents.T
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
     predicted = means.predicted + given.mean
     residual = means.measured - predicted
-    whitened, open_ = _whitened(factor, signatures, residual, tangents)
+    whitened, open_ = _whitened(factor, columns.signatures, residual, columns.tangents)
     return LinearModel(
         inputs=inputs,
-        states=states,
+        states=columns.states,
         means=means,
         predicted=predicted,
         residual=residual,
-        noise=noise,
+        noise=own,
         covariance=covariance,
         factor=factor,
-        signatures=signatures,
-        tangents=tangents,
+        signatures=columns.signatures,
+        tangents=columns.tangents,
         whitened=whitened,
         open_states=open_states_of(open_, whitened),
         level=level,
         log_run=given.log_run,
     )
+
+
+def with_signatures(model: LinearModel, members: Sequence[int], columns: Floats) -> LinearModel:
+    """Return the model with other signatures (n, n_members) of some candidates."""
+    signatures = model.signatures.copy()
+    signatures[:, list(members)] = columns
+    return _rewhitened(replace(model, signatures=signatures))
+
+
+def with_covariance(model: LinearModel, added: Floats) -> LinearModel:
+    """Return the model with a covariance (n, n) added to C0."""
+    covariance = model.covariance + added
+    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
+    return _rewhitened(replace(model, covariance=covariance, factor=factor))
+
+
+def _rewhitened(model: LinearModel) -> LinearModel:
+    whitened, open_ = _whitened(model.factor, model.signatures, model.residual, model.tangents)
+    return replace(model, whitened=whitened, open_states=open_states_of(open_, whitened))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,7 @@ from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import Weighed, log_total, nothing_else, promise, weighed_hypotheses
+from octmip.gap.inference.search import Weighed, nothing_else, promise, weighed_hypotheses
 from octmip.gap.inference.states import highest, starting_states
 
 SOUND_ENOUGH = 0.5
@@ -64,7 +64,7 @@ class Judged:
     @property
     def fit(self) -> Fit:
         """The sizes."""
-        return self.inference.judge([self.members])[0].fit
+        return self.inference.fit(self.members)
 
     @property
     def allowing(self) -> LinearModel:
@@ -126,7 +126,7 @@ class Posterior:
 def fit_together(hypotheses: Sequence[Judged]) -> None:
     """Make the fits of hypotheses, which their inferences keep: one by one they cost several times as much."""
     for inference in {id(h.inference): h.inference for h in hypotheses}.values():
-        inference.judge([h.members for h in hypotheses if h.inference is inference])
+        inference.fits([h.members for h in hypotheses if h.inference is inference])
 
 
 Key = tuple[Members, bool, str]
@@ -205,3 +205,8 @@ def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:
     best = max(same, key=lambda w: w.log_weight)
     probability = sum(math.exp(w.log_weight - total) for w in same)
     return Judged(members, has_unknown, probability, best.inference, doubted, best.words)
+
+
+def log_total(weighed: Sequence[Weighed]) -> float:
+    """Return the log of the sum of all weights."""
+    return float(logsumexp([w.log_weight for w in weighed]))

@@ -1,25 +1,28 @@
-"""The search for hypotheses about inputs: sets of effects, the unknown, and their prior times evidence.
+"""The search for hypotheses: which sets of effects exist, how probable each is before the readings, and its evidence.
 
-Every hypothesis is weighed at each level of the difference of twin and asset that the readings bear. With unknown
-states it is judged in a model that is linear about the states that it prefers itself: a set that is right can look
-absurd about the states of another one. Sets are found about each starting state and settled about their own; then
-whatever still leads from afar is settled too, until nothing does.
+    for each noise and level of the difference that the readings bear        (`_variants`)
+        for each starting state                                               (`starting_states`)
+            every single candidate; the best of them beside every other;
+            the best pairs beside every other, where pairs gain               (`likely_sets`)
+        the best sets, each about the states that it prefers itself           (`_settled`)
+        the unknown alone, and beside one effect or two                       (`_with_unknown`)
+
+A set of k candidates has the prior P(k) / C(n_effects, k) * product of their shares (`octmip.gap.odds`). Sets with a
+member that the others already imitate are the same explanation twice and are left out.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import comb, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import logsumexp
 
-from octmip.gap.campaign.noise import Noise
 from octmip.gap.inference.evidence import Members, extensions
-from octmip.gap.inference.hypotheses import likely_sets, log_count, log_prior
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, at_level, linearise, with_columns
+from octmip.gap.inference.linear_model import Columns, LinearModel, assembled, columns_of
 from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -29,30 +32,31 @@ Floats = NDArray[np.float64]
 
 LEVELS = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
 """Levels of the difference with their probabilities before any reading."""
-LEVEL_BEHIND = 4.0
-"""Log units behind the best level beyond which another is not looked at."""
-MOST_LEVELS = 2
-"""Levels that are looked at."""
-EXACT = 60
-"""Hypotheses whose evidence is computed exactly and, with open states, about their own states."""
-POLISHED = 6
-"""Distinct hypotheses about whose own states the model is linearised before any is weighed."""
-LEADERS = 10.0
-"""Log units behind the best within which a hypothesis must be judged about its own states."""
-LAPS = 2
-"""Times that the leaders are settled again."""
-BEHIND = 15.0
+VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
+"""Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
+N_HEADS = (20, 8)
+"""Sets of one and of two candidates that are extended."""
+N_LONGER, N_OF_ONE_NAME = 60, 4
+"""Larger sets that are kept of each size; sets of the same effects that are extended, so that places do not fill it."""
+TRIPLES = 2.0
+"""Log units that the best pair must weigh beyond the best single for triples to be looked at."""
+UNSEEN = 0.1
+"""Standard deviations that an effect must be able to move all readings together; others are no explanation."""
+IMITATED = 0.02
+"""A candidate is imitated by others when they leave less than this share of its squared length."""
+N_EXACT, EXACT_BEHIND = 60, 15.0
+"""Hypotheses whose evidence is computed exactly, at most, and the log units behind the best within which they lie."""
+N_SETTLED, LEADERS, LAPS = 6, 10.0, 3
+"""Sets about whose own states the model is taken in each lap, log units behind the best of these, and laps."""
+START_BEHIND = 15.0
 """Log units behind the first starting state beyond which another one is not looked at."""
-WITH_UNKNOWN = 10
+N_BESIDE_UNKNOWN = 10
 """Best pairs that are weighed with the unknown beside them."""
-SECANTS, BENT = 2, 12
-"""Times that signatures of effects that are not linear are taken again, and the best sets whose sizes are used."""
-FAINT, LINEAR = 0.05, 0.01
-"""Prior standard deviations of a size below which its effect is linear, and what a signature may bend by unnoticed."""
-FAR = STATE_RESOLUTION / 2
-"""Distance of states beyond which a set must be judged about its own."""
-NEAR = STATE_RESOLUTION / 5
-"""Distance of states below which two models are one."""
+N_BENT, SLIGHT, LINEAR = 16, 0.05, 0.01
+"""Best single effects whose signature is taken between none and the size found; prior standard deviations of a size
+below which it is linear, and what a signature may bend by unnoticed."""
+FAR, NEAR = STATE_RESOLUTION / 2, STATE_RESOLUTION / 5
+"""Distance of states beyond which a set is judged about its own, and below which two models are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,6 +74,18 @@ class Weighed:
         return replace(self, log_weight=self.log_weight + log_factor)
 
 
+def log_count(inputs: Inputs, k: int) -> float:
+    """Return the log prior probability of each set of k effects; -inf for more than the odds know of."""
+    if k >= len(inputs.odds.count):
+        return -inf
+    return _log(inputs.odds.count[k]) - log(max(comb(inputs.priors.n_effects, k), 1))
+
+
+def log_prior(inputs: Inputs, members: Members) -> float:
+    """Return the log prior probability of a set of candidates."""
+    return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
+
+
 def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
     """Return the hypotheses about inputs, under every noise and level that the readings bear.
 
@@ -80,184 +96,147 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
     is_quick
         whether to look at the best noise and level only.
     """
-    found = []
-    for noise, log_share in _noises(inputs, states[0])[: 1 if is_quick else None]:
-        own = _under(replace(inputs, noise=noise), states, is_quick=is_quick)
-        found += [w.times(log_share) for w in own]
-    return found
-
-
-def _noises(inputs: Inputs, states: Floats) -> list[tuple[Noise, float]]:
-    """Return the noises that are worth a look: that nothing wanders always is, a walk where it explains more.
-
-    Both with the best single effect beside them, so that no more is weighed where there is no sign of a walk.
-    """
-    if len(inputs.noises) < 2:
-        return list(inputs.noises) or [(inputs.noise, 0.0)]
-    found = []
-    for noise, share in inputs.noises:
-        found.append((_best_single(linearise(replace(inputs, noise=noise), states)) + share, noise, share))
-    found.sort(key=lambda item: -item[0])
-    still = [item for item in found if not item[1].walk_sd > 0.0][:1]
-    least = still[0][0] if still else -np.inf
-    walks = [item for item in found if item[1].walk_sd > 0.0 and item[0] >= least][:1]
-    return [(noise, share) for _, noise, share in sorted([*still, *walks], key=lambda item: -item[0])]
-
-
-def _under(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool) -> list[Weighed]:
-    """Return the hypotheses under one noise, at every level that the readings bear."""
-    levels = _levels(inputs, states[0])
-    levels = levels[:1] if is_quick else [p for p in levels if p[0] > levels[0][0] - LEVEL_BEHIND][:MOST_LEVELS]
-    inferences = [Inference(levels[0][1])]
+    columns = [columns_of(inputs, states[0])]
+    variants = _variants(columns[0])[: 1 if is_quick else None]
+    lead, first = variants[0]
+    if not inputs.groups:
+        columns = [_with_secants(columns[0], first)]
+    inferences = [Inference(_again(columns[0], first))]
     for assignment in states[1:]:
-        other = Inference(linearise(inputs, assignment, levels[0][1].level))
-        if _best_single(other.model) > _best_single(inferences[0].model) - BEHIND:
-            inferences.append(other)
-    by_start = [likely_sets(one) for one in inferences]
-    for _ in range(SECANTS if not inputs.groups else 0):
-        bent = _with_secants(inferences[0], [h.members for h in by_start[0][:BENT]])
-        if bent is inferences[0]:
-            break
-        inferences, by_start = [bent], [likely_sets(bent)]
-    found = {h.members: h.log_weight for hypotheses in by_start for h in hypotheses}
+        other = columns_of(inputs, assignment)
+        model = _again(other, first)
+        if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
+            columns, inferences = [*columns, other], [*inferences, Inference(model)]
+    found: dict[Members, float] = {}
+    for one in inferences:
+        found |= {m: max(w, found.get(m, -inf)) for m, w in likely_sets(one).items()}
     ordered = sorted(found, key=lambda members: -found[members])
-    if inputs.groups:
-        inferences = _polished(inferences, [[h.members for h in hypotheses] for hypotheses in by_start])
+    exact = _with_parts([m for m in ordered[:N_EXACT] if found[m] > found[ordered[0]] - EXACT_BEHIND])
     inputs.progress(Stage("weighing the best hypotheses exactly"))
-    weighed = _settled_leaders(inferences, _with_parts(ordered[:EXACT]))
-    result = [*weighed, *_others(inferences, found, weighed), *_with_unknown(weighed)]
-    for _, model in levels[1:]:
-        own = _at_another_level(weighed, model.level)
-        result += [*own, *_with_unknown(own)]
+    columns, weighed = _settled(columns, inferences, exact)
+    result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
+    for log_share, model in variants[1:]:
+        own = _weigh([Inference(_again(one, model)) for one in columns], exact)
+        result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
-
-
-def _with_secants(inference: Inference, sets: Sequence[Members]) -> Inference:
-    """Return the inference with the signatures of effects that are not linear taken between none and the size found.
-
-    Itself where no such effect is among the sets, or none bends.
-    """
-    model = inference.model
-    expected = np.array(model.means.expected)
-    expected[model.average, model.gauge] = model.predicted
-    ratio = ratios(model.inputs, model.states, expected)
-    columns: dict[int, Floats] = {}
-    for fit in inference.fits(sets):
-        for j, size in zip(fit.members, fit.size.tolist(), strict=True):
-            candidate = model.inputs.candidates[j]
-            if j not in columns and candidate.forward is not None and abs(size) > FAINT * candidate.effect.prior_sd:
-                change = exact_change(model.inputs, model.states, candidate, size)
-                columns[j] = (change * ratio)[model.average, model.gauge] / size
-    if not columns:
-        return inference
-    index, new = list(columns), np.column_stack(list(columns.values()))
-    if not np.isfinite(new).all() or np.allclose(new, model.signatures[:, index], rtol=LINEAR, atol=0.0):
-        return inference
-    return Inference(with_columns(model, index, new))
 
 
 def promise(inputs: Inputs, states: Floats) -> float:
     """Return the greatest log of prior times evidence of none and the single candidates, about some states."""
-    return _levels(inputs, states)[0][0]
+    log_share, model = _variants(columns_of(inputs, states))[0]
+    return log_share + _best_single(model)
 
 
 def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
     """Return what it weighs that no effect acts, about some states, at the level that bears it best."""
-    models = [linearise(inputs, states, level) for level in LEVELS]
-    best = max(models, key=lambda model: model.log_none + np.log(LEVELS[model.level]))
-    return _exact([Inference(best)], ())
+    columns = columns_of(inputs, states)
+    models = [assembled(columns, inputs.noise, level) for level in LEVELS]
+    best = max(models, key=lambda model: model.log_none + log(LEVELS[model.level]))
+    return _weigh([Inference(best)], [()])[0].times(log(LEVELS[best.level]))
 
 
-def _levels(inputs: Inputs, states: Floats) -> list[tuple[float, LinearModel]]:
-    """Return the models at every level with the greatest weight of none and the single candidates, the best first."""
-    first = linearise(inputs, states, 1.0)
-    models = [first if level == 1.0 else at_level(first, level) for level in LEVELS]
-    return sorted(((_best_single(model), model) for model in models), key=lambda pair: -pair[0])
+def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
+    """Return the models worth a look with the log prior probability of their noise and level, the best first.
+
+    That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
+    """
+    inputs = columns.inputs
+    noises = [(share, assembled(columns, noise, 1.0)) for noise, share in inputs.noises or ((inputs.noise, 0.0),)]
+    noises.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
+    still = [pair for pair in noises if not pair[1].inputs.noise.walk_sd > 0.0][:1]
+    least = still[0][0] + _best_single(still[0][1]) if still else -inf
+    walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
+    found: list[tuple[float, LinearModel]] = []
+    for share, usual in [*still, *walks[:1]]:
+        levels = [usual if level == 1.0 else assembled(columns, usual.inputs.noise, level) for level in LEVELS]
+        scored = sorted(((log(LEVELS[m.level]), m) for m in levels), key=lambda pair: -pair[0] - _best_single(pair[1]))
+        best = scored[0][0] + _best_single(scored[0][1])
+        near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
+        found += [(share + log_level, model) for log_level, model in near[:MOST_LEVELS]]
+    return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
+
+
+def _again(columns: Columns, model: LinearModel) -> LinearModel:
+    """Return the model of other columns under the same noise, at the same level."""
+    return assembled(columns, model.inputs.noise, model.level)
 
 
 def _best_single(model: LinearModel) -> float:
     singles = extensions(model, ())[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
-    best = max(log_count(model.inputs, 0), float(singles.max(initial=-np.inf)))
-    return model.log_none + best + float(np.log(LEVELS[model.level]))
+    return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
 
 
-def _polished(started: list[Inference], by_start: Sequence[Sequence[Members]]) -> list[Inference]:
-    """Return inferences about the states that the best hypotheses of every start prefer, the best starts first."""
-    kept: list[Inference] = []
-    for start, sets in zip(started, by_start, strict=True):
-        most = len(kept) + max(2, POLISHED // len(started))
-        for members in sets[: 4 * POLISHED]:
-            if len(kept) >= most:
-                break
-            found = _settled(start, members, kept)
-            if not any(_is_near(found, one) for one in kept):
-                kept.append(found)
-    return kept
+def _with_secants(columns: Columns, model: LinearModel) -> Columns:
+    """Return the columns with the signatures of the best effects that are not linear taken between none and the size.
+
+    Themselves where there is none.
+    """
+    inputs, inference = model.inputs, Inference(model)
+    expected = np.array(model.means.expected)
+    expected[model.average, model.gauge] = model.predicted
+    best = np.argsort(-extensions(model, ())[0] - inputs.priors.log_weight, kind="stable")[:N_BENT].tolist()
+    signatures = columns.signatures.copy()
+    for fit in inference.fits([(j,) for j in best]):
+        j, size = fit.members[0], float(fit.size[0])
+        candidate = inputs.candidates[j]
+        if candidate.forward is None or abs(size) <= SLIGHT * candidate.effect.prior_sd:
+            continue
+        change = exact_change(inputs, model.states, candidate, size) * ratios(inputs, model.states, expected)
+        secant = change[model.average, model.gauge] / size
+        if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
+            signatures[:, j] = secant
+    return replace(columns, signatures=signatures)
 
 
-def _is_near(one: Inference, other: Inference) -> bool:
-    return distance(one.model.states, other.model.states) < NEAR
-
-
-def _settled(start: Inference, members: Members, kept: Sequence[Inference]) -> Inference:
-    """Return the inference about the states that a set prefers: two steps at most, one that is kept where near."""
-    found = start
-    for _ in range(2):
-        states = moved_states(found.model, found.fit(members))
-        if distance(states, found.model.states) < NEAR / 2:
+def likely_sets(inference: Inference) -> dict[Members, float]:
+    """Return no effect, every single candidate and the best larger sets, with approximate weights."""
+    inputs = inference.model.inputs
+    most = len(inputs.odds.count) - 1
+    found: dict[Members, float] = {(): log_prior(inputs, ())}
+    heads: list[Members] = [()]
+    best = -inf
+    for size in range(1, most + 1):
+        longer: dict[Members, float] = {}
+        inputs.progress(Stage("hypotheses, number of effects", size, most))
+        inference.fits(heads)
+        for members in heads:
+            longer |= _extended(inference, members)
+        ordered = sorted(longer.items(), key=lambda item: -item[1])
+        found |= dict(ordered if size == 1 else ordered[:N_LONGER])
+        if not ordered or (size > 1 and ordered[0][1] < best + TRIPLES) or size == most:
             break
-        near = [one for one in kept if distance(states, one.model.states) < NEAR]
-        found = near[0] if near else Inference(linearise(found.model.inputs, states, found.model.level))
+        best = ordered[0][1]
+        heads = _diverse(inputs, [members for members, _ in ordered], N_HEADS[size - 1])
     return found
 
 
-def _settled_leaders(inferences: list[Inference], sets: list[Members]) -> list[Weighed]:
-    """Return all sets weighed, the leaders among them about their own states."""
-    weighed = _weigh(inferences, sets)
-    for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
-        best = max(w.log_weight for w in weighed)
-        far = [w for w in weighed if w.log_weight > best - LEADERS and _away(w.inference, w.members) > FAR]
-        new: list[Inference] = []
-        for w in sorted(far, key=lambda w: -w.log_weight)[:POLISHED]:
-            found = _settled(w.inference, w.members, [*inferences, *new])
-            if not any(_is_near(found, one) for one in [*inferences, *new]):
-                new.append(found)
-        if not new:
-            break
-        inferences = [*inferences, *new]
-        weighed = _weigh(inferences, sets)
-    return weighed
-
-
-def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Weighed]:
-    for inference in inferences:  # all at once: one by one costs ten times as much
-        inference.judge(sets)
-    return [_exact(inferences, members) for members in sets]
-
-
-def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
-    """Return prior times evidence of a hypothesis in the inference nearest to its own states."""
-    tried = []
-    for inference in inferences:
-        model, judgement = inference.model, inference.judge([members])[0]
-        value = model.log_none + judgement.log_factor + log_box(model, judgement.fit)
-        tried.append((_away(inference, members), value, inference))
-    near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
-    _, value, nearest = max(near, key=lambda t: t[1])
-    return Weighed(members, False, _weight(nearest.model, value, log_prior(nearest.model.inputs, members)), nearest)
-
-
-def _weight(model: LinearModel, log_evidence: float, log_prior_: float) -> float:
-    """Return the log of prior times evidence."""
-    return log_evidence + log_prior_ + float(np.log(LEVELS[model.level]))
-
-
-def _away(inference: Inference, members: Members) -> float:
-    """Return how far the states that a set prefers lie from those of the inference."""
+def _extended(inference: Inference, members: Members) -> dict[Members, float]:
+    """Return the sets of one more candidate with their weights, each judged under the errors of `members`."""
     model = inference.model
-    if not model.inputs.groups:
-        return 0.0
-    return distance(moved_states(model, inference.judge([members])[0].fit), model.states)
+    inputs, prior = model.inputs, model.inputs.priors
+    under = inference.allowing(members).model
+    logs, new = extensions(under, members)
+    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.whitened.lengths) > UNSEEN
+    keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
+    if members:
+        keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:N_LONGER]]
+    weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
+    weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
+    joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
+    return dict(zip(joined, weights.tolist(), strict=True))
+
+
+def _diverse(inputs: Inputs, ordered: Sequence[Members], most: int) -> list[Members]:
+    """Return the first sets, at most a few of the same effects."""
+    taken: dict[tuple[int, ...], int] = {}
+    name, kept = inputs.priors.name.tolist(), list[Members]()
+    for members in ordered:
+        names = tuple(sorted(name[j] for j in members))
+        taken[names] = taken.get(names, 0) + 1
+        kept += [members] if taken[names] <= N_OF_ONE_NAME else []
+        if len(kept) == most:
+            break
+    return kept
 
 
 def _with_parts(sets: list[Members]) -> list[Members]:
@@ -266,56 +245,75 @@ def _with_parts(sets: list[Members]) -> list[Members]:
     return [*sets, *sorted(parts - set(sets))]
 
 
-def _others(inferences: Sequence[Inference], found: dict[Members, float], weighed: Sequence[Weighed]) -> list[Weighed]:
+def _settled(
+    columns: list[Columns], inferences: list[Inference], sets: list[Members]
+) -> tuple[list[Columns], list[Weighed]]:
+    """Return columns about all states, and all sets weighed, the leaders about the states that they prefer."""
+    weighed = _weigh(inferences, sets)
+    for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
+        best = max(w.log_weight for w in weighed)
+        leaders = sorted((w for w in weighed if w.log_weight > best - LEADERS), key=lambda w: -w.log_weight)
+        new: list[Floats] = []
+        for w in leaders:
+            states = moved_states(w.inference.model, w.inference.fit(w.members))
+            known = [*(one.states for one in columns), *new]
+            if distance(states, w.inference.model.states) > FAR and all(distance(states, s) > NEAR for s in known):
+                new.append(states)
+            if len(new) == N_SETTLED:
+                break
+        if not new:
+            break
+        own = [columns_of(columns[0].inputs, states) for states in new]
+        columns = [*columns, *own]
+        inferences = [*inferences, *(Inference(_again(one, inferences[0].model)) for one in own)]
+        weighed = _weigh(inferences, sets)
+    return columns, weighed
+
+
+def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Weighed]:
+    """Return prior times evidence of sets, each in the inference nearest to its own states."""
+    for inference in inferences:
+        inference.fits(sets)
+    return [_exact(inferences, members) for members in sets]
+
+
+def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
+    tried = []
+    for inference in inferences:
+        model, fit = inference.model, inference.fit(members)
+        value = model.log_none + fit.log_factor + log_box(model, fit)
+        away = distance(moved_states(model, fit), model.states) if model.inputs.groups else 0.0
+        tried.append((away, value, inference))
+    near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
+    _, value, nearest = max(near, key=lambda t: t[1])
+    return Weighed(members, False, value + log_prior(nearest.model.inputs, members), nearest)
+
+
+def _others(first: Inference, found: dict[Members, float], done: Sequence[Members]) -> list[Weighed]:
     """Return the hypotheses that were not judged exactly as they are, where all states are known."""
-    first, done = inferences[0], {w.members for w in weighed}
-    model = first.model
-    if model.inputs.groups:
+    if first.model.inputs.groups:
         return []
-    left = [(members, weight - log_prior(model.inputs, members)) for members, weight in found.items()]
-    return [
-        Weighed(members, False, _weight(model, model.log_none + factor, log_prior(model.inputs, members)), first)
-        for members, factor in left
-        if members not in done
-    ]
-
-
-def _at_another_level(weighed: Sequence[Weighed], level: float) -> list[Weighed]:
-    """Return hypotheses weighed at another level, each about the states about which it was weighed."""
-    found = []
-    for one in {id(w.inference): w.inference for w in weighed}.values():
-        again = Inference(at_level(one.model, level))
-        found += _weigh([again], [w.members for w in weighed if w.inference is one])
-    return found
+    left = set(found) - set(done)
+    return [Weighed(members, False, first.model.log_none + found[members], first) for members in sorted(left)]
 
 
 def _with_unknown(weighed: Sequence[Weighed]) -> list[Weighed]:
     """Return the unknown alone, beside every single effect and beside the best larger sets."""
     best = max(weighed, key=lambda w: w.log_weight).inference
     model, unknown = best.model, weigh_unknown(best.model)
-    inputs, conditioned = model.inputs, unknown.allowing.model
-    odds = inputs.odds.unknown
+    inputs, odds, allowing = model.inputs, model.inputs.odds.unknown, Inference(unknown.allowing)
     box = log_box(model, best.fit(()))
-    alone = _weight(model, model.log_none + unknown.log_factor + box, _log(odds[0]))
-    found = [Weighed((), True, alone, unknown.allowing, unknown.words)]
-    beside = conditioned.log_none + box - unknown.log_kinds
-    logs = beside + extensions(conditioned, ())[0]
-    prior = _log(odds[1]) - float(np.log(max(inputs.priors.n_effects, 1)))
-    for j, log in enumerate(logs.tolist()):
-        weight = _weight(model, log, prior + float(inputs.priors.log_weight[j]))
-        found.append(Weighed((j,), True, weight, unknown.allowing, unknown.words))
-    larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2][:WITH_UNKNOWN]
-    for members, own in zip(larger, unknown.allowing.fits(larger), strict=True):
+    found = [Weighed((), True, model.log_none + unknown.log_factor + box + _log(odds[0]), allowing, unknown.words)]
+    beside = allowing.model.log_none + box - unknown.log_kinds
+    logs = beside + extensions(allowing.model, ())[0] + inputs.priors.log_weight
+    logs += _log(odds[1]) - log(max(inputs.priors.n_effects, 1))
+    found += [Weighed((j,), True, value, allowing, unknown.words) for j, value in enumerate(logs.tolist())]
+    larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2]
+    for members, own in zip(larger[:N_BESIDE_UNKNOWN], allowing.fits(larger[:N_BESIDE_UNKNOWN]), strict=True):
         prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
-        weight = _weight(model, beside + own.log_factor, prior)
-        found.append(Weighed(members, True, weight, unknown.allowing, unknown.words))
+        found.append(Weighed(members, True, beside + own.log_factor + prior, allowing, unknown.words))
     return found
 
 
 def _log(probability: float) -> float:
-    return float(np.log(max(probability, 1e-300)))
-
-
-def log_total(weighed: Sequence[Weighed]) -> float:
-    """Return the log of the sum of all weights."""
-    return float(logsumexp([w.log_weight for w in weighed]))
+    return log(max(probability, 1e-300))

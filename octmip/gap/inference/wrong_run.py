@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Cell
+from octmip.gap.effects.families import Family
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import LinearModel, at_level, linearise
+from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.twin import Effect
@@ -66,7 +67,7 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
     plain = linearise(replace(inputs, difference=usual), model.states)  # beside a wrong run the twin may well be good
-    models = [model, plain, at_level(plain, 2.0)]
+    models = [model, plain, linearise(plain.inputs, model.states, 2.0)]
     stacks = [_Stack.of(one, run) for one in models]
     found = [
         part(one, run, stack) for part in (_by_effect, _by_state) for one, stack in zip(models, stacks, strict=True)
@@ -125,7 +126,9 @@ def _by_effect(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
     lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
-    logs[[getattr(candidate.effect, "uses_time", False) for candidate in inputs.candidates]] = -np.inf  # it wanders
+    effects = [candidate.effect for candidate in inputs.candidates]
+    logs[[getattr(effect, "uses_time", False) for effect in effects]] = -np.inf  # it wanders
+    logs[[isinstance(effect, Family) and not effect.has_own_name for effect in effects]] = -np.inf  # too rare
     if not len(logs):
         return WrongRun(-np.inf, "", None, None)
     best = int(np.argmax(logs))
