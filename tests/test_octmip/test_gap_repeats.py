@@ -109,6 +109,15 @@ def test_white_noise_has_no_part_across_cells():
     assert noise.inflation == pytest.approx(1.0, abs=0.05)
 
 
+def test_the_covariance_of_means_that_remember_is_one_however_calm_a_load_is():
+    """Before: where one load scattered less, what it shared with others was more than it had, and nothing was said."""
+    campaign = measured(3, noise=serial(0.95))
+    noise = dataclasses.replace(estimate_noise(campaign), scale={0.0: 1.0, 1.0: 0.1, 2.0: 1.0, 3.0: 1.0})
+    averages = averages_of(campaign, split=False)
+    covariance = noise.of_averages(averages, [0.0, 1.0, 2.0, 3.0], np.arange(4), np.full(4, 2))
+    assert np.linalg.eigvalsh(covariance).min() > 0.0
+
+
 def test_halves_of_a_cell_share_what_the_noise_remembers():
     campaign = measured(3, noise=serial(0.85))
     noise = estimate_noise(campaign)

@@ -198,7 +198,8 @@ class Noise:
         gauge: NDArray[np.int64],
     ) -> Floats:
         """Return `of_averages` without the offsets of gauges that jumped, of which nothing is known."""
-        total = self.across(averages, average, gauge)
+        spread = np.sqrt([self.scale.get(load, 1.0) for load in loads])[average]  # shared parts scale with the scatter
+        total = self.across(averages, average, gauge) * np.outer(spread, spread)
         for k, (part, load) in enumerate(zip(averages, loads, strict=True)):
             here = np.flatnonzero(average == k)
             total[np.ix_(here, here)] += self.of_mean(part.count, load)[np.ix_(gauge[here], gauge[here])]

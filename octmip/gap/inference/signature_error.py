@@ -26,8 +26,9 @@ from octmip.twin import amounts_of
 Floats = NDArray[np.float64]
 Members = tuple[int, ...]
 
-LEVELS: Mapping[float, float] = {0.3: 0.5, 1.0: 0.5}
-"""Factors on the errors of all signatures of a set, with their probabilities. At 3 what no library holds is named."""
+LEVELS: Mapping[float, float] = {0.0: 0.2, 0.3: 0.4, 1.0: 0.4}
+"""Factors on the errors of all signatures of a set, with their probabilities. A twin may be exact; at 3 what no library
+holds is named."""
 BETWEEN = 0.3
 """Sd of the weight of a neighbouring place: the truth lies anywhere up to half way to it."""
 ALIKE = 0.5

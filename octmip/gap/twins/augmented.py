@@ -1,7 +1,7 @@
 """The augmented twin: a twin with what it lacked, itself a Twin, so that it can be diagnosed again."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +100,7 @@ class AugmentedTwin:
         """Return the readings (n_gauges,), effects included, `time` s from the start of the campaign."""
         strain = np.array(self._calibrated(state, load_factor))
         for k, addition in enumerate(self.additions):
-            before = _Before(self, k)
+            before = replace(self, additions=self.additions[:k])
             forward = getattr(addition.effect, "predict", None)
             if forward is not None:
                 strain = np.asarray(forward(before, state, load_factor, addition.size, addition.place, time))
@@ -128,44 +128,3 @@ class AugmentedTwin:
         assert self.calibration is not None
         is_known = np.abs(self.calibration) < MOST_RELATIVE * np.abs(reference)
         return np.where(is_known, self.calibration, 0.0) / np.where(is_known, reference, 1.0)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Before:
-    """The augmented twin before its k-th addition, as that addition sees it."""
-
-    whole: AugmentedTwin
-    k: int
-
-    @property
-    def gauges(self) -> tuple[str, ...]:
-        return self.whole.gauges
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        return self.whole.parameters
-
-    @property
-    def loads(self) -> tuple[str, ...]:
-        return self.whole.loads
-
-    @property
-    def units(self) -> tuple[str, ...]:
-        return self.whole.units
-
-    @property
-    def channels(self) -> tuple[str, ...]:
-        return self.whole.channels
-
-    @property
-    def effects(self) -> Mapping[str, Effect]:
-        return self.whole.effects
-
-    @property
-    def gauge_positions(self) -> Floats | None:
-        return self.whole.gauge_positions
-
-    def predict(self, state: State, load_factor: Load) -> Floats:
-        whole = self.whole
-        shorter = AugmentedTwin(whole.twin, whole.additions[: self.k], whole.calibration, whole.calibration_load)
-        return shorter.predict(state, load_factor)
