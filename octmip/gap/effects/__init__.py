@@ -1,18 +1,13 @@
-"""Effects of the measuring chain on readings: one effect, one line here or in the tables of `families`."""
+"""Effects of the measuring chain on readings: one effect, one row of `chain` or of the tables of `families`."""
 
 from collections.abc import Mapping
 
+from octmip.gap.effects.chain import FORMULAS, LOAD_FACTOR_ERROR, ChainEffect, error_of_load
 from octmip.gap.effects.families import Family, History, families_of, named_families
-from octmip.gap.effects.load_factor_error import LoadFactorError, error_of_load
-from octmip.gap.effects.per_gauge import DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, PerGauge
-from octmip.gap.effects.two_gauges import Crosstalk, SwappedPair
 from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of
 
-OTHERS: tuple[Effect, ...] = (MISALIGNMENT, POSITION_OFFSET, SwappedPair(), DEAD_GAUGE, Crosstalk())
-"""What is no family: its formula needs an angle, a place or a second gauge."""
-CHAIN: dict[str, Effect] = {
-    effect.name: effect for effect in (*named_families([MICROSTRAIN], {}), *OTHERS, LoadFactorError())
-}
+_OF_STRAINS: tuple[Effect, ...] = (*named_families([MICROSTRAIN], {}), *FORMULAS, LOAD_FACTOR_ERROR)
+CHAIN: dict[str, Effect] = {effect.name: effect for effect in _OF_STRAINS}
 """The effects of any measuring chain of strain gauges, by name."""
 
 
@@ -31,14 +26,14 @@ def chain_of(
         courses of the campaign's own time, by name.
     """
     loads = loads_of(twin)
-    of_loads: list[Effect] = [LoadFactorError()] if loads == ONE_LOAD else [error_of_load(load) for load in loads]
-    families = families_of(twin, typical or {}, histories or {})
-    return {effect.name: effect for effect in (*families, *OTHERS, *of_loads)}
+    of_loads = [LOAD_FACTOR_ERROR] if loads == ONE_LOAD else [error_of_load(load) for load in loads]
+    found: list[Effect] = [*families_of(twin, typical or {}, histories or {}), *FORMULAS, *of_loads]
+    return {effect.name: effect for effect in found}
 
 
 def in_chain(effect: Effect) -> bool:
     """Return whether an effect is one of the measuring chain's."""
-    return effect.name in CHAIN or isinstance(effect, (PerGauge, LoadFactorError, Family))
+    return effect.name in CHAIN or isinstance(effect, (ChainEffect, Family))
 
 
 __all__ = ["CHAIN", "chain_of", "in_chain"]

@@ -21,7 +21,7 @@ from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import LinearModel, linearise
+from octmip.gap.inference.linear_model import Columns, LinearModel, assembled, linearise
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.twin import Effect
@@ -66,12 +66,11 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     assert run is not None
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-    plain = linearise(replace(inputs, difference=usual), model.states)  # beside a wrong run the twin may well be good
-    models = [model, plain, linearise(plain.inputs, model.states, 2.0)]
-    stacks = [_Stack.of(one, run) for one in models]
-    found = [
-        part(one, run, stack) for part in (_by_effect, _by_state) for one, stack in zip(models, stacks, strict=True)
-    ]
+    good = replace(inputs, difference=usual)  # beside a wrong run the twin may well be good
+    own = Columns(good, model.states, model.means, model.signatures, model.tangents)
+    models = [model, *(assembled(own, inputs.noise, level) for level in (1.0, 2.0))]
+    columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
+    found = [part(one, _Stack.of(one, run), columns[part]) for part in columns for one in models]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
     found.append(_by_asset(model, run))
     shares.append(SHARES["asset"])
@@ -117,12 +116,31 @@ class _Stack:
         return lengths, a.T @ left + b.T @ self.model.whitened.residual
 
 
-def _by_effect(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
-    """Return the run with an effect of the library in it."""
-    inputs = model.inputs
+def _of_effects(inputs: Inputs, run: Run) -> Floats:
+    """Return what every candidate changes in the run's readings (n_run, n_candidates)."""
     as_campaign = replace(inputs, campaign=run.campaign, averages=run.averages, groups=(), run=None)
     flat = run.means.average * len(inputs.order) + run.means.gauge
-    columns = signatures_of(as_campaign, _states(run, inputs), run.means.expected)[:, flat].T
+    return np.asarray(signatures_of(as_campaign, _states(run, inputs), run.means.expected)[:, flat].T)
+
+
+def _of_states(inputs: Inputs, run: Run) -> Floats:
+    """Return what another state than the stated one changes in the run's readings (n_run, n_nodes), by node."""
+    cells = [run.campaign.cells[part.cell] for part in run.averages]
+    columns = np.array([_changed(inputs, cells, node) - run.means.expected for node in _nodes(inputs)])
+    return columns[:, run.means.average, run.means.gauge].T if len(columns) else np.zeros((len(run.residual), 0))
+
+
+def _nodes(inputs: Inputs) -> Floats:
+    """Return the states (n_nodes, n_parameters) that are not sound; none where none is looked for."""
+    if not inputs.names or not (highest(inputs) > 0.0).any():
+        return np.zeros((0, len(inputs.names)))
+    nodes = grid(len(inputs.names))
+    return np.asarray(nodes[(nodes <= highest(inputs)).all(axis=1) & (nodes > 0.0).any(axis=1)])
+
+
+def _by_effect(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun:
+    """Return the run with an effect of the library in it."""
+    inputs = model.inputs
     lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
@@ -142,16 +160,11 @@ def _by_effect(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
     return WrongRun(total, words, size * columns[:, best], precision**-0.5 * columns[:, best])
 
 
-def _by_state(model: LinearModel, run: Run, stack: _Stack) -> WrongRun:
+def _by_state(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun:
     """Return the run with another state than it says, the same in all its cells."""
-    inputs = model.inputs
-    if not inputs.names or not (highest(inputs) > 0.0).any():
+    inputs, nodes = model.inputs, _nodes(model.inputs)
+    if not len(nodes):
         return WrongRun(-np.inf, "", None, None)
-    nodes = grid(len(inputs.names))
-    nodes = nodes[(nodes <= highest(inputs)).all(axis=1) & (nodes > 0.0).any(axis=1)]
-    cells = [run.campaign.cells[part.cell] for part in run.averages]
-    columns = np.array([_changed(inputs, cells, node) for node in nodes])
-    columns = (columns - run.means.expected)[:, run.means.average, run.means.gauge].T
     lengths, projection = stack.weighed(columns)
     precision = lengths + NODE_SPREAD**-2
     sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter

@@ -1,0 +1,347 @@
+"""What a measuring chain does beyond the families: its formula needs an angle, a place, a second gauge or a load.
+
+| effect | readings with size s, at its place |
+|---|---|
+| misalignment | (1 - (1 + nu) s / 100) r, s / 100 = sin^2(angle), shear left out, nu = 0.3 |
+| position_offset | r + s dr/dy, the slope from the neighbouring gauges |
+| dead_gauge | (1 - s) r with s = 1: zero and noise whatever the strain |
+| crosstalk | r_a + s / 100 r_b for channels a, b next to each other; place ``a<b`` |
+| swapped_pair | r_a and r_b exchanged with s = 1; place ``a/b`` |
+| load_factor_error | what the twin reads at (1 + s / 100) L |
+
+Angle and place are asked of strain gauges alone. Where one instrument gives several readings
+(`octmip.twin.channels_of`), its faults act on all of them, and it is never exchanged.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError, TwinError
+from octmip.twin import STRAINS, Load, Loads, State, Twin, channels_of, positions_of, units_of
+
+Floats = NDArray[np.float64]
+
+POISSON = 0.3
+"""Transverse contraction that a turned gauge feels."""
+STEP = 0.01
+"""Step of the load, one unit of size."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """The twin at one state and load, and what an effect acts on there: gauges by number, or a load by name."""
+
+    twin: Twin
+    state: State
+    load: Load
+    gauges: tuple[int, ...] = ()
+    load_name: str = ""
+
+    @property
+    def readings(self) -> Floats:
+        """(n_gauges,) of the twin."""
+        return self.twin.predict(self.state, self.load)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChainEffect:
+    """An effect of the measuring chain as a formula.
+
+    Attributes
+    ----------
+    change
+        change of the readings (n_gauges,) per unit of size.
+    places_in
+        where it may act in a twin.
+    separator
+        between the two gauges of a place; "" where a place is one instrument or the whole.
+    load_name
+        the load that is wrong, of a twin with several.
+
+    The others are those of `octmip.twin.Effect`.
+    """
+
+    name: str
+    parameter: str
+    unit: str
+    prior_sd: float
+    prior_source: str
+    separated_by: str
+    change: Callable[[Moment], Floats]
+    places_in: Callable[[Twin], tuple[str, ...]]
+    separator: str = ""
+    load_name: str = ""
+    prior_mean: float = 0.0
+    is_one_sided: bool = False
+    load_power: int | None = None
+    acts_on_readings: bool = False
+    seen_by: tuple[str, ...] = ()
+    words: str = ""
+    words_at: str = ""
+    action: str = ""
+    says: tuple[str, str] = ("", "")
+
+    def places(self, twin: Twin) -> tuple[str, ...]:
+        """Return where it may act."""
+        return self.places_in(twin)
+
+    def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
+        """Return the gauges of a place."""
+        return tuple(twin.gauges[k] for k in self._numbers(twin, place))
+
+    def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
+        """Return the change of the readings (n_gauges,) per unit of size."""
+        return self.change(Moment(twin, state, load_factor, self._numbers(twin, place), self.load_name))
+
+    def _numbers(self, twin: Twin, place: str) -> tuple[int, ...]:
+        if self.separator:
+            return pair_of(twin.gauges, place, self.separator)
+        return tuple(k for k, own in enumerate(channels_of(twin)) if own == place) if place else ()
+
+
+@lru_cache(maxsize=65536)  # a diagnosis asks ten thousand times for each pair
+def pair_of(gauges: tuple[str, ...], place: str, separator: str) -> tuple[int, int]:
+    """Return the numbers of the two gauges of a place, which may have the separator in their own names.
+
+    Raises
+    ------
+    DataError
+        no two gauges of the twin, or several pairs, give the place.
+    """
+    number = {name: k for k, name in enumerate(gauges)}
+    cuts = [k for k, letter in enumerate(place) if letter == separator]
+    named = [(place[:k], place[k + 1 :]) for k in cuts]
+    pairs = [(number[a], number[b]) for a, b in named if a in number and b in number]
+    if len(pairs) != 1:
+        raise DataError(
+            f"the place {place!r} names {len(pairs)} pairs of gauges of the twin; expected two of its "
+            f"{len(number)} gauges with {separator!r} between them in one way only; correct it or rename a gauge"
+        )
+    return pairs[0]
+
+
+def _instruments(twin: Twin) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(channels_of(twin)))
+
+
+def _strain_gauges(twin: Twin) -> tuple[str, ...]:
+    found = zip(channels_of(twin), units_of(twin), strict=True)
+    return tuple(dict.fromkeys(channel for channel, unit in found if unit in STRAINS))
+
+
+def _placed_gauges(twin: Twin) -> tuple[str, ...]:
+    return _strain_gauges(twin) if positions_of(twin) is not None else ()
+
+
+def _alike(twin: Twin, pairs: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return the pairs of gauges that can be taken for each other: of one unit, each the one reading of its channel."""
+    units, channels = dict(zip(twin.gauges, units_of(twin), strict=True)), channels_of(twin)
+    several = {name for name, channel in zip(twin.gauges, channels, strict=True) if channels.count(channel) > 1}
+    return [(a, b) for a, b in pairs if units[a] == units[b] and several.isdisjoint((a, b))]
+
+
+def _neighbouring_channels(twin: Twin) -> tuple[str, ...]:
+    pairs = _alike(twin, zip(twin.gauges, twin.gauges[1:], strict=False))
+    return tuple(f"{a}<{b}" for a, b in [*pairs, *((b, a) for a, b in pairs)])
+
+
+def _all_pairs(twin: Twin) -> tuple[str, ...]:
+    every = ((a, b) for k, a in enumerate(twin.gauges) for b in twin.gauges[k + 1 :])
+    return tuple(f"{a}/{b}" for a, b in _alike(twin, every))
+
+
+def _whole(twin: Twin) -> tuple[str, ...]:
+    return ("",)
+
+
+def _at_gauges(moment: Moment, values: Floats) -> Floats:
+    """Return values (n_of_place,) at the gauges of the place, 0 elsewhere."""
+    found = np.zeros(len(moment.twin.gauges))
+    found[list(moment.gauges)] = values
+    return found
+
+
+def _turned(moment: Moment) -> Floats:
+    return _at_gauges(moment, -0.01 * (1.0 + POISSON) * moment.readings[list(moment.gauges)])
+
+
+def _offset(moment: Moment) -> Floats:
+    positions, units = positions_of(moment.twin), units_of(moment.twin)
+    if positions is None:
+        raise TwinError(
+            "the twin does not say where its gauges lie, so a gauge that lies elsewhere has no signature; expected "
+            "gauge_positions (n_gauges, 2) [m]; give them"
+        )
+    slopes = []
+    for gauge in moment.gauges:
+        same = [k for k, unit in enumerate(units) if unit == units[gauge]]
+        slopes.append(1e-3 * spanwise_slope(positions[same], moment.readings[same], same.index(gauge)))
+    return _at_gauges(moment, np.array(slopes))
+
+
+def spanwise_slope(positions: Floats, strain: Floats, gauge: int) -> float:
+    """Return d(strain)/dy [1/m] at one gauge: the best plane through it and its four nearest neighbours."""
+    near = np.argsort(np.linalg.norm(positions - positions[gauge], axis=1), kind="stable")[1:5]
+    offset = (positions[near] - positions[gauge])[:, :2]
+    weight = 1.0 / np.linalg.norm(offset, axis=1)
+    slope = np.linalg.lstsq(offset * weight[:, None], (strain[near] - strain[gauge]) * weight, rcond=None)[0]
+    return float(slope[1])
+
+
+def _dead(moment: Moment) -> Floats:
+    return _at_gauges(moment, -moment.readings[list(moment.gauges)])
+
+
+def _leaking(moment: Moment) -> Floats:
+    _, source = moment.gauges
+    return _at_gauges(moment, np.array([0.01 * moment.readings[source], 0.0]))
+
+
+def _exchanged(moment: Moment) -> Floats:
+    first, second = moment.readings[list(moment.gauges)]
+    return _at_gauges(moment, np.array([second - first, first - second]))
+
+
+def _more_load(moment: Moment) -> Floats:
+    """Return what a per cent of the load changes; a twin that refuses more, as a table does, is asked for less."""
+    here, twin, state = moment.readings, moment.twin, moment.state
+    try:
+        return twin.predict(state, _times(moment, 1.0 + STEP)) - here
+    except TwinError:
+        return here - twin.predict(state, _times(moment, 1.0 - STEP))
+
+
+def _times(moment: Moment, factor: float) -> Load:
+    """Return the load with the one that is wrong multiplied."""
+    load = moment.load
+    if not isinstance(load, Loads):
+        return load * factor
+    return Loads(load.names, tuple(v * factor if name == moment.load_name else v for name, v in load.items()))
+
+
+MISALIGNMENT = ChainEffect(
+    name="misalignment",
+    parameter="sin^2 of the angle by which one gauge is turned (1 % is 5.7 degrees)",
+    unit="%",
+    prior_sd=1.0,
+    prior_source="gauges are laid to a few degrees; transverse sensitivity is of the same order",
+    separated_by="it only lowers a reading, a gain goes both ways; a shunt calibration sees a gain and not an angle",
+    change=_turned,
+    places_in=_strain_gauges,
+    is_one_sided=True,
+    seen_by=("gauge_placement",),
+    words="angle of one gauge",
+    words_at="angle of gauge {place}",
+    action="check the angle of gauge {place}",
+    says=("the squared sine of its error is {size}", "the squared sine of its error is {size}"),
+)
+POSITION_OFFSET = ChainEffect(
+    name="position_offset",
+    parameter="offset of one gauge outboard",
+    unit="mm",
+    prior_sd=3.0,
+    prior_source="gauges are placed to some millimetres",
+    separated_by="in one state it equals a gain of the gauge; measuring its place on the structure separates them",
+    change=_offset,
+    places_in=_placed_gauges,
+    seen_by=("gauge_placement",),
+    words="place of one gauge",
+    words_at="place of gauge {place}",
+    action="measure the place of gauge {place}",
+    says=("it sits {size} too far outboard", "it sits {size} too far inboard"),
+)
+DEAD_GAUGE = ChainEffect(
+    name="dead_gauge",
+    parameter="part of the signal that one gauge has lost",
+    unit="-",
+    prior_mean=1.0,
+    prior_sd=0.02,
+    prior_source="a broken lead leaves nothing",
+    separated_by="the reading does not move with the load",
+    change=_dead,
+    places_in=_instruments,
+    is_one_sided=True,
+    acts_on_readings=True,
+    seen_by=("shunt_reading", "channel_order"),
+    words="dead gauge",
+    words_at="dead gauge {place}",
+    action="repair gauge {place}",
+    says=("it shows nothing of the strain", "it shows nothing of the strain"),
+)
+CROSSTALK = ChainEffect(
+    name="crosstalk",
+    parameter="part of the neighbouring channel's signal in one reading",
+    unit="%",
+    prior_sd=1.0,
+    prior_source="multiplexers and common grounds leak up to one per cent",
+    separated_by="in one state it equals a gain of the gauge; "
+    "states that change the neighbour's strain alone, or a shunt on the neighbour, separate them",
+    change=_leaking,
+    places_in=_neighbouring_channels,
+    separator="<",
+    seen_by=("shunt_reading",),
+    words="crosstalk between neighbouring channels",
+    words_at="crosstalk from gauge {second} into gauge {first}",
+    action="separate the channels of gauges {second} and {first}",
+    says=(
+        "{size} of the signal of gauge {second} leaks into gauge {first}",
+        "{size} of the signal of gauge {second} leaks into gauge {first} with its sign reversed",
+    ),
+)
+SWAPPED_PAIR = ChainEffect(
+    name="swapped_pair",
+    parameter="1 when the two are exchanged",
+    unit="-",
+    prior_mean=1.0,
+    prior_sd=0.02,
+    prior_source="two channels are exchanged or they are not",
+    separated_by="tapping or heating one gauge shows which channel answers",
+    change=_exchanged,
+    places_in=_all_pairs,
+    separator="/",
+    is_one_sided=True,
+    acts_on_readings=True,
+    seen_by=("channel_order",),
+    words="exchanged wires of two gauges",
+    words_at="exchanged wires of gauges {first} and {second}",
+    action="exchange the wires of gauges {first} and {second}",
+    says=("each shows the strain of the other", "each shows the strain of the other"),
+)
+LOAD_FACTOR_ERROR = ChainEffect(
+    name="load_factor_error",
+    parameter="error of the load factor",
+    unit="%",
+    prior_sd=1.5,
+    prior_source="load cells and accelerometers are good to about one per cent",
+    separated_by="strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does",
+    change=_more_load,
+    places_in=_whole,
+    seen_by=("applied_load",),
+    words="error of the load factor",
+    words_at="error of the load factor",
+    action="correct the load factor",
+    says=("the load was {size} higher than noted", "the load was {size} lower than noted"),
+)
+FORMULAS = (MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, DEAD_GAUGE, CROSSTALK)
+"""Those that need no load's name."""
+
+
+def error_of_load(load: str) -> ChainEffect:
+    """Return the error of a load of this name."""
+    called = load.replace("_", " ")
+    return replace(
+        LOAD_FACTOR_ERROR,
+        name=f"{load}_error",
+        parameter=f"error of the {called}",
+        prior_source="instruments of a test are good to about one per cent",
+        separated_by=f"a second instrument for the {called} shows it",
+        words=f"error of the {called}",
+        words_at=f"error of the {called}",
+        action=f"correct the {called}",
+        says=(f"the {called} was {{size}} higher than noted", f"the {called} was {{size}} lower than noted"),
+        load_name=load,
+    )
