@@ -1,6 +1,7 @@
 """The documentation builds into a site without a warning; links lead somewhere; nothing is asked of the network."""
 
 import importlib.util
+import json
 import os
 import re
 import subprocess
@@ -10,6 +11,8 @@ from pathlib import Path
 from urllib.parse import unquote, urldefrag
 
 import pytest
+
+from tests.test_docs_search import QUESTIONS, SEARCHES
 
 ROOT = Path(__file__).parent.parent
 NEEDED = ("sphinx", "furo", "myst_parser", "sphinx_copybutton", "sphinx_design", "sphinxcontrib.bibtex")
@@ -87,3 +90,20 @@ def test_every_example_and_result_page_shows_a_picture(pages, site):
     for name in ("index", "examples/command", "examples/risk", "uav", "mission", "sensing", "wing", "how-long"):
         page = pages[(site / f"{name}.html").resolve()]
         assert any("_images/" in picture for picture in page.loaded), name
+
+
+def test_the_search_of_the_site_lists_the_page_that_answers(site):
+    """The search of Sphinx asks for every word, by its stem, in the text or the title of a page."""
+    from sphinx.search.en import SearchEnglish
+
+    text = (site / "searchindex.js").read_text()
+    index, language = json.loads(text[text.index("(") + 1 : text.rindex(")")]), SearchEnglish({})
+    without = []
+    for search, page in {**SEARCHES, **QUESTIONS}.items():
+        place = index["docnames"].index(page)
+        stems = [language.stem(word) for word in language.split(search.lower()) if language.word_filter(word)]
+        lists = [[index[kind].get(stem, []) for kind in ("terms", "titleterms")] for stem in stems]
+        without += [
+            search for pair in lists if not any(place in (one if isinstance(one, list) else [one]) for one in pair)
+        ]
+    assert without == []
