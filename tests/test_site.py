@@ -107,3 +107,23 @@ def test_the_search_of_the_site_lists_the_page_that_answers(site):
             search for pair in lists if not any(place in (one if isinstance(one, list) else [one]) for one in pair)
         ]
     assert without == []
+
+
+def test_a_card_of_the_gallery_has_one_picture_of_its_own():
+    text = (ROOT / "docs" / "examples" / "gallery.md").read_text()
+    cards = re.findall(r"^:::\{grid-item-card\}.*?^:::$", text, re.MULTILINE | re.DOTALL)
+    pictures = [re.findall(r"^:img-top: (\S+)$", card, re.MULTILINE) for card in cards]
+    assert [len(found) for found in pictures] == [1] * len(cards)
+    assert len({one for (one,) in pictures}) == len(cards) > 10
+    assert all((ROOT / "docs" / "examples" / one).is_file() for (one,) in pictures)
+    assert all(re.search(r"^:img-alt: \S", card, re.MULTILINE) for card in cards)
+    linked = {*re.findall(r"^:link: (\S+)$", text, re.MULTILINE), *re.findall(r"\]\((\S+)\.md\)", text)}
+    toctree = text.partition("```{toctree}")[2].split()[1:-1]
+    assert linked == set(toctree)
+
+
+@pytest.mark.parametrize("theme", ['body[data-theme="dark"]', 'body:not([data-theme="light"])'])
+def test_a_picture_keeps_paper_of_its_own_on_a_dark_page(theme):
+    style = (ROOT / "docs" / "_static" / "site.css").read_text()
+    rule = style.partition(f"{theme} article img {{")[2].partition("}")[0]
+    assert "background: #ffffff" in rule
