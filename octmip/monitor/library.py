@@ -147,7 +147,7 @@ class Library:
             raise DataError(f"load_factor is {load_factor}; expected a positive number, 1 in steady level flight")
         if self.only_load is not None and load_factor != self.only_load:
             raise DataError(
-                f"load_factor is {load_factor} but the library's twin is not linear in load and was asked at "
+                f"load_factor is {load_factor} but the library's twin is not linear in load and answered at "
                 f"{self.only_load}; make a library for that load"
             )
         return load_factor

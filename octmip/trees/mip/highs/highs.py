@@ -243,7 +243,7 @@ class _Supervisor:
         """Take in what the worker reports; return the outcome when that is the last of it."""
         if self.seconds > self.patience:
             self.worker.close()
-            return self._left(f"killed {GRACE} s after it was asked to end")
+            return self._left(f"killed {GRACE} s after the order to end")
         if frame is None:
             return None
         kind, *what = frame
