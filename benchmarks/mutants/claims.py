@@ -90,28 +90,28 @@ CLAIMS = (
         SETS,
     ),
     Mutant(
-        "octmip/trees/drift/certificate.py",
+        "octmip/trees/drift/worst_case.py",
         "if abs(solution.objective - found.worst) > slack:",
         "if solution.objective - found.worst > slack:",
         DRIFT,
     ),
     Mutant(
-        "octmip/trees/drift/certificate.py",
+        "octmip/trees/drift/worst_case.py",
         "if solution.bound > least + solution.tolerance:",
         "if solution.bound > 2 * least + solution.tolerance:",
         DRIFT,
     ),
     Mutant(
-        "octmip/trees/drift/certificate.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT
+        "octmip/trees/drift/worst_case.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT
     ),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/drift/worst_case.py",
         "high[:, node.feature] > node.threshold",
         "high[:, node.feature] >= node.threshold",
         DRIFT,
     ),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/drift/worst_case.py",
         "combinations(read, min(off, len(read)))",
         "combinations(read, min(1, len(read)))",
         DRIFT,
@@ -159,7 +159,7 @@ CLAIMS = (
         ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
     ),
     Mutant(
-        "octmip/sensing/shared/certificate.py",
+        "octmip/sensing/shared/solution.py",
         "if joint.bound > min(objective, least) + slack:",
         "if joint.bound > 2 * min(objective, least) + slack:",
         ("test_octmip/test_shared_budget.py",),

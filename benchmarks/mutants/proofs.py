@@ -85,19 +85,19 @@ PROOFS = (
         NUMBERS,
     ),
     Mutant(
-        "octmip/trees/regression/questions.py",
+        "octmip/trees/regression/best_split.py",
         "self.problem.leaf_penalty * (len(plane.features) - 1)",
         "0.0",
         QUESTIONS,
     ),
     Mutant(
-        "octmip/trees/regression/questions.py",
+        "octmip/trees/regression/best_split.py",
         "(k >= size) & (len(values) - k >= size)",
         "(k >= size) & (len(values) - k >= 1)",
         QUESTIONS,
     ),
     Mutant(
-        "octmip/trees/regression/questions.py", "/ np.where(left > 0, left, 1.0)", "/ np.maximum(left, 1.0)", QUESTIONS
+        "octmip/trees/regression/best_split.py", "/ np.where(left > 0, left, 1.0)", "/ np.maximum(left, 1.0)", QUESTIONS
     ),
     Mutant(
         "octmip/trees/regression/leaf_models.py",

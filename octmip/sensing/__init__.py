@@ -21,8 +21,7 @@ from octmip.sensing.placement import (
 from octmip.sensing.sequential.problem import Group, SequentialCertificate, SequentialProblem, certify_sequential
 from octmip.sensing.sequential.solve import solve_sequential
 from octmip.sensing.shared.budget import shared_budget
-from octmip.sensing.shared.certificate import JointCertificate, certify_joint
-from octmip.sensing.shared.solution import BaselineSplit, JointSolution
+from octmip.sensing.shared.solution import BaselineSplit, JointCertificate, JointSolution, certify_joint
 
 __all__ = [
     "BaselineSplit",

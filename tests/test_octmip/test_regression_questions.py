@@ -7,8 +7,8 @@ import pytest
 
 from octmip import Problem
 from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.regression.best_split import Samples, by_means, parts
 from octmip.trees.regression.leaf_models import fitted_leaf
-from octmip.trees.regression.questions import Samples, by_means, parts
 from octmip.trees.tree import HyperplaneSplit, Split
 
 SQUARE = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])

@@ -22,7 +22,7 @@ from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.compare import compared, methods_of, reasons, table_of
 from octmip.interfaces.cli.options.benchmark import PICTURE, ROWS
-from octmip.interfaces.cli.samples.question import ask
+from octmip.interfaces.cli.samples.table_problem import read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.solution import Limits
@@ -128,9 +128,9 @@ def _on_table(arguments: argparse.Namespace, path: Path, limits: Limits) -> Foun
     if arguments.label is None and arguments.target is None:
         own["label"] = read_table(path, arguments.format).columns[-1]
     of_table = argparse.Namespace(**{"holdout": None, "test": None, **vars(arguments), **own})
-    question = ask(of_table)
-    rows = compared(of_table, question, limits)
-    problem, notes = question.problem, tuple(f"note: {visible(note)}" for note in question.notes)
+    asked = read_problem(of_table)
+    rows = compared(of_table, asked, limits)
+    problem, notes = asked.problem, tuple(f"note: {visible(note)}" for note in asked.notes)
     return Found(path.name, problem.n_samples, problem.loss.measured, tuple(rows), notes)
 
 

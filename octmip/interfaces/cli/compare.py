@@ -12,7 +12,7 @@ from octmip.formats.tree_file import finite_or_none
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
 from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import narrow_scope
 from octmip.trees.certificate import certify
@@ -31,32 +31,32 @@ TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 def run(arguments: argparse.Namespace) -> int:
     """Run every method and show them."""
     limits = limits_of(arguments)
-    question = ask(arguments)
-    rows = compared(arguments, question, limits)
-    baselines = _baselines(question, arguments.seed) if arguments.baselines else []
+    asked = read_problem(arguments)
+    rows = compared(arguments, asked, limits)
+    baselines = _baselines(asked, arguments.seed) if arguments.baselines else []
     with held_back():
-        _show(arguments, question, rows, baselines)
+        _show(arguments, asked, rows, baselines)
     return 0
 
 
 def _show(
-    arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], baselines: list[dict[str, Any]]
+    arguments: argparse.Namespace, asked: TableProblem, rows: list[dict[str, Any]], baselines: list[dict[str, Any]]
 ) -> None:
-    problem = question.problem
+    problem = asked.problem
     if arguments.json:
         beside: dict[str, Any] = {"baselines": baselines} if arguments.baselines else {}
-        notes = {"notes": list(question.notes)}
+        notes = {"notes": list(asked.notes)}
         print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **beside, **notes})
         return
     measures = problem.loss.measured
-    held = () if question.held_out is None else tuple(f"{name} held out" for name in measures)
-    print_notes(question.notes)
+    held = () if asked.held_out is None else tuple(f"{name} held out" for name in measures)
+    print_notes(asked.notes)
     print(table_of(rows, (*measures, *held), measures))
     if baselines:
         named = [{**_shown(row, measures), "baseline": row["method"]} for row in baselines]
         print("\n" + markdown_table(named, ("baseline", *measures, *held, "seconds")))
-    if question.held_out is not None:
-        print(f"\n{problem.n_samples} training samples, {len(question.held_out.codes)} held out")
+    if asked.held_out is not None:
+        print(f"\n{problem.n_samples} training samples, {len(asked.held_out.codes)} held out")
     for sentence in reasons([*rows, *baselines]):
         print(f"\n{sentence}")
 
@@ -77,17 +77,17 @@ def reasons(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
             yield f"{row['method']}: its bound holds for {row['scope']} only"
 
 
-def compared(arguments: argparse.Namespace, question: Question, limits: Limits) -> list[dict[str, Any]]:
+def compared(arguments: argparse.Namespace, asked: TableProblem, limits: Limits) -> list[dict[str, Any]]:
     """Return a row for each method; after a signal those that are known, if there are any.
 
     Each says how far it can be from the optimum, by the best bound of any method that speaks about all trees.
     """
     rows: list[dict[str, Any]] = []
     methods = methods_of(arguments)
-    _refuse_options_of_none(arguments, question.problem, methods)
+    _refuse_options_of_none(arguments, asked.problem, methods)
     for method in methods:
         try:
-            row = _row(arguments, question, method, limits)
+            row = _row(arguments, asked, method, limits)
         except BaseException:  # between two solves a signal makes any error, of an import for instance
             if rows and interruption.is_heard():
                 break
@@ -101,9 +101,9 @@ def compared(arguments: argparse.Namespace, question: Question, limits: Limits) 
     return rows
 
 
-def _baselines(question: Question, seed: int) -> list[dict[str, Any]]:
+def _baselines(asked: TableProblem, seed: int) -> list[dict[str, Any]]:
     """Return a row for each baseline; after a signal those that are known."""
-    problem = question.problem
+    problem = asked.problem
     rows: list[dict[str, Any]] = []
     for name, train in baselines_of(problem).items():
         start = time.perf_counter()
@@ -117,7 +117,7 @@ def _baselines(question: Question, seed: int) -> list[dict[str, Any]]:
             rows.append({"method": name, "error": " ".join(str(error).split())})
             continue
         seconds = time.perf_counter() - start
-        held = question.held_out and score_json(score_of(problem, predictor, question.held_out))
+        held = asked.held_out and score_json(score_of(problem, predictor, asked.held_out))
         training = score_json(score_of(problem, predictor))
         rows.append({"method": name, **(training or {}), "held_out": held, "seconds": seconds})
     return rows
@@ -145,8 +145,8 @@ def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, met
             )
 
 
-def _row(arguments: argparse.Namespace, question: Question, method: Any, limits: Limits) -> dict[str, Any]:
-    problem = question.problem
+def _row(arguments: argparse.Namespace, asked: TableProblem, method: Any, limits: Limits) -> dict[str, Any]:
+    problem = asked.problem
     try:
         chosen_method(problem, method)  # or the reason why there is none
         with ProgressLine(f"{method}: ") as progress:
@@ -158,7 +158,7 @@ def _row(arguments: argparse.Namespace, question: Question, method: Any, limits:
         if solution.tree is None:
             return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
         row = describe(problem, solution, certify(problem, solution))
-        held = question.held_out and score_json(score(problem, solution.tree, question.held_out))
+        held = asked.held_out and score_json(score(problem, solution.tree, asked.held_out))
         by = solution.details.get("tree_by", method)
         times.end(solution)
         reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}

@@ -27,7 +27,7 @@ from octmip.interfaces.cli.arguments import (
     method_options,
 )
 from octmip.interfaces.cli.options.frontier import PICTURES
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back, is_heard
@@ -49,8 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
         )  # matplotlib is an extra: missing, it is named before the work
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
-    question = ask(arguments)
-    problem = question.problem
+    asked = read_problem(arguments)
+    problem = asked.problem
     with method_options(arguments, problem) as options:
         points = _points(arguments, problem, values, limits, options)
         choice = None if arguments.folds is None else _choice(arguments, problem, limits, options)
@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
                 step = choice.step_at(point.problem.depth, point.problem.leaf_penalty / problem.baseline)
                 row["held_out"] = step.validation_cost
         with then_written(arguments.out, partial(_draw, points=points, over=arguments.over), is_quiet=True):
-            _show(arguments, question, rows, choice)
+            _show(arguments, asked, rows, choice)
     return 0
 
 
@@ -86,14 +86,16 @@ def _points(
         )
 
 
-def _show(arguments: argparse.Namespace, question: Question, rows: list[dict[str, Any]], choice: Choice | None) -> None:
+def _show(
+    arguments: argparse.Namespace, asked: TableProblem, rows: list[dict[str, Any]], choice: Choice | None
+) -> None:
     if arguments.json:
         chosen = {} if choice is None else {"chosen": _chosen(choice)}
-        found = {"over": arguments.over, "n_samples": question.problem.n_samples, "rows": rows}
-        print_json(found | {"notes": list(question.notes)} | chosen)
+        found = {"over": arguments.over, "n_samples": asked.problem.n_samples, "rows": rows}
+        print_json(found | {"notes": list(asked.notes)} | chosen)
         return
-    print_notes(question.notes)
-    print(_table(arguments.over, rows, question.problem.loss.measured))
+    print_notes(asked.notes)
+    print(_table(arguments.over, rows, asked.problem.loss.measured))
     if choice is not None:
         best = _chosen(choice)
         print(

@@ -26,7 +26,7 @@ from octmip.interfaces.cli.arguments import (
     method_options,
 )
 from octmip.interfaces.cli.foreign_solution import read_solution, refuse_alone
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.new_rows import (
     choice_text,
     difference_text,
@@ -71,20 +71,20 @@ def run(arguments: argparse.Namespace) -> int:
         refuse_alone(arguments)
     if arguments.depth is None:
         return _choose(arguments, limits)
-    question = ask(arguments)
+    asked = read_problem(arguments)
     if arguments.proof:
-        check_provable(question.problem)
+        check_provable(asked.problem)
     if arguments.write_problem:
-        write_problem_file(arguments.write_problem, question.problem)
-    incumbent = _incumbent(arguments.incumbent, question.problem) if arguments.incumbent else None
+        write_problem_file(arguments.write_problem, asked.problem)
+    incumbent = _incumbent(arguments.incumbent, asked.problem) if arguments.incumbent else None
     unproven: ProofError | None = None
-    with method_options(arguments, question.problem) as options, ProgressLine() as progress:
+    with method_options(arguments, asked.problem) as options, ProgressLine() as progress:
         try:
             if arguments.read_solution:
-                solution = read_solution(arguments, question.problem, options, limits, incumbent)
+                solution = read_solution(arguments, asked.problem, options, limits, incumbent)
             else:
                 solution = solve(
-                    question.problem,
+                    asked.problem,
                     arguments.method,
                     limits,
                     incumbent,
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
                 )
         except ProofError as error:
             solution, unproven = error.solution, error
-    _show(arguments, question, solution)
+    _show(arguments, asked, solution)
     if unproven is not None:
         raise unproven  # said last: the tree is shown and written all the same
     return 0
@@ -110,12 +110,12 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
             f"{option} is given without --depth, where cross-validation chooses kind, depth and penalty of the tree; "
             f"expected --depth D beside it; add it, or leave {option} out"
         )
-    question = ask(arguments)
+    asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
-    with method_options(arguments, question.problem) as options, ElapsedLine("cross-validating"):
+    with method_options(arguments, asked.problem) as options, ElapsedLine("cross-validating"):
         run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
-        answer = solve_default(question.problem, run)
-    _show(arguments, replace(question, problem=answer.problem), answer.solution)
+        answer = solve_default(asked.problem, run)
+    _show(arguments, replace(asked, problem=answer.problem), answer.solution)
     return 0
 
 
@@ -123,58 +123,58 @@ def _incumbent(path: str, problem: Problem) -> Node:
     return tree_for(problem, read_tree_file(path, problem.loss.predicts))
 
 
-def _show(arguments: argparse.Namespace, question: Question, solution: Solution) -> None:
-    problem = question.problem
+def _show(arguments: argparse.Namespace, asked: TableProblem, solution: Solution) -> None:
+    problem = asked.problem
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
-    found = _beside_cart(arguments, question, solution)
+    found = _beside_cart(arguments, asked, solution)
     with held_back():
         certificate = certify(problem, solution)
-        held_out = question.claim(None if found is None else found.held_out)
-        columns = question.target_column, question.weights_column, question.preparation
+        held_out = asked.claim(None if found is None else found.held_out)
+        columns = asked.target_column, asked.weights_column, asked.preparation
         file = record_tree(problem, solution, *columns, held_out)
         new_rows = expected_words(problem, solution) if found is None else held_out_words(problem, found)
         last = new_rows + verdict(problem, solution, certificate)
         with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
             if arguments.json:
-                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(asked.notes)}
                 compared = {} if found is None else comparison_json(found)
                 print_json(describe(problem, solution, certificate) | more | compared)
             else:
-                _show_words(question, solution, certificate, found)
+                _show_words(asked, solution, certificate, found)
 
 
-def _beside_cart(arguments: argparse.Namespace, question: Question, solution: Solution) -> Comparison | None:
+def _beside_cart(arguments: argparse.Namespace, asked: TableProblem, solution: Solution) -> Comparison | None:
     """Return the tree beside CART on samples held out; None where there are none, or no time for it after a signal."""
-    if question.held_out is None or is_heard():
+    if asked.held_out is None or is_heard():
         return None
     assert solution.tree is not None
     try:
-        return beside_cart(question.problem, solution.tree, question.held_out, arguments.seed)
+        return beside_cart(asked.problem, solution.tree, asked.held_out, arguments.seed)
     except KeyboardInterrupt:
         return None
 
 
-def _show_words(question: Question, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
-    problem, tree = question.problem, solution.tree
+def _show_words(asked: TableProblem, solution: Solution, certificate: Certificate, found: Comparison | None) -> None:
+    problem, tree = asked.problem, solution.tree
     assert tree is not None
-    print_notes(question.notes)
+    print_notes(asked.notes)
     if chosen := choice_text(problem, solution):
         print(f"{chosen}\n")
     if found is not None:
         print(f"{comparison_text(problem, found)}\n{difference_text(problem, found)}\n")
     print(printable(solution_text(problem, solution, certificate)))
     print()
-    print(printable(tree_text(tree, *_names(question), leaf_counts(problem, tree), _columns(question))))
+    print(printable(tree_text(tree, *_names(asked), leaf_counts(problem, tree), _columns(asked))))
     print()
     if doubt := warning_text(problem, tree):
         print(f"{doubt}\n")
 
 
-def _names(question: Question) -> tuple[tuple[str, ...], tuple[object, ...]]:
-    return question.problem.feature_names, question.problem.class_names
+def _names(asked: TableProblem) -> tuple[tuple[str, ...], tuple[object, ...]]:
+    return asked.problem.feature_names, asked.problem.class_names
 
 
-def _columns(question: Question) -> Columns | None:
-    columns = question.preparation.columns
+def _columns(asked: TableProblem) -> Columns | None:
+    columns = asked.preparation.columns
     return None if columns.is_plain else columns

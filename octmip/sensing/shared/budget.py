@@ -20,10 +20,9 @@ from typing import Literal
 
 from octmip.errors import ProblemError
 from octmip.sensing.shared.baseline_split import best_baseline_split
-from octmip.sensing.shared.certificate import certify_joint
 from octmip.sensing.shared.label_trees import JointTrees, LabelTrees
 from octmip.sensing.shared.sensor_sets import Proof, SetSearch
-from octmip.sensing.shared.solution import JointSolution, sensor_prices, weighted_sum
+from octmip.sensing.shared.solution import JointSolution, certify_joint, sensor_prices, weighted_sum
 from octmip.trees._native import __version__
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem

@@ -1,8 +1,13 @@
 """Local search for regression trees: axis-aligned or hyperplane splits, numbers or ridge regressions in the leaves.
 
-Trees are built from the root and improved node by node until nothing gets better: both subtrees of a node given, the
-question that sends each sample where it costs less; or a new subtree in place of the old. Each restart has its own
-features (within the sensor budget) and its own random weights at the start. No bound is proven.
+A restart draws features within the sensor budget, builds a tree from the root under random weights of the samples, and
+improves it: a sweep visits every node once, children first, and keeps the cheapest of three subtrees there.
+
+    the old split between the improved children
+    the split that sends each sample to the child that errs less on it, with new leaves (`by_sides`)
+    a new subtree, built from this node on (`by_means`)
+
+Sweeps end when one of them gains less than `LEAST_SWEEP_GAIN`. No bound is proven.
 """
 
 import math
@@ -16,8 +21,8 @@ from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.problem import Problem
+from octmip.trees.regression.best_split import Samples, by_means, by_sides, parts
 from octmip.trees.regression.leaf_models import constant_of, errors, fitted_leaf
-from octmip.trees.regression.questions import Samples, by_means, by_sides, parts
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.tree import Leaf, Node, complexity, without_empty_sides
 
@@ -25,7 +30,11 @@ SOLVER = "search"
 MOST_SWEEPS = 20
 RESTARTS = 10
 LEAST_GAIN = 1e-12
-"""Of the error of the best leaf: what is less is rounding."""
+"""Share of a subtree's cost that another one must save: less is rounding."""
+LEAST_SWEEP_GAIN = 1e-9
+"""Share of a tree's cost that a sweep must save for another one to follow."""
+SHARE_LEFT_OUT = 0.3
+"""Probability that a restart does without a sensor where no budget does so, from the second restart on."""
 Rows = NDArray[np.int64]
 
 
@@ -112,14 +121,9 @@ class _Search:
 
     def is_affordable(self, tree: Node, feature: int) -> bool:
         """Whether a tree may read one feature more."""
-        sensor = self.problem.sensors[self.problem.sensor_index[feature]]
-        extra = (
-            0.0
-            if sensor in self.problem.sensors_used(tree)
-            else self.problem.sensor_costs[self.problem.sensor_index[feature]]
-        )
-        free = self.problem.sensor_limit - self.problem.sensor_cost_of(tree)
-        return bool(extra == 0.0 or (math.isinf(self.problem.sensor_limit) and free > 0))
+        problem, sensor = self.problem, self.problem.sensor_index[feature]
+        is_paid = problem.sensors[sensor] in problem.sensors_used(tree) or problem.sensor_costs[sensor] == 0.0
+        return bool(is_paid or math.isinf(problem.sensor_limit))
 
     def restart(self, turn: int) -> None:
         """Build a tree over features of its own and improve it."""
@@ -132,7 +136,7 @@ class _Search:
         problem = self.problem
         left, kept = problem.sensor_limit, set()
         for sensor in self.rng.permutation(len(problem.sensors)).tolist():
-            is_left_out = turn > 0 and math.isinf(problem.sensor_limit) and self.rng.random() < 0.3
+            is_left_out = turn > 0 and math.isinf(problem.sensor_limit) and self.rng.random() < SHARE_LEFT_OUT
             if problem.sensor_costs[sensor] <= left and not is_left_out:
                 kept.add(sensor)
                 left -= problem.sensor_costs[sensor]
@@ -143,19 +147,19 @@ class _Search:
         group = groups[int(self.rng.integers(len(groups)))]  # whose features may meet in every split
         return np.intersect1d(np.flatnonzero(usable), np.array(group, dtype=np.int64))
 
-    def build(self, rows: Rows, depth: int, tilt: NDArray[np.float64] | None = None) -> Node:
-        """Return a tree for some samples, built from the root; `tilt` (n_samples,) multiplies their weights."""
+    def build(self, rows: Rows, depth: int, factors: NDArray[np.float64] | None = None) -> Node:
+        """Return a tree for some samples, built from the root; `factors` (n_samples,) multiply their weights."""
         problem = self.problem
         leaf = fitted_leaf(problem, rows, self.usable)
         if depth == 0 or len(rows) < max(2, 2 * problem.leaf_size) or not len(self.usable):
             return leaf
-        weights, targets = problem.weights[rows] * (1.0 if tilt is None else tilt[rows]), problem.targets[rows]
+        weights, targets = problem.weights[rows] * (1.0 if factors is None else factors[rows]), problem.targets[rows]
         targets = targets - constant_of(problem, rows)
-        question = Samples(problem, rows, self.usable).best(by_means(weights, targets), weights * targets)
-        if question is None:
+        split = Samples(problem, rows, self.usable).best(by_means(weights, targets), weights * targets)
+        if split is None:
             return leaf
-        left, right = (self.build(part, depth - 1, tilt) for part in parts(question, problem.features, rows))
-        return self._better(leaf, replace(question, left=left, right=right), rows)
+        left, right = (self.build(part, depth - 1, factors) for part in parts(split, problem.features, rows))
+        return self._better(leaf, replace(split, left=left, right=right), rows)
 
     def _cost(self, node: Node, rows: Rows) -> float:
         return float(errors(self.problem, node, rows).sum()) + self.problem.leaf_penalty * complexity(node)
@@ -172,7 +176,7 @@ class _Search:
             tree = self._improved(tree, self.rows, self.problem.depth)
             cost = self._cost(tree, self.rows)
             self.keep(tree)
-            if cost >= before * (1 - 1e-9) or self.is_over():
+            if cost >= before * (1 - LEAST_SWEEP_GAIN) or self.is_over():
                 return
             before = cost
 
@@ -188,9 +192,9 @@ class _Search:
         if self.is_over():
             return node
         costs = [errors(self.problem, side, rows) for side in (node.left, node.right)]
-        question = Samples(self.problem, rows, self.usable).best(by_sides(*costs), costs[0] - costs[1])
-        if question is not None:
-            other = self._refitted(replace(question, left=node.left, right=node.right), rows)
+        split = Samples(self.problem, rows, self.usable).best(by_sides(*costs), costs[0] - costs[1])
+        if split is not None:
+            other = self._refitted(replace(split, left=node.left, right=node.right), rows)
             node = node if other is None else self._better(node, other, rows)
         return self._better(node, self.build(rows, depth), rows)
 

@@ -6,7 +6,7 @@ import pandas as pd
 from octmip import Problem, solve
 from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.options import solve as options
-from octmip.interfaces.cli.samples.question import ask
+from octmip.interfaces.cli.samples.table_problem import read_problem
 
 
 def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
@@ -18,7 +18,7 @@ def test_a_parquet_file_of_float32_columns_makes_no_float64_table(tmp_path):
     frame.assign(y=labels).to_parquet(path)
     parser = Parser("octmip solve", None)
     options.add_arguments(parser)
-    problem = ask(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
+    problem = read_problem(parser.parse_args([str(path), "--label", "y", "--depth", "2"])).problem
     assert problem.features.dtype == np.float32
     wide = Problem(features.astype(np.float64), labels, depth=2)
     assert solve(problem, "exact").objective == solve(wide, "exact").objective

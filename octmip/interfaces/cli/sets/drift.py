@@ -12,7 +12,7 @@ from octmip.formats.tree_file import finite_or_none, record_tree, write_tree_fil
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, tree_text
 from octmip.trees.drift.bands import Amount
@@ -28,11 +28,11 @@ VERSION = 1
 def run(arguments: argparse.Namespace) -> int:
     """Search, show, write."""
     limits = limits_of(arguments)
-    question = ask(arguments)
-    bands = bands_of(arguments.off, question.problem)
+    asked = read_problem(arguments)
+    bands = bands_of(arguments.off, asked.problem)
     with ProgressLine() as progress:
         found = solve(
-            question.problem,
+            asked.problem,
             bands,
             arguments.gauges_off,
             limits,
@@ -41,15 +41,15 @@ def run(arguments: argparse.Namespace) -> int:
             progress=progress,
         )
     with held_back():
-        columns = question.target_column, question.weights_column, question.preparation
-        file = record_tree(question.problem, _plain(found), *columns, None)
+        columns = asked.target_column, asked.weights_column, asked.preparation
+        file = record_tree(asked.problem, _plain(found), *columns, None)
         with then_written(arguments.out, partial(write_tree_file, file=file), _verdict(found), is_quiet=arguments.json):
             if arguments.json:
-                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(question.notes)}
-                print_json(as_json(question.problem, found) | more)
+                more = {"threads": arguments.threads, "out": arguments.out, "notes": list(asked.notes)}
+                print_json(as_json(asked.problem, found) | more)
             else:
-                print_notes(question.notes)
-                print(printable(_text(question, found)))
+                print_notes(asked.notes)
+                print(printable(_text(asked, found)))
     return 0
 
 
@@ -110,10 +110,10 @@ def as_json(problem: Problem, found: DriftSolution) -> dict[str, Any]:
     }
 
 
-def _text(question: Question, found: DriftSolution) -> str:
-    problem, figures = question.problem, found.figures
+def _text(asked: TableProblem, found: DriftSolution) -> str:
+    problem, figures = asked.problem, found.figures
     assert found.solution.tree is not None
-    columns = None if question.preparation.columns.is_plain else question.preparation.columns
+    columns = None if asked.preparation.columns.is_plain else asked.preparation.columns
     tree = tree_text(found.solution.tree, problem.feature_names, problem.class_names, None, columns)
     rows = [{"gauges off": "none", "cost": number(figures.plain)}]
     for names, cost in sorted(figures.by_gauges.items(), key=lambda item: -item[1]):

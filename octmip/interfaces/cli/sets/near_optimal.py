@@ -8,7 +8,7 @@ from octmip.formats.names import shown
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable
 from octmip.interfaces.cli.arguments import limits_of
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.cli.sets.amount import amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
@@ -27,10 +27,10 @@ def run(arguments: argparse.Namespace) -> int:
     for name in ("best", "sample"):
         if not 0 <= getattr(arguments, name) <= MOST_TREES:
             raise DataError(f"--{name} is {getattr(arguments, name)}; expected 0 to {MOST_TREES} trees")
-    question = ask(arguments)
+    asked = read_problem(arguments)
     with ProgressLine() as progress:
         found = near_optimal(
-            question.problem,
+            asked.problem,
             amount.within,
             amount.relative,
             limits,
@@ -42,9 +42,9 @@ def run(arguments: argparse.Namespace) -> int:
     best, samples = _chosen(found, arguments)
     with held_back():
         if arguments.json:
-            print_json(as_json(found, best, samples) | {"threads": arguments.threads, "notes": list(question.notes)})
+            print_json(as_json(found, best, samples) | {"threads": arguments.threads, "notes": list(asked.notes)})
         else:
-            _show(question, found, best, samples, arguments.sample > 0)
+            _show(asked, found, best, samples, arguments.sample > 0)
     return 0
 
 
@@ -99,9 +99,9 @@ def _tree_json(found: NearOptimalSet, entry: NearTree) -> dict[str, Any]:
 
 
 def _show(
-    question: Question, found: NearOptimalSet, best: list[NearTree], samples: list[NearTree], wants_samples: bool
+    asked: TableProblem, found: NearOptimalSet, best: list[NearTree], samples: list[NearTree], wants_samples: bool
 ) -> None:
-    print_notes(question.notes)
+    print_notes(asked.notes)
     print(_summary(found))
     print(f"predictions: {_predictions(found)}\n")
     print(printable(_roots(found)))
@@ -109,8 +109,8 @@ def _show(
         print(printable(f"\n{_sets(found)}"))
     for title, trees in (("best", best), ("sample", samples)):
         for k, entry in enumerate(trees, 1):
-            columns = None if question.preparation.columns.is_plain else question.preparation.columns
-            problem = question.problem
+            columns = None if asked.preparation.columns.is_plain else asked.preparation.columns
+            problem = asked.problem
             words = tree_text(entry.tree, problem.feature_names, problem.class_names, None, columns)
             print(printable(f"\n{title} {k}, objective {number(entry.objective)}\n{words}"))
     print(f"\n{_verdict(found, wants_samples)}")

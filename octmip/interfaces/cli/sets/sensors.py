@@ -16,7 +16,7 @@ from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.options.sensors import PICTURES
-from octmip.interfaces.cli.samples.question import Question, ask
+from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.cli.sets.amount import Amount, amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number
@@ -38,11 +38,11 @@ def run(arguments: argparse.Namespace) -> int:
         importlib.import_module(
             "octmip.interfaces.plot"
         )  # matplotlib is an extra: missing, it is named before the work
-    question = ask(arguments)
+    asked = read_problem(arguments)
     with ElapsedLine("weighing sensors"):
         found = sensor_roles(
-            question.problem,
-            _within(question, amount, arguments),
+            asked.problem,
+            _within(asked, amount, arguments),
             limits,
             pairs=arguments.pairs,
             seed=arguments.seed,
@@ -50,17 +50,17 @@ def run(arguments: argparse.Namespace) -> int:
         )
     with then_written(arguments.out, partial(_draw, found=found), is_quiet=True):
         if arguments.json:
-            print_json(as_json(found) | {"threads": arguments.threads, "notes": list(question.notes)})
+            print_json(as_json(found) | {"threads": arguments.threads, "notes": list(asked.notes)})
         else:
-            print_notes(question.notes)
+            print_notes(asked.notes)
             print(printable(_text(found)))
     return 0
 
 
-def _within(question: Question, amount: Amount, arguments: argparse.Namespace) -> float:
+def _within(asked: TableProblem, amount: Amount, arguments: argparse.Namespace) -> float:
     if amount.relative is None or amount.relative == 0:
         return amount.within or 0.0
-    best = solve(question.problem, "exact", limits_of(arguments), seed=arguments.seed, n_jobs=arguments.threads)
+    best = solve(asked.problem, "exact", limits_of(arguments), seed=arguments.seed, n_jobs=arguments.threads)
     return amount.above(best.objective)
 
 

@@ -12,7 +12,7 @@
 //! boxes       trees whose cuts lie in intervals, and a bound by samples
 //! table       sums by class over the samples at an interval of cuts of the root
 //! bounds      pairs of children at such an interval, bounded by these sums
-//! run         intervals and boxes, the least bound first
+//! branch_and_bound  intervals of cuts of the root and boxes of trees, the least bound first
 //! step        the best cut of one node while the others stay
 //! search      local search over whole trees
 //! ```
@@ -21,12 +21,12 @@
 
 mod bounds;
 mod boxes;
+mod branch_and_bound;
 mod cut;
 mod draft;
 mod instance;
 mod label_sets;
 mod reach;
-mod run;
 mod scan;
 mod search;
 mod shares;
@@ -34,6 +34,6 @@ mod step;
 mod table;
 mod zones;
 
+pub use branch_and_bound::solve;
 pub use instance::Bands;
-pub use run::solve;
 pub use search::search;

@@ -1,4 +1,17 @@
-//! Branch and bound to depth 2: boxes of trees, the least bound first.
+//! Branch and bound over the trees of depth 2 of least worst case, the least bound first.
+//!
+//! A task is an interval `[lo, hi]` of cuts of one feature at the root, with the labels that each child may predict.
+//!
+//! Theorem (monotone cuts). When the root's cut moves up, the left child takes more samples and the right one fewer. So
+//! what the left child costs at least at `lo`, and the right one at `hi`, bounds every tree of the task.
+//!
+//! 1. `bisected` bounds the middle cut. If no tree there beats the best known one, none does at any near cut that
+//!    `reach` names, and both sides of these remain as tasks, with better bounds of one child each.
+//! 2. If the middle cut stays open in a narrow interval, the task becomes pairs of intervals, one for each child.
+//!    `pruned` drops the pairs that cannot beat the best tree and halves the rest together with the root's interval.
+//! 3. `enumerated` looks at all trees of a narrow pair, one by one, and keeps the best.
+//!
+//! The search ends when the least bound of open and busy tasks reaches the best tree: docs/theory/drift.md.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -18,12 +31,15 @@ use crate::problem::Problem;
 use crate::supervise::Supervision;
 use crate::tree::Tree;
 
-/// An interval of cuts of the root that is no wider than this part of all is closed by boxes if its middle cut is open.
-const PART: u32 = 32;
-/// Widest interval of cuts of the root whose pairs are looked at sample by sample.
-const NARROW: u32 = 24;
-/// Children are halved while they are so many times as wide as the root.
-const WIDER: u32 = 2;
+/// An interval of the root becomes pairs when it holds at most one in so many cuts of its feature.
+const ROOT_CUTS_BY_CUTS_OF_PAIRS: u32 = 32;
+/// Most cuts of an interval of the root whose trees are looked at one by one.
+const MOST_ENUMERATED_CUTS: u32 = 24;
+/// A child's interval is halved while it holds more than so many times the cuts of the root's.
+const MOST_CHILD_CUTS_BY_ROOT_CUTS: u32 = 2;
+/// The bound in `State::busy` of a thread that works on nothing, and of a place that no thread has taken.
+const IDLE: i64 = i64::MAX - 1;
+const UNTAKEN: i64 = i64::MAX;
 
 /// The tree of least worst case to depth 2, and a bound. `floor` is a bound that is known beforehand.
 pub fn solve(
@@ -45,21 +61,21 @@ pub fn solve(
     search.outcome()
 }
 
-/// Cuts of the root, the labels of both children given.
+/// An interval of cuts of the root, and what is known of the children there.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Task {
     /// `WHOLE` times over.
     bound: i64,
     sets: usize,
     root: Cuts,
-    left: Left,
+    children: OfChildren,
 }
 
 /// What is known of the children.
 #[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Left {
+enum OfChildren {
     /// What the left child costs at least at the lowest cut, and the right one at the highest, in every mixture.
-    All([Vec<i64>; 2]),
+    Bounds([Vec<i64>; 2]),
     /// The pairs that are not closed.
     Pairs(Vec<Pair>),
 }
@@ -67,14 +83,14 @@ enum Left {
 impl Task {
     /// The number of its pairs, 1 for all.
     fn size(&self) -> usize {
-        if let Left::Pairs(pairs) = &self.left { pairs.len() } else { 1 }
+        if let OfChildren::Pairs(pairs) = &self.children { pairs.len() } else { 1 }
     }
 }
 
 #[derive(Debug)]
 struct State {
     open: BinaryHeap<Reverse<Task>>,
-    /// Bounds of the tasks that threads are at.
+    /// For each thread the bound of the task that it works on, `IDLE` or `UNTAKEN`.
     busy: Vec<i64>,
     best: (i64, Tree),
     n_pairs: usize,
@@ -120,12 +136,12 @@ impl<'a> Search<'a> {
                 let nothing = [0, 1].map(|_| vec![0; prepared.mixtures.len()]);
                 let bound = prepared.least_bound(set, prepared.band(set, feature, lo, hi), [&nothing[0], &nothing[1]]);
                 let root = Cuts { feature, lo, hi };
-                open.push(Reverse(Task { bound, sets: number, root, left: Left::All(nothing) }));
+                open.push(Reverse(Task { bound, sets: number, root, children: OfChildren::Bounds(nothing) }));
             }
         }
         let best_cost = AtomicI64::new(best.0);
         let n_pairs = open.len();
-        let state = Mutex::new(State { open, busy: vec![i64::MAX; n_threads], best, n_pairs });
+        let state = Mutex::new(State { open, busy: vec![UNTAKEN; n_threads], best, n_pairs });
         Self { prepared, children, sets, state, best: best_cost, floor, n_nodes: AtomicU64::new(0), supervision }
     }
 
@@ -146,8 +162,8 @@ impl<'a> Search<'a> {
     fn work(&self) {
         let mut zones = Zones::default();
         let Some(place) = self.with_state(|state| {
-            let place = state.busy.iter().position(|&bound| bound == i64::MAX)?;
-            state.busy[place] = i64::MAX - 1;
+            let place = state.busy.iter().position(|&bound| bound == UNTAKEN)?;
+            state.busy[place] = IDLE;
             Some(place)
         }) else {
             return;
@@ -155,9 +171,9 @@ impl<'a> Search<'a> {
         while !self.supervision.is_stopped() {
             match self.next(place) {
                 Next::Task(task) => {
-                    let parts = match task.left {
-                        Left::All(ref children) => self.part(&task, children, &mut zones),
-                        Left::Pairs(ref pairs) => self.close(&task, pairs),
+                    let parts = match task.children {
+                        OfChildren::Bounds(ref children) => self.bisected(&task, children, &mut zones),
+                        OfChildren::Pairs(ref pairs) => self.pruned(&task, pairs),
                     };
                     if self.supervision.is_stopped() {
                         return; // its bound stays among the busy ones
@@ -165,7 +181,7 @@ impl<'a> Search<'a> {
                     self.with_state(|state| {
                         state.n_pairs += parts.iter().map(Task::size).sum::<usize>();
                         state.open.extend(parts.into_iter().map(Reverse));
-                        state.busy[place] = i64::MAX - 1;
+                        state.busy[place] = IDLE;
                     });
                 }
                 Next::Wait => std::thread::sleep(std::time::Duration::from_micros(50)),
@@ -194,14 +210,14 @@ impl<'a> Search<'a> {
                     state.open.clear();
                     Next::Done
                 }
-                None if state.busy.iter().all(|&bound| bound >= i64::MAX - 1) => Next::Done,
+                None if state.busy.iter().all(|&bound| bound >= IDLE) => Next::Done,
                 None => Next::Wait,
             }
         })
     }
 
-    /// Bound the middle cut of an interval; what is left of it on both sides, unless closed too.
-    fn part(&self, task: &Task, known: &[Vec<i64>; 2], zones: &mut Zones) -> Vec<Task> {
+    /// The tasks that remain of an interval after its middle cut is bounded.
+    fn bisected(&self, task: &Task, known: &[Vec<i64>; 2], zones: &mut Zones) -> Vec<Task> {
         let (pairs, sets, losses) = &self.sets[task.sets];
         let (feature, cut) = (task.root.feature, task.root.lo + (task.root.hi - task.root.lo) / 2);
         zones.set(self.prepared.instance, feature, cut);
@@ -216,9 +232,12 @@ impl<'a> Search<'a> {
             let (first, last) = reach(&root, losses, costs, self.target(), (lo, hi));
             ends[0] = (first > lo).then(|| Cuts { hi: first - 1, ..task.root });
             ends[1] = (last < hi).then(|| Cuts { lo: last + 1, ..task.root });
-        } else if task.root.width() * PART <= self.prepared.instance.features[feature].n_ranks as u32 || lo == hi {
+        } else if task.root.width() * ROOT_CUTS_BY_CUTS_OF_PAIRS
+            <= self.prepared.instance.features[feature].n_ranks as u32
+            || lo == hi
+        {
             let pairs = self.children.pairs(feature, &sets.labels);
-            return vec![Task { bound: task.bound, left: Left::Pairs(pairs), ..*task }];
+            return vec![Task { bound: task.bound, children: OfChildren::Pairs(pairs), ..*task }];
         }
         let [left, right] = children;
         let known = [[known[0].clone(), right], [left, known[1].clone()]];
@@ -226,18 +245,18 @@ impl<'a> Search<'a> {
         let made = parts.map(|(root, known)| {
             let band = self.prepared.band(sets, feature, root.lo, root.hi);
             let bound = self.prepared.least_bound(sets, band, [&known[0], &known[1]]).max(task.bound);
-            Task { bound, sets: task.sets, root, left: Left::All(known) }
+            Task { bound, sets: task.sets, root, children: OfChildren::Bounds(known) }
         });
         made.filter(|part| !self.is_closed(part.bound)).collect()
     }
 
-    /// Leave out the pairs of children that are closed at all cuts of the root; both halves with what is left.
-    fn close(&self, task: &Task, pairs: &[Pair]) -> Vec<Task> {
+    /// Both halves of the root's interval, with the pairs of children that may still hold a better tree.
+    fn pruned(&self, task: &Task, pairs: &[Pair]) -> Vec<Task> {
         self.n_nodes.fetch_add(1, Ordering::Relaxed);
         let (root, labels) = (task.root, &self.sets[task.sets].1.labels);
         let mut bounds = Bounds::new(self.children, root, *labels);
         let mut stack = pairs.to_vec();
-        let (mut left, mut least) = (Vec::new(), i64::MAX / WHOLE);
+        let (mut open, mut least) = (Vec::new(), i64::MAX / WHOLE);
         while let Some(pair) = stack.pop() {
             let bound = bounds.of(pair, self.best());
             if bound >= self.best() {
@@ -245,25 +264,25 @@ impl<'a> Search<'a> {
             }
             let widths = pair.map(|place| self.children.width(place));
             let wider = usize::from(widths[1] > widths[0]);
-            if widths[wider] > WIDER * root.width() {
+            if widths[wider] > MOST_CHILD_CUTS_BY_ROOT_CUTS * root.width() {
                 stack.extend(self.children.halves(pair, wider));
-            } else if root.width() > NARROW {
-                left.push(pair);
+            } else if root.width() > MOST_ENUMERATED_CUTS {
+                open.push(pair);
                 least = least.min(bound);
             } else {
-                self.settle(self.children.trees(root, labels, pair));
+                self.enumerated(self.children.trees(root, labels, pair));
             }
             if self.supervision.is_stopped() {
                 return Vec::new();
             }
         }
         let bound = task.bound.max(WHOLE * least);
-        let part = |root: Cuts| Task { bound, sets: task.sets, root, left: Left::Pairs(left.clone()) };
-        if left.is_empty() { Vec::new() } else { root.halves().map(part).into() }
+        let part = |root: Cuts| Task { bound, sets: task.sets, root, children: OfChildren::Pairs(open.clone()) };
+        if open.is_empty() { Vec::new() } else { root.halves().map(part).into() }
     }
 
-    /// Look at all trees of a box, until the search is stopped.
-    fn settle(&self, trees: Trees) {
+    /// Look at all trees of a box that may be better, until the search is stopped.
+    fn enumerated(&self, trees: Trees) {
         let instance = self.prepared.instance;
         let mut stack = vec![trees];
         while let Some(trees) = stack.pop() {
@@ -279,12 +298,12 @@ impl<'a> Search<'a> {
             }
             let draft = trees.draft(instance);
             if let Some((cost, _)) = draft.cost(instance) {
-                self.take(cost, draft.to_tree(instance));
+                self.keep_better(cost, draft.to_tree(instance));
             }
         }
     }
 
-    fn take(&self, cost: i64, tree: Tree) {
+    fn keep_better(&self, cost: i64, tree: Tree) {
         self.with_state(|state| {
             if cost < state.best.0 {
                 state.best = (cost, tree);
@@ -297,7 +316,7 @@ impl<'a> Search<'a> {
     fn figures(&self) -> (i64, i64, usize) {
         self.with_state(|state| {
             let open = state.open.peek().map_or(i64::MAX, |Reverse(task)| task.bound);
-            let least = state.busy.iter().copied().filter(|&bound| bound < i64::MAX - 1).fold(open, i64::min);
+            let least = state.busy.iter().copied().filter(|&bound| bound < IDLE).fold(open, i64::min);
             let bound = if least == i64::MAX { state.best.0 } else { (least + WHOLE - 1).div_euclid(WHOLE) };
             (state.best.0, bound.max(self.floor).min(state.best.0), state.n_pairs)
         })

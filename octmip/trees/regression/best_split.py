@@ -1,8 +1,8 @@
-"""Questions for one node of a regression tree: which samples go left, by one feature or by a hyperplane.
+"""The best split of one node of a regression tree, by one feature or by a hyperplane.
 
-Two things are asked for: the cut that leaves the least squared error around two means (to build a tree from the root),
-and, where both subtrees are given, the cut that sends each sample to the subtree that errs less on it. Source of the
-second: Carreira-Perpinan & Tavallali (2018), tree alternating optimization, Theorem 3.1.
+A score says what each cut costs. `by_means` is the squared error around the means of both sides: it builds a tree from
+the root. `by_sides` takes both subtrees as given and charges each sample the error of its side. Source of the second:
+Carreira-Perpinan & Tavallali (2018), tree alternating optimization, Theorem 3.1.
 """
 
 from collections.abc import Callable
@@ -40,23 +40,23 @@ class Samples:
     usable: Rows
 
     def best(self, score: Score, pull: Floats) -> Split | HyperplaneSplit | None:
-        """Return the question of least score, its sides empty; None where no cut leaves both sides large enough.
+        """Return the split of least score, its sides empty; None where no cut leaves both sides large enough.
 
         `pull` (n_rows,) says how much a sample belongs to the left (below 0) or to the right; hyperplanes fit it.
         """
         values = self.problem.features[np.ix_(self.rows, self.usable)]
         found = self._cut(values, score)
-        question = None
+        split = None
         if found is not None:
-            question = Split(int(self.usable[found[1]]), found[2], NOWHERE, NOWHERE)
+            split = Split(int(self.usable[found[1]]), found[2], NOWHERE, NOWHERE)
         plane = self._plane(values, pull) if self.problem.max_split_size > 1 else None
         if plane is None:
-            return question
+            return split
         sums = _sums(plane, self.problem.features, self.rows)
         other = self._cut(sums[:, None], score)
         price = self.problem.leaf_penalty * (len(plane.features) - 1)
         if other is None or (found is not None and found[0] <= other[0] + price):
-            return question
+            return split
         return HyperplaneSplit(plane.features, plane.coefficients, other[2], NOWHERE, NOWHERE)
 
     def _cut(self, values: Floats, score: Score) -> tuple[float, int, float] | None:
@@ -127,7 +127,7 @@ def by_sides(left: Floats, right: Floats) -> Score:
     return score
 
 
-def parts(question: Split | HyperplaneSplit, features: Floats, rows: Rows) -> tuple[Rows, Rows]:
-    """Return the samples left and right of a question."""
-    left = goes_left(question, features, rows)
+def parts(split: Split | HyperplaneSplit, features: Floats, rows: Rows) -> tuple[Rows, Rows]:
+    """Return the samples on both sides of a split."""
+    left = goes_left(split, features, rows)
     return rows[left], rows[~left]

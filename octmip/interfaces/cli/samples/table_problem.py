@@ -1,4 +1,11 @@
-"""From arguments and a table to the Problem that they ask."""
+"""From the arguments of a command and its table to a Problem.
+
+1. what is predicted: classes (`--label`) or numbers (`--target`), and by which loss
+2. the columns that the arguments choose, and the rows that they keep
+3. columns as features (`octmip.formats.columns`): text encoded, missing cells allowed or refused
+4. rows held out, from this table (`--holdout`) or from another (`--test`)
+5. the Problem, with notes for the user about what changed on the way
+"""
 
 import argparse
 import shlex
@@ -21,7 +28,7 @@ from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.targets import refuse_quantity
 from octmip.interfaces.cli.samples.training import samples_of
-from octmip.trees.losses import ClassCosts, Loss, number_loss
+from octmip.trees.losses import ClassCosts, Loss, NumberLoss, number_loss
 from octmip.trees.problem import Problem
 from octmip.trees.registry import OF_CLASSES_ALONE
 from octmip.trees.shape import splits_of
@@ -32,7 +39,7 @@ FEWEST_COUNTED = 20
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Question:
+class TableProblem:
     """A problem and the table that it was read from.
 
     Attributes
@@ -82,7 +89,7 @@ class Chosen:
         return self.features if self.weights is None else (*self.features, self.weights)
 
 
-def ask(arguments: argparse.Namespace) -> Question:
+def read_problem(arguments: argparse.Namespace) -> TableProblem:
     """Return the problem of a command line.
 
     Raises
@@ -92,46 +99,43 @@ def ask(arguments: argparse.Namespace) -> Question:
     ProblemError
         no tree can answer.
     """
-    if hasattr(arguments, "loss"):
-        _check_predicted(arguments)
-    target = getattr(arguments, "target", None)
-    loss = None if target is None else number_loss(arguments.loss or "squared")
-    if loss is not None:
-        _refuse_options_of_classes(arguments)
+    loss = _loss(arguments)
+    purpose, predicted = ("label", arguments.label) if loss is None else ("target", arguments.target)
     whole = read_table(arguments.data, arguments.format)
-    chosen = _chosen_columns(whole, arguments, target or arguments.label, "label" if loss is None else "target")
+    chosen = _chosen_columns(whole, arguments, predicted, purpose)
     rows = _rows_kept(arguments)
     table = kept_rows(whole, rows, chosen.label, chosen.needed)
     labels = table.labels(chosen.label) if loss is None else table.numbers([chosen.label], "target")[:, 0]
     if loss is None and not arguments.numbers_are_classes:
         refuse_quantity(table, chosen.label, labels)
-    columns = _learned_columns(table, chosen, arguments, doubled=loss is not None)
-    if _kind_of_split(arguments) == "hyperplane" or getattr(arguments, "leaf_model", None) == "linear":
-        columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
-    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
-    features, share = columns.encode(table.frame[list(chosen.features)]), getattr(arguments, "holdout", None)
+    preparation = Preparation(_learned_columns(table, chosen, arguments, loss), chosen.index, rows)
+    features, weights = preparation.columns.encode(table.frame[list(chosen.features)]), _weights(table, chosen)
+    share = getattr(arguments, "holdout", None)
     strata = labels if loss is None else strata_of(loss, labels)
     is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(strata, share, arguments.seed)
     training = features if share is None else features[~is_held]  # a large table is not copied without need
-    problem = _problem(arguments, loss, columns, training, labels[~is_held], weights[~is_held])
-    preparation = Preparation(columns, chosen.index, rows)
+    problem = _problem(arguments, loss, preparation.columns, training, labels[~is_held], weights[~is_held])
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
         held_out = _tested(arguments.test, problem, chosen, preparation)
-    return Question(
-        problem,
-        chosen.label,
-        chosen.weights,
-        preparation,
-        (
-            *_notes_of(len(whole.frame) - len(table.frame), columns, whole),
-            *_forms(table, chosen, "label" if loss is None else "target"),
-            *_gaps(problem),
-        ),
-        held_out,
-        share,
-        arguments.seed,
-    )
+    n_dropped = len(whole.frame) - len(table.frame)
+    notes = *_notes_of(n_dropped, preparation.columns, whole), *_forms(table, chosen, purpose), *_gaps(problem)
+    return TableProblem(problem, chosen.label, chosen.weights, preparation, notes, held_out, share, arguments.seed)
+
+
+def _loss(arguments: argparse.Namespace) -> NumberLoss | None:
+    """Return the loss of the numbers that are predicted; None where classes are."""
+    if hasattr(arguments, "loss"):
+        _check_predicted(arguments)
+    if getattr(arguments, "target", None) is None:
+        return None
+    _refuse_options_of_classes(arguments)
+    return number_loss(arguments.loss or "squared")
+
+
+def _weights(table: Table, chosen: Chosen) -> NDArray[np.float64]:
+    """Return the weights (n_rows,) of the rows, 1 where no column holds any."""
+    return table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(table.frame))
 
 
 def _check_predicted(arguments: argparse.Namespace) -> None:
@@ -202,20 +206,24 @@ def _rows_kept(arguments: argparse.Namespace) -> RowsKept:
     return "labelled" if arguments.drop_unlabelled else "all"
 
 
-def _learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, *, doubled: bool = False) -> Columns:
+def _learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace, loss: NumberLoss | None) -> Columns:
     """Return how the columns become features; refuse all that cannot, in one sentence with the switches that help.
 
-    `doubled` makes two complete features of numbers with missing cells (`Columns.learn`), where a split is a cut alone.
+    Of a loss of numbers, whose splits are cuts alone, numbers with missing cells become two complete features.
     """
     missing: Literal["either-side", "refuse"] = "either-side" if arguments.missing == "either-side" else "refuse"
     frame = table.frame[list(chosen.features)]
     reasons = {} if arguments.categories else mixed_columns(table, chosen.features)
     try:
-        columns = Columns.learn(frame, categories=arguments.categories or "yes-no", missing=missing, doubled=doubled)
+        columns = Columns.learn(
+            frame, categories=arguments.categories or "yes-no", missing=missing, doubled=loss is not None
+        )
     except ColumnsError as error:
         reasons = dict(error.reasons) | reasons
     if reasons:
         raise DataError(f"{table.name}: {ColumnsError(reasons, len(chosen.features))}; {_cure(reasons)}")
+    if _kind_of_split(arguments) == "hyperplane" or getattr(arguments, "leaf_model", None) == "linear":
+        columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
     return columns
 
 
@@ -294,9 +302,8 @@ def _tested(path: str, problem: Problem, chosen: Chosen, preparation: Preparatio
     labels = (
         table.numbers([chosen.label], "target")[:, 0] if is_number else table.labels(chosen.label, problem.class_names)
     )
-    weights = table.numbers([chosen.weights], "weight")[:, 0] if chosen.weights else np.ones(len(labels))
     try:
-        return samples_of(problem, preparation.columns.encode(table.frame), labels, weights)
+        return samples_of(problem, preparation.columns.encode(table.frame), labels, _weights(table, chosen))
     except ColumnsError as error:
         raise DataError(f"{table.name}: {error}") from error
 
