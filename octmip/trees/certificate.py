@@ -4,7 +4,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -207,13 +207,44 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
         raise CertificateError(f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {leaf}")
     if not (math.isinf(solution.bound) or problem.is_provable):
         raise CertificateError(f"{solution.solver} claims a bound of trees that no solver here has a proof for")
-    if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
-        raise CertificateError(
-            f"{solution.solver} says optimal but its bound {solution.bound} does not meet its objective {objective}"
-        )
     least = problem.least_saving_from(objective)
-    if not is_tolerable(solution.tolerance, least):
+    check_optimality(solution.solver, solution, objective, least, problem.words_of_saving)
+
+
+class Claimed(Protocol):
+    """What every solution claims of its bound."""
+
+    @property
+    def bound(self) -> float:
+        """What no tree costs less than."""
+
+    @property
+    def stop(self) -> Stop:
+        """Why the search ended."""
+
+    @property
+    def tolerance(self) -> float:
+        """How far the bound may lie below the objective of a tree that is called optimal."""
+
+    @property
+    def is_optimal(self) -> bool:
+        """Whether the bound meets the objective."""
+
+
+def check_optimality(who: str, claimed: Claimed, objective: float, least_saving: float, words_of_saving: str) -> None:
+    """Check that a bound meets the objective where a solution says optimal, by no wider a tolerance than a saving.
+
+    Raises
+    ------
+    CertificateError
+        it does not, or the tolerance could hide a better tree.
+    """
+    if claimed.stop is Stop.OPTIMAL and not claimed.is_optimal:
         raise CertificateError(
-            f"{solution.solver} claims the tolerance {solution.tolerance}, too wide to call anything proven; "
-            f"expected 0 or less than {least}, {problem.words_of_saving}"
+            f"{who} says optimal but its bound {claimed.bound} does not meet its objective {objective}"
+        )
+    if not is_tolerable(claimed.tolerance, least_saving):
+        raise CertificateError(
+            f"{who} claims the tolerance {claimed.tolerance}, too wide to call anything proven; expected 0 or less "
+            f"than {least_saving}, {words_of_saving}"
         )

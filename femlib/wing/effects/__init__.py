@@ -11,7 +11,7 @@ from femlib.wing.effects import (
     payload_inertia,
     planform,
     root_flexibility,
-    skin_thickness,
+    skins,
     spar_skin_debond,
     thermal,
 )
@@ -21,7 +21,7 @@ from femlib.wing.model import Wing
 
 EFFECTS = (
     modulus.effect,
-    skin_thickness.effect,
+    skins.skin_thickness,
     thermal.temperature_uniform,
     thermal.temperature_gradient,
     lift.lift_distribution,

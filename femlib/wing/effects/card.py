@@ -16,6 +16,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from femlib.arrays import FloatArray
 from femlib.wing.effects.response import Response
 
@@ -99,6 +101,11 @@ class WingEffect:
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return self.response.strains(state, self.force(state, load_factor, place))
+
+
+def no_force(response: Response) -> Force:
+    """Return the force (n_dofs,) of an effect that is none: its `signature` says all."""
+    return lambda state, load_factor, place: np.zeros_like(response.wing.lift)
 
 
 class FixedForce(WingEffect):

@@ -23,7 +23,7 @@ from femlib.arrays import FloatArray
 from femlib.assembly import CorotatedShells, Deflection
 from femlib.components import damage_row
 from femlib.wing.bent import gauge_strains, stiffness_factor
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import WingEffect, no_force
 from femlib.wing.effects.response import Response
 
 SMALL_LOAD = 0.02
@@ -89,10 +89,6 @@ def powers(response: Response, state: Mapping[str, float]) -> tuple[FloatArray, 
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return np.zeros_like(response.wing.lift)
-
     return LargeDeflection(
         name="large_deflection",
         parameter="geometric nonlinearity, 1 is the theory of a lift that stays vertical",
@@ -109,7 +105,7 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection",),
         load_power=None,
         response=response,
-        force=force,
+        force=no_force(response),
         is_one_sided=True,
         signature_error=0.3,
         powers=Powers(response),

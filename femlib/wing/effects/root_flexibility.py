@@ -13,7 +13,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import WingEffect, no_force
 from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
@@ -59,10 +59,6 @@ def root_moment(wing: Wing) -> float:
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return np.zeros_like(response.wing.lift)
-
     return RootFlexibility(
         name="root_flexibility",
         parameter="turn of the mount per bending moment at the root",
@@ -76,6 +72,6 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,
-        force=force,
+        force=no_force(response),
         is_one_sided=True,
     )

@@ -24,7 +24,7 @@ import scipy.sparse as sparse
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import factorise
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.effects.card import WingEffect
+from femlib.wing.effects.card import WingEffect, no_force
 from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
@@ -133,10 +133,6 @@ def web_edge(wing: Wing, flange: str) -> tuple[BoolArray, IntArray]:
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return np.zeros_like(response.wing.lift)
-
     lengths = [(c - 0.5 * w, c + 0.5 * w) for c, w in product(SPAN_CENTRES.tolist(), SPAN_WIDTHS)]
     inside = [(inner, outer) for inner, outer in lengths if inner > 0.0 and outer < 1.0]
     return SparSkinDebond(
@@ -155,7 +151,7 @@ def effect(response: Response) -> WingEffect:
         ),
         load_power=1,
         response=response,
-        force=force,
+        force=no_force(response),
         place_names=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
         signature_error=0.2,

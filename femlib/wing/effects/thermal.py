@@ -76,16 +76,11 @@ class WarmEffect(WingEffect):
 
 def temperature_uniform(response: Response) -> WingEffect:
     """Return the effect of a warmer wing."""
-    wing = response.wing
-    warm = WarmWing(wing, np.ones(wing.structure.shells.mesh.n_elements))
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return warm.force(state)
-
-    return WarmEffect(
+    return _warm_effect(
+        response,
+        np.ones(response.wing.structure.shells.mesh.n_elements),
         name="temperature_uniform",
         parameter="temperature above that at which the gauges were set to zero",
-        unit="K",
         prior_sd=10.0,
         bounds=(-100.0, 100.0),
         prior_source="a flight or a day in a hangar changes the temperature by ten to thirty kelvin",
@@ -96,30 +91,20 @@ def temperature_uniform(response: Response) -> WingEffect:
             "the wing is {size} warmer than when the gauges were set to zero",
             "the wing is {size} colder than when the gauges were set to zero",
         ),
-        seen_by=("thermal_zero",),
-        load_power=0,
-        response=response,
-        force=force,
-        warm=warm,
     )
 
 
 def temperature_gradient(response: Response) -> WingEffect:
     """Return the effect of sun on the upper skin: half the difference above zero, half below, web and ribs between."""
-    wing = response.wing
-    mesh = wing.structure.shells.mesh
+    mesh = response.wing.structure.shells.mesh
     patch = mesh.patch_of_element
     upper = np.isin(patch, [k for k, name in enumerate(mesh.patches) if name not in ("bottom", "web", "ribs")])
     lower = patch == mesh.patches.index("bottom")
-    warm = WarmWing(wing, 0.5 * upper - 0.5 * lower)
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return warm.force(state)
-
-    return WarmEffect(
+    return _warm_effect(
+        response,
+        0.5 * upper - 0.5 * lower,
         name="temperature_gradient",
         parameter="temperature of the upper skin above the lower one",
-        unit="K",
         prior_sd=5.0,
         bounds=(-40.0, 40.0),
         prior_source="sun on a dark skin warms it by five to twenty kelvin",
@@ -130,9 +115,18 @@ def temperature_gradient(response: Response) -> WingEffect:
             "the upper skin is {size} warmer than the lower one",
             "the upper skin is {size} colder than the lower one",
         ),
+    )
+
+
+def _warm_effect(response: Response, warming: FloatArray, **card: Any) -> WingEffect:
+    """Return the effect of a temperature of each element (n_elements,) per unit of size [K]; it needs no load."""
+    warm = WarmWing(response.wing, warming)
+    return WarmEffect(
+        unit="K",
         seen_by=("thermal_zero",),
         load_power=0,
         response=response,
-        force=force,
+        force=lambda state, load_factor, place: warm.force(state),
         warm=warm,
+        **card,
     )

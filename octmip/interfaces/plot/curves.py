@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.interfaces.plot.names import name_entries
-from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame
+from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame, titled
 from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import Choice, Step
 from octmip.trees.uncertainty import ReliabilityBin
@@ -41,9 +41,7 @@ def progress_figure(progress: Sequence[Progress], title: str | None = None) -> F
     axes.set_ylabel("objective", color=INK)
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def frontier_figure(
@@ -71,9 +69,7 @@ def frontier_figure(
     axes.set_ylabel("objective", color=INK)
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: str | None = None) -> Figure:
@@ -100,9 +96,7 @@ def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: st
     axes.set_ylabel("share of hits", color=INK)
     name_entries(axes.legend(frameon=False, fontsize=8, loc="upper left"), ["calibrated", *curves])
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def benchmark_figure(
@@ -173,9 +167,7 @@ def choice_figure(choice: Choice, title: str | None = None) -> Figure:
     axes.set_ylabel("cost on the folds held out", color=INK)
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def _mark(axes: Axes, chosen: Step) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from octmip.formats.columns import Columns
 from octmip.formats.tree_file import leaf_counts
 from octmip.interfaces.plot.names import drawn, plain
-from octmip.interfaces.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance
+from octmip.interfaces.plot.style import INK, PAPER, QUIET, check_names, class_colours, luminance, titled
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, depth, leaves, nodes, prediction
 
@@ -109,9 +109,7 @@ def counted_tree_figure(
     axes.set_xlim(-0.55, len(leaves(tree)) - 0.45)
     axes.set_ylim(depth(tree) + 0.5, -0.45)
     axes.set_axis_off()
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def _lines(node: Node) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.formats.names import shown
 from octmip.interfaces.plot.names import drawn, name_entries, plain
-from octmip.interfaces.plot.style import INK, PAPER, check_names, class_colours, quiet_frame
+from octmip.interfaces.plot.style import INK, PAPER, check_names, class_colours, quiet_frame, titled
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used
 
@@ -60,9 +60,7 @@ def partition_figure(
     plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]]), color=INK))
     plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]]), color=INK))
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> list[int]:

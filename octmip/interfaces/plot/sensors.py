@@ -5,7 +5,7 @@ import math
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, quiet_frame
+from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, quiet_frame, titled
 from octmip.trees.near_sets import Role, SensorRoles
 
 COLOURS = {Role.NEEDED: DISTINCT[1], Role.REPLACEABLE: DISTINCT[0], Role.USELESS: QUIET, Role.UNKNOWN: DISTINCT[5]}
@@ -40,9 +40,7 @@ def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
     above = 1.0 + 0.9 / len(found.roles)
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, above), ncols=4)
     quiet_frame(axes)
-    if title:
-        axes.set_title(title, fontsize=10, color=INK)
-    return figure
+    return titled(figure, axes, title)
 
 
 def _note(axes: Axes, text: str, place: tuple[float, float], aside: float) -> None:

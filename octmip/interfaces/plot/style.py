@@ -7,6 +7,7 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
 from octmip.trees.problem import Problem
@@ -40,6 +41,13 @@ def quiet_frame(axes: Axes) -> None:
     for side in axes.spines.values():
         side.set_color(QUIET)
         side.set_linewidth(0.7)
+
+
+def titled(figure: Figure, axes: Axes, title: str | None) -> Figure:
+    """Return a figure whose axes bear a title, where there is one."""
+    if title:
+        axes.set_title(title, fontsize=10, color=INK)
+    return figure
 
 
 def check_names(problem: Problem, tree: Node) -> None:

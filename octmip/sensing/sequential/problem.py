@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.certificate import check_optimality, checked_leaf_index
 from octmip.trees.problem import Problem
 from octmip.trees.registry import refuse_numbers
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.solution import Solution
 from octmip.trees.tree import Leaf, Node, leaves
 
 Floats = NDArray[np.float64]
@@ -287,17 +287,9 @@ def certify_sequential(sequential: SequentialProblem, solution: Solution) -> Seq
     found = recount(sequential, solution.tree, solution.bound, solution.gap)
     slack = 1e-9 * abs(found.objective)
     least = sequential.problem.least_saving
-    if not 0 <= solution.tolerance < least:
-        raise CertificateError(
-            f"{solution.solver} claims the tolerance {solution.tolerance}; expected 0 or more and less than {least}, "
-            "what one sample or split alone can save"
-        )
     if abs(solution.objective - found.objective) > slack:
         raise CertificateError(f"{solution.solver} claims objective {solution.objective}; recounted {found.objective}")
     if solution.bound > found.objective + slack + solution.tolerance:
         raise CertificateError(f"{solution.solver} claims that no tree is below {solution.bound}; its own has less")
-    if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
-        raise CertificateError(
-            f"{solution.solver} says optimal but its bound {solution.bound} is not the objective {found.objective}"
-        )
+    check_optimality(solution.solver, solution, found.objective, least, "what one sample or split alone can save")
     return found

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.trees.certificate import Certificate, certify
+from octmip.trees.certificate import Certificate, certify, check_optimality
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop, relative_gap
 from octmip.trees.tree import Node
@@ -194,11 +194,7 @@ def certify_joint(joint: JointSolution) -> JointCertificate:
 def _check_claims(joint: JointSolution, objective: float) -> None:
     pairs = zip(joint.weights, joint.problems, strict=True)
     saving = min(max(weight * problem.least_saving, math.ulp(0.0)) for weight, problem in pairs if weight > 0)
-    if not 0 <= joint.tolerance < saving:
-        raise CertificateError(
-            f"the joint solution claims the tolerance {joint.tolerance}; expected 0 or more and less than {saving}, "
-            "what one sample or split of one label alone can save"
-        )
+    check_optimality("the joint solution", joint, objective, saving, "what one sample or split of one label can save")
     slack = joint.tolerance + 1e-12 * abs(objective)
     least = weighted_sum(joint.weights, (problem.baseline for problem in joint.problems))
     if joint.bound > min(objective, least) + slack:
@@ -211,5 +207,3 @@ def _check_claims(joint: JointSolution, objective: float) -> None:
             f"the trees together have {objective}, more than the {joint.baseline_split.objective} of the baseline "
             f"split into the budgets {joint.baseline_split.budgets}"
         )
-    if joint.stop is Stop.OPTIMAL and not joint.is_optimal:
-        raise CertificateError(f"the joint solution says optimal but its bound {joint.bound} is below {objective}")

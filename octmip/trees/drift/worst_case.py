@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.certificate import check_optimality, checked_leaf_index
 from octmip.trees.drift.bands import Amount, Bands
 from octmip.trees.drift.constant import ConstantBias, worst_constant
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution, Stop, is_tolerable
+from octmip.trees.solution import Solution
 from octmip.trees.tree import Leaf, Node, Split, complexity
 
 
@@ -161,12 +161,4 @@ def _check_bound(problem: Problem, solution: Solution, least: float) -> None:
         raise CertificateError(
             f"{solution.solver} claims that no worst case is below {solution.bound} but one of {least} is known"
         )
-    if solution.stop is Stop.OPTIMAL and not solution.is_optimal:
-        raise CertificateError(
-            f"{solution.solver} says optimal but its bound {solution.bound} does not meet {solution.objective}"
-        )
-    if not is_tolerable(solution.tolerance, problem.least_saving):
-        raise CertificateError(
-            f"{solution.solver} claims the tolerance {solution.tolerance}; expected 0 or more and less than "
-            f"{problem.least_saving}, what one sample or split alone can save"
-        )
+    check_optimality(solution.solver, solution, solution.objective, problem.least_saving, problem.words_of_saving)

@@ -30,6 +30,7 @@ from octmip.trees.encoding import (
 from octmip.trees.methods.checkpoint.exact_state import ExactState, KnownRow, exact_state_of
 from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
 from octmip.trees.methods.native_call import (
+    check_threads,
     feasible_incumbent,
     logged,
     native_progress,
@@ -319,5 +320,4 @@ def _check(problem: Problem, n_jobs: int) -> None:
         raise ProblemError(
             "the exact core finds axis-aligned trees but split is 'hyperplane'; use method 'search' or 'oct_h'"
         )
-    if n_jobs < 1:
-        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    check_threads(n_jobs)

@@ -33,6 +33,12 @@ MOST_WHOLE = 2**62
 BEGINNING = Progress(seconds=0.0, objective=math.inf, bound=-math.inf, n_nodes=0)
 
 
+def check_threads(n_jobs: int) -> None:
+    """Raise a `ProblemError` where less than one thread is to work."""
+    if n_jobs < 1:
+        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+
+
 def feasible_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:
     """Return the incumbent's tree without splits that part no samples; None where there is no incumbent.
 

@@ -18,12 +18,18 @@ import math
 import time
 from collections.abc import Callable
 
-from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, opened
 from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
 from octmip.trees.methods.merging import merged
-from octmip.trees.methods.native_call import better, feasible_incumbent, native_progress, relabelled, remaining
+from octmip.trees.methods.native_call import (
+    better,
+    check_threads,
+    feasible_incumbent,
+    native_progress,
+    relabelled,
+    remaining,
+)
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.shared_work import turn_submitter
@@ -74,8 +80,7 @@ def local_search(
     ProblemError
         `n_jobs` is below 1, or the incumbent is no tree of this problem.
     """
-    if n_jobs < 1:
-        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    check_threads(n_jobs)
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     searched, ranks = merged(problem)
     effort, costs = _effort(searched), integer_costs(searched)

@@ -35,6 +35,7 @@ from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
 from octmip.trees.methods.checkpoint.two_feature_state import TwoFeatureState, two_feature_state_of
 from octmip.trees.methods.native_call import (
     better,
+    check_threads,
     feasible_incumbent,
     logged,
     native_progress,
@@ -246,8 +247,7 @@ def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None
         raise ProblemError(
             f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
         )
-    if n_jobs < 1:
-        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    check_threads(n_jobs)
     if checkpoint is not None and problem.depth < 2:
         raise ProblemError(
             "a two-feature proof of depth 1 is one scan, of which nothing can be kept; leave checkpoint out"

@@ -20,7 +20,7 @@ from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.encoding import Ranks, tree_from_rows
 from octmip.trees.encoding.numbers import rounded_down
-from octmip.trees.methods.native_call import logged
+from octmip.trees.methods.native_call import check_threads, logged
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.grid import Grid
@@ -75,8 +75,7 @@ def exact_regression(
             f"the exact core finds axis-aligned regression trees with constant leaves but split is {problem.split!r} "
             f"and leaf_model {problem.leaf_model!r}; use method 'search'"
         )
-    if n_jobs < 1:
-        raise ProblemError(f"n_jobs is {n_jobs}; expected 1 or more")
+    check_threads(n_jobs)
     search, proof = _Search(problem, limits, n_jobs, progress), options.proof
     search.keep(checked_incumbent(problem, incumbent))
     if proof is not None:

@@ -68,22 +68,9 @@ fn half_hull(plane: &Plane, (f, g): (usize, usize), ids: impl Iterator<Item = u3
 mod tests {
     use super::*;
 
-    fn plane(points: &[(f64, f64)]) -> Plane {
-        let rank = |values: Vec<f64>| -> Vec<u32> {
-            let mut sorted = values.clone();
-            sorted.sort_by(f64::total_cmp);
-            sorted.dedup();
-            values.iter().map(|v| sorted.iter().position(|s| s == v).unwrap() as u32).collect()
-        };
-        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
-        let y: Vec<f64> = points.iter().map(|p| p.1).collect();
-        let ranks = [rank(x.clone()), rank(y.clone())].concat();
-        Plane::new(points.len(), 2, &[x, y].concat(), &ranks)
-    }
-
     #[test]
     fn a_line_cannot_part_crossing_diagonals_nor_the_middle_from_both_ends() {
-        let plane = plane(&[(0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 0.5)]);
+        let plane = Plane::of_points(&[(0.0, 0.0), (1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.5, 0.5)]);
         assert!(!can_part(&plane, (0, 1), &[0, 1], &[2, 3]));
         assert!(can_part(&plane, (0, 1), &[0, 2], &[1, 3]));
         assert!(!can_part(&plane, (0, 1), &[0, 1], &[4]));

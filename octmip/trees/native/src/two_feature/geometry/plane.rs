@@ -173,6 +173,22 @@ fn common_unit(column: &[f64]) -> Option<i32> {
 }
 
 #[cfg(test)]
+impl Plane {
+    /// The plane of points of two features.
+    pub(crate) fn of_points(points: &[(f64, f64)]) -> Self {
+        let rank = |values: &[f64]| -> Vec<u32> {
+            let mut sorted = values.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            sorted.dedup();
+            values.iter().map(|v| sorted.partition_point(|s| s < v) as u32).collect()
+        };
+        let (x, y): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        let ranks = [rank(&x), rank(&y)].concat();
+        Self::new(points.len(), 2, &[x, y].concat(), &ranks)
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

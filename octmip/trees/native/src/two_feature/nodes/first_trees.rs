@@ -88,17 +88,7 @@ impl SearchContext<'_> {
 
     fn best_children(&self, root: Line, intervals: &[SlopeInterval], draws: &mut Draws) -> [(i64, Option<Line>); 2] {
         self.sides(root).map(|ids| {
-            let task = StumpTask {
-                ids: &ids,
-                need: self.instance.loss.leaf_size as i64,
-                cutoff: INFEASIBLE,
-                floor: 0,
-                most_tried: TRIED,
-                hopeless: 0,
-                dead: INFEASIBLE,
-                less: 0,
-                most: None,
-            };
+            let task = StumpTask::tried(&ids, self.instance.loss.leaf_size as i64, TRIED);
             let mut chosen = some_intervals(intervals, draws);
             let samples = self.instance.samples();
             let result = best_split(samples, &self.dual_planes, task, [], &mut chosen, self.stop);
@@ -127,17 +117,7 @@ impl SearchContext<'_> {
             loss: &loss,
             switches: self.instance.switches,
         };
-        let task = StumpTask {
-            ids: &matter,
-            need: 1,
-            cutoff: INFEASIBLE,
-            floor: 0,
-            most_tried: TRIED,
-            hopeless: 0,
-            dead: INFEASIBLE,
-            less: 0,
-            most: None,
-        };
+        let task = StumpTask::tried(&matter, 1, TRIED);
         let mut chosen = some_intervals(intervals, draws);
         best_split(samples, &self.dual_planes, task, [root], &mut chosen, self.stop).line
     }

@@ -134,21 +134,8 @@ fn add_turned_line(
 mod tests {
     use super::*;
 
-    fn plane(points: &[(f64, f64)]) -> Plane {
-        let rank = |values: Vec<f64>| -> Vec<u32> {
-            let mut sorted = values.clone();
-            sorted.sort_by(f64::total_cmp);
-            sorted.dedup();
-            values.iter().map(|v| sorted.iter().position(|s| s == v).unwrap() as u32).collect()
-        };
-        let x: Vec<f64> = points.iter().map(|p| p.0).collect();
-        let y: Vec<f64> = points.iter().map(|p| p.1).collect();
-        let ranks = [rank(x.clone()), rank(y.clone())].concat();
-        Plane::new(points.len(), 2, &[x, y].concat(), &ranks)
-    }
-
     fn n_dichotomies(points: &[(f64, f64)]) -> usize {
-        let plane = plane(points);
+        let plane = Plane::of_points(points);
         let ids: Vec<u32> = (0..points.len() as u32).collect();
         let groups = distinct_points(&plane, (0, 1), &ids);
         dichotomies_of(&plane, (0, 1), &groups).unwrap().len()

@@ -32,6 +32,14 @@ pub(crate) struct StumpTask<'a> {
     pub(crate) most: Option<Most>,
 }
 
+impl<'a> StumpTask<'a> {
+    /// A good split of some samples after so many regions, and no bound.
+    pub(crate) fn tried(ids: &'a [u32], need: i64, most_tried: usize) -> Self {
+        let (cutoff, dead) = (INFEASIBLE, INFEASIBLE);
+        Self { ids, need, cutoff, floor: 0, hopeless: 0, most_tried, dead, less: 0, most: None }
+    }
+}
+
 /// The result: every split outside dead intervals costs at least `lower`; `line` (none: a leaf) costs `incumbent`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StumpResult {
