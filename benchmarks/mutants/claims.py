@@ -90,28 +90,26 @@ CLAIMS = (
         SETS,
     ),
     Mutant(
-        "octmip/trees/drift/worst_case.py",
+        "octmip/trees/drift/recount.py",
         "if abs(solution.objective - found.worst) > slack:",
         "if solution.objective - found.worst > slack:",
         DRIFT,
     ),
     Mutant(
-        "octmip/trees/drift/worst_case.py",
+        "octmip/trees/drift/recount.py",
         "if solution.bound > least + solution.tolerance:",
         "if solution.bound > 2 * least + solution.tolerance:",
         DRIFT,
     ),
+    Mutant("octmip/trees/drift/recount.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT),
     Mutant(
-        "octmip/trees/drift/worst_case.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT
-    ),
-    Mutant(
-        "octmip/trees/drift/worst_case.py",
+        "octmip/trees/drift/recount.py",
         "high[:, node.feature] > node.threshold",
         "high[:, node.feature] >= node.threshold",
         DRIFT,
     ),
     Mutant(
-        "octmip/trees/drift/worst_case.py",
+        "octmip/trees/drift/recount.py",
         "combinations(read, min(off, len(read)))",
         "combinations(read, min(1, len(read)))",
         DRIFT,

@@ -67,7 +67,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.near_sets": 10,
         "trees.drift.bands": 4,
         "trees.drift.constant": 5,
-        "trees.drift.worst_case": 6,
+        "trees.drift.recount": 6,
         "trees.drift.least_worst": 10,
         "monitor": 10,
         "sensing": 11,

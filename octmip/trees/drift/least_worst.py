@@ -19,7 +19,7 @@ from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees import _native
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.drift.bands import Amount, Bands
-from octmip.trees.drift.worst_case import WorstCase, certify_drift, most_paid, sets_off, worst_case
+from octmip.trees.drift.recount import WorstCase, certify_drift, most_paid, sets_off, worst_case
 from octmip.trees.encoding import (
     IntegerCosts,
     NodeRow,
