@@ -91,6 +91,7 @@ def temperature_uniform(response: Response) -> WingEffect:
             "the wing is {size} warmer than when the gauges were set to zero",
             "the wing is {size} colder than when the gauges were set to zero",
         ),
+        seen_by=("thermal_zero",),
     )
 
 
@@ -115,6 +116,7 @@ def temperature_gradient(response: Response) -> WingEffect:
             "the upper skin is {size} warmer than the lower one",
             "the upper skin is {size} colder than the lower one",
         ),
+        seen_by=("thermal_zero",),
     )
 
 
@@ -123,7 +125,6 @@ def _warm_effect(response: Response, warming: FloatArray, **card: Any) -> WingEf
     warm = WarmWing(response.wing, warming)
     return WarmEffect(
         unit="K",
-        seen_by=("thermal_zero",),
         load_power=0,
         response=response,
         force=lambda state, load_factor, place: warm.force(state),
