@@ -21,7 +21,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.assembly import CorotatedShells, Deflection
-from femlib.components import damage_row
+from femlib.kept import Kept
 from femlib.wing.bent import gauge_strains, stiffness_factor
 from femlib.wing.effects.card import WingEffect, no_force
 from femlib.wing.effects.response import Response
@@ -36,14 +36,11 @@ class Powers:
 
     def __init__(self, response: Response) -> None:
         self._response = response
-        self._by_state: dict[tuple[float, ...], tuple[FloatArray, FloatArray]] = {}
+        self._by_state: Kept[tuple[float, ...], tuple[FloatArray, FloatArray]] = Kept()
 
     def of_state(self, state: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
         """Return the coefficients (n_gauges,) of L^2 and L^3 [microstrain]."""
-        key = tuple(damage_row(state, self._response.wing.parameters).tolist())
-        if key not in self._by_state:
-            self._by_state[key] = powers(self._response, state)
-        return self._by_state[key]
+        return self._by_state.get(self._response.key(state), lambda: powers(self._response, state))
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -18,6 +18,7 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
 from femlib.components import MOST_PORTS, damage_row
+from femlib.kept import Kept
 from femlib.wing.model import MICRO, Wing
 
 Key = tuple[float, ...]
@@ -57,17 +58,19 @@ class Response:
 
     def __init__(self, wing: Wing) -> None:
         self.wing = wing
-        self._shared: dict[str, Any] = {}
-        self._gauge_forces: dict[Key, FloatArray] = {}
-        self._moved: dict[Key, FloatArray] = {}
-        self._interior: dict[int, sparse.csr_array] = {}
-        self._undamaged: dict[tuple[str, str, Active], UndamagedResponse] = {}
+        self._shared: Kept[str, Any] = Kept()
+        self._gauge_forces: Kept[Key, FloatArray] = Kept()
+        self._moved: Kept[Key, FloatArray] = Kept()
+        self._interior: Kept[int, sparse.csr_array] = Kept()
+        self._undamaged: Kept[tuple[str, str, Active], UndamagedResponse] = Kept()
+
+    def key(self, state: Mapping[str, float]) -> Key:
+        """Return the damages of a state in the order of the wing's parameters, by which values of states are kept."""
+        return tuple(damage_row(state, self.wing.parameters).tolist())
 
     def shared(self, name: str, make: Callable[[], Any]) -> Any:
         """Return an object that several effects share, made once for all of them."""
-        if name not in self._shared:
-            self._shared[name] = make()
-        return self._shared[name]
+        return self._shared.get(name, make)
 
     def strains(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain, compressive positive] under nodal forces (n_dofs,) [N]."""
@@ -85,10 +88,8 @@ class Response:
         active = self.wing.structure.active(row[None, :])
         if not row.any() or self.wing.structure.n_ports(active) > MOST_PORTS:
             return self.strains(state, force)
-        key = (name, place, active)
-        if key not in self._undamaged:
-            self._undamaged[key] = self._respond(force, active)
-        return self._damaged(row, self._undamaged[key])
+        undamaged = self._undamaged.get((name, place, active), lambda: self._respond(force, active))
+        return self._damaged(row, undamaged)
 
     def lift_strains(self, state: Mapping[str, float]) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain] under the lift at load factor 1."""
@@ -98,11 +99,13 @@ class Response:
 
     def displacements(self, state: Mapping[str, float]) -> FloatArray:
         """Return the displacements (n_dofs,) [m, rad] under the lift at load factor 1."""
-        key = tuple(damage_row(state, self.wing.parameters).tolist())
-        if key not in self._moved:
+        key = self.key(state)
+
+        def moved() -> FloatArray:
             pristine = self.displacements({}) if any(key) else None
-            self._moved[key] = self.wing.structure.solve_loads(np.array(key), self.wing.lift, pristine)
-        return self._moved[key]
+            return self.wing.structure.solve_loads(np.array(key), self.wing.lift, pristine)
+
+        return self._moved.get(key, moved)
 
     def moved_by(self, state: Mapping[str, float], force: FloatArray) -> FloatArray:
         """Return the displacements (n_dofs, ...) under nodal forces (n_dofs, ...) [N]."""
@@ -124,11 +127,13 @@ class Response:
 
     def _interior_rows(self, component: int) -> sparse.csr_array:
         """Return w_i(B)' (n_gauges, n_free): few gauges have anything inside a region."""
-        if component not in self._interior:
+
+        def rows() -> sparse.csr_array:
             structure = self.wing.structure
-            rows = self.wing.strain_rows[:, structure.supports.free].toarray().T
-            self._interior[component] = sparse.csr_array(structure.condensed[component].interior_load(rows).T)
-        return self._interior[component]
+            strains = self.wing.strain_rows[:, structure.supports.free].toarray().T
+            return sparse.csr_array(structure.condensed[component].interior_load(strains).T)
+
+        return self._interior.get(component, rows)
 
     def _damaged(self, row: FloatArray, undamaged: UndamagedResponse) -> FloatArray:
         damage = row[list(undamaged.active)]
@@ -137,10 +142,11 @@ class Response:
 
     def _forces(self, row: FloatArray, active: Active) -> FloatArray:
         """Return G (n_ports, n_gauges) in a state."""
-        key = tuple(row.tolist())
-        if key not in self._gauge_forces:
+
+        def forces() -> FloatArray:
             structure = self.wing.structure
             eliminated = structure.eliminated(active)
             load = eliminated.condensed_load(structure.adjoint(self.wing.strain_rows, active))
-            self._gauge_forces[key] = eliminated.ports.forces(row[None, list(active)], load)[0]
-        return self._gauge_forces[key]
+            return np.asarray(eliminated.ports.forces(row[None, list(active)], load)[0])
+
+        return self._gauge_forces.get(tuple(row.tolist()), forces)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
-from femlib.components import damage_row
+from femlib.kept import Kept
 from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 
@@ -25,7 +25,7 @@ class SkinForces:
 
     def __init__(self, response: Response) -> None:
         self.response = response
-        self._strains: dict[tuple[float, ...], FloatArray] = {}
+        self._strains: Kept[tuple[float, ...], FloatArray] = Kept()
 
     @classmethod
     def of(cls, response: Response) -> "SkinForces":
@@ -35,10 +35,7 @@ class SkinForces:
 
     def strains(self, state: Mapping[str, float]) -> FloatArray:
         """Return the gauge strains (n_gauges,) [microstrain] under `of_state`, solved once per state."""
-        key = tuple(damage_row(state, self.response.wing.parameters).tolist())
-        if key not in self._strains:
-            self._strains[key] = self.response.strains(state, self.of_state(state))
-        return self._strains[key]
+        return self._strains.get(self.response.key(state), lambda: self.response.strains(state, self.of_state(state)))
 
     def of_state(self, state: Mapping[str, float]) -> FloatArray:
         """Return K_skin(mu) u (n_dofs,) [N, N m] at load factor 1."""

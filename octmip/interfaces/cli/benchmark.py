@@ -2,7 +2,6 @@
 
 import argparse
 import importlib
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +21,7 @@ from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.compare import compared, methods_of, reasons, table_of
 from octmip.interfaces.cli.options.benchmark import PICTURE, ROWS
+from octmip.interfaces.cli.picture import write_picture
 from octmip.interfaces.cli.samples.table_problem import read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.methods.interruption import held_back, is_heard
@@ -208,10 +208,8 @@ def _write(folder: str, found: Sequence[Found], methods: Sequence[str]) -> None:
     write_bytes(Path(folder) / ROWS, pd.DataFrame(rows).to_csv(index=False).encode())
     answered = [name for name in methods if any("objective" in one.by(name) for one in found)]
     gaps = {name: [one.by(name).get("gaps", []) for one in found] for name in answered}
-    buffer = io.BytesIO()
     figure = benchmark_figure({name: ratios_of(name, found) for name in answered}, gaps)
-    figure.savefig(buffer, format="svg")
-    write_bytes(Path(folder) / PICTURE, buffer.getvalue())
+    write_picture(Path(folder) / PICTURE, figure)
 
 
 def _flat(row: Mapping[str, Any]) -> dict[str, Any]:

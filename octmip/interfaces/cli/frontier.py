@@ -2,16 +2,12 @@
 
 import argparse
 import contextlib
-import importlib
-import io
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 from joblib import parallel_config
 
 from octmip.errors import DataError
-from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.interfaces.cli.answer import (
     ElapsedLine,
@@ -26,7 +22,7 @@ from octmip.interfaces.cli.arguments import (
     limits_of,
     method_options,
 )
-from octmip.interfaces.cli.options.frontier import PICTURES
+from octmip.interfaces.cli.picture import check_picture, write_picture
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
@@ -41,12 +37,7 @@ from octmip.trees.tree import n_splits
 def run(arguments: argparse.Namespace) -> int:
     """Trace, show, draw."""
     limits, values = limits_of(arguments), _values(arguments)
-    if arguments.out:
-        if Path(arguments.out).suffix not in PICTURES:
-            raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
-        importlib.import_module(
-            "octmip.interfaces.plot"
-        )  # matplotlib is an extra: missing, it is named before the work
+    check_picture(arguments.out)
     if arguments.folds is not None and arguments.over == "budget":
         raise DataError("--folds chooses a depth and a penalty; expected --over depth or --over penalty")
     asked = read_problem(arguments)
@@ -171,7 +162,4 @@ def _draw(path: str, points: list[Point], over: str) -> None:
     values = [point.value for point in points]
     objectives = [point.solution.objective for point in points]
     bounds = [point.solution.bound for point in points]
-    buffer = io.BytesIO()
-    figure = frontier_figure(values, objectives, bounds, names[over])
-    figure.savefig(buffer, format=Path(path).suffix[1:], dpi=150)
-    write_bytes(path, buffer.getvalue())
+    write_picture(path, frontier_figure(values, objectives, bounds, names[over]))

@@ -18,10 +18,10 @@ from octmip.interfaces.cli.arguments import (
     group_of,
     rarely,
 )
+from octmip.interfaces.cli.picture import PICTURES
 from octmip.interfaces.cli.samples.file_arguments import writes
 
 OVERS = ("depth", "budget", "penalty")
-PICTURES = (".svg", ".png", ".pdf")
 EXAMPLES = """\
   octmip frontier iris.csv --label species --over depth --depth 4
   octmip frontier iris.csv --label species --over budget --depth 3 --out frontier.svg

@@ -13,10 +13,10 @@ from octmip.interfaces.cli.arguments import (
     add_run_arguments,
     group_of,
 )
+from octmip.interfaces.cli.picture import PICTURES
 from octmip.interfaces.cli.samples.file_arguments import writes
 from octmip.interfaces.cli.sets.amount import add_amount
 
-PICTURES = (".svg", ".png", ".pdf")
 EXAMPLES = """\
   octmip sensors iris.csv --label species --depth 2
   octmip sensors strains.csv --label state --depth 3 --within 1% --threads 2 --out sensors.svg

@@ -1,21 +1,16 @@
 """Show what each sensor is worth: `octmip.interfaces.cli.options.sensors` says how the command is called."""
 
 import argparse
-import importlib
-import io
 import math
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-from octmip.errors import DataError
-from octmip.formats.files import write_bytes
 from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none
 from octmip.formats.tree_nodes import encode_tree
 from octmip.interfaces.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
-from octmip.interfaces.cli.options.sensors import PICTURES
+from octmip.interfaces.cli.picture import check_picture, write_picture
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.cli.sets.amount import Amount, amount_of
 from octmip.interfaces.report.markdown import markdown_table
@@ -32,12 +27,7 @@ MOST_NAMED = 8  # sensors of one role in the last line
 def run(arguments: argparse.Namespace) -> int:
     """Weigh, show, draw."""
     limits, amount = limits_of(arguments), amount_of(arguments.within)
-    if arguments.out:
-        if Path(arguments.out).suffix not in PICTURES:
-            raise DataError(f"--out {arguments.out} is no picture; expected one of {', '.join(PICTURES)}")
-        importlib.import_module(
-            "octmip.interfaces.plot"
-        )  # matplotlib is an extra: missing, it is named before the work
+    check_picture(arguments.out)
     asked = read_problem(arguments)
     with ElapsedLine("weighing sensors"):
         found = sensor_roles(
@@ -167,6 +157,4 @@ def _counted(role: Role, names: list[str]) -> str:
 def _draw(path: str, found: SensorRoles) -> None:
     from octmip.interfaces.plot import sensors_figure
 
-    buffer = io.BytesIO()
-    sensors_figure(found).savefig(buffer, format=Path(path).suffix[1:], dpi=150)
-    write_bytes(path, buffer.getvalue())
+    write_picture(path, sensors_figure(found))
