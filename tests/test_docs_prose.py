@@ -141,7 +141,6 @@ RULES: dict[Rule, set[str]] = {
         "docs/gap/noise.md",
         "docs/gap/quadrotor.md",
         "docs/gap/sealed.md",
-        "docs/results/gap.md",
         "docs/results/mission.md",
     },
     figure_chains: {"docs/gap/published.md"},
