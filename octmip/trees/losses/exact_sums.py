@@ -4,6 +4,7 @@ Every float64 is a whole number times a power of two, so a list of them is a lis
 denominator, and sums of products are sums of whole numbers of any length.
 """
 
+import operator
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -60,7 +61,10 @@ def squared_errors(weights: Floats, targets: Floats, predicted: Floats) -> Fract
 def sloped_errors(weights: Floats, targets: Floats, predicted: Floats, slopes: Slopes) -> Fraction:
     """Return the weighted distances of targets and predictions, each times its slope, exactly."""
     whole, misses, exponents = _misses(weights, targets, predicted)
-    total = sum(w * max(slopes.up * miss, -slopes.down * miss) for w, miss in zip(whole, misses, strict=True))
+    products = list(map(operator.mul, whole, misses))
+    above = sum(product for product in products if product > 0)
+    below = sum(products) - above
+    total = slopes.up * above - slopes.down * below
     return Fraction(total, slopes.over) * Fraction(2) ** -sum(exponents)
 
 
