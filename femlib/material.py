@@ -15,6 +15,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.errors import InputError, frozen_floats, is_number
+from femlib.strength import Strength
 
 SAME = 1e-9
 """Moduli that differ by less than this share are the same but for rounding."""
@@ -40,6 +41,8 @@ class Ply:
         Mass density [kg/m^3].
     expansion_1, expansion_2 : float
         Thermal expansion along and across the fibres [1/K].
+    strength : Strength, optional
+        Stresses that it bears, where it is asked when the ply fails.
 
     Raises
     ------
@@ -58,6 +61,7 @@ class Ply:
     density: float = 0.0
     expansion_1: float = 0.0
     expansion_2: float = 0.0
+    strength: Strength | None = None
 
     def __post_init__(self) -> None:
         for name in ("young_1", "young_2", "shear_12", "shear_13", "shear_23", "thickness"):
@@ -83,7 +87,7 @@ class Ply:
         rest = 1.0 - self.poisson_12**2 * self.young_2 / self.young_1
         q12 = self.poisson_12 * self.young_2 / rest
         along = np.array([[self.young_1 / rest, q12, 0.0], [q12, self.young_2 / rest, 0.0], [0.0, 0.0, self.shear_12]])
-        turn = self._strain_turn()
+        turn = self.strain_turn()
         return np.asarray(turn.T @ along @ turn)
 
     def transverse_shear(self) -> FloatArray:
@@ -95,10 +99,10 @@ class Ply:
     def free_strain(self) -> FloatArray:
         """Return the strain (3,) [1/K] of one kelvin of free expansion in the shell's axes."""
         fibre = np.array([self.expansion_1, self.expansion_2, 0.0])
-        return np.linalg.solve(self._strain_turn(), fibre)
+        return np.linalg.solve(self.strain_turn(), fibre)
 
-    def _strain_turn(self) -> FloatArray:
-        """Rotation of engineering strains from the shell's axes to the fibre's."""
+    def strain_turn(self) -> FloatArray:
+        """Return the rotation (3, 3) of engineering strains from the shell's axes to the fibre's."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
 
@@ -262,18 +266,30 @@ def _across(f: FloatArray) -> FloatArray:
     return np.array([[f[1, 1], f[2, 0]], [f[2, 1], f[0, 0]]])
 
 
-def isotropic_ply(young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0) -> Ply:
+def isotropic_ply(
+    young: float,
+    poisson: float,
+    thickness: float,
+    density: float = 0.0,
+    expansion: float = 0.0,
+    strength: Strength | None = None,
+) -> Ply:
     """Return a ply of isotropic material, moduli [Pa], thickness [m], density [kg/m^3], expansion [1/K]."""
     if not is_number(young):
         raise InputError(f"young is {young!r}; expected a positive number of Pa; correct the material card")
     if not is_number(poisson) or not -1.0 < poisson < 0.5:
         raise InputError(f"poisson is {poisson!r}; expected more than -1 and less than 0.5; correct the material card")
     shear = young / (2.0 * (1.0 + poisson))
-    return Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion)
+    return Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion, strength)
 
 
 def isotropic_plate(
-    young: float, poisson: float, thickness: float, density: float = 0.0, expansion: float = 0.0
+    young: float,
+    poisson: float,
+    thickness: float,
+    density: float = 0.0,
+    expansion: float = 0.0,
+    strength: Strength | None = None,
 ) -> Laminate:
     """Return the laminate of one isotropic layer, arguments as `isotropic_ply`."""
-    return laminate([isotropic_ply(young, poisson, thickness, density, expansion)])
+    return laminate([isotropic_ply(young, poisson, thickness, density, expansion, strength)])

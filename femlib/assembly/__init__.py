@@ -16,6 +16,7 @@ from femlib.assembly.quality import (
     solution_quality,
 )
 from femlib.assembly.shells import Shells, assemble
+from femlib.assembly.stresses import Stresses, ply_stresses, strain_distance
 from femlib.assembly.supports import Supports
 
 __all__ = [
@@ -31,6 +32,7 @@ __all__ = [
     "Quality",
     "Shells",
     "Springs",
+    "Stresses",
     "Supports",
     "assemble",
     "buckling_modes",
@@ -44,10 +46,12 @@ __all__ = [
     "matrix_buckling",
     "matrix_modes",
     "natural_modes",
+    "ply_stresses",
     "point_masses",
     "refuse_error",
     "relative_distance",
     "solution_quality",
+    "strain_distance",
     "surface_load",
     "thermal_forces",
     "thermal_load",

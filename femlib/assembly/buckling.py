@@ -17,7 +17,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
-from femlib.assembly.integration import point_strains
+from femlib.assembly.integration import PointStrains, point_strains
 from femlib.assembly.quality import MOST_ERROR, refuse_error, solution_quality
 from femlib.assembly.refined import Refined
 from femlib.assembly.shells import Shells, assemble
@@ -93,18 +93,18 @@ def _of_shells(shells: Shells, displacements: FloatArray, factor: FloatArray | N
     mesh = shells.mesh
     moved = frozen_floats(displacements, "displacements", (mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
     scale = np.ones(mesh.n_elements) if factor is None else frozen_floats(factor, "factor", (mesh.n_elements,))
-    places = [(r, s) for r, s in GAUSS.tolist()]
     matrices = []
     for kind in point_strains(shells, moved, scale):
-        xx, yy, xy = np.moveaxis(kind.membrane_forces() * kind.area[:, :, None], 2, 0)
-        tension = np.moveaxis(np.array([[xx, xy], [xy, yy]]), (0, 1), (2, 3))
-        if kind.corners.shape[1] == quad4.N_NODES:
-            rows = quad4.slope_rows(kind.points, places, shells.axis)
-        else:
-            rows = tria3.slope_rows(kind.points, kind.axes[:, 0])
-        pulled = np.einsum("emab,embij->emaij", tension, rows)
+        pulled = np.einsum("emab,embij->emaij", kind.point_forces(), rows := slope_rows(shells, kind))
         matrices.append(np.einsum("emaik,email->ekl", rows, pulled, optimize=True))
     return assemble(mesh, *matrices)
+
+
+def slope_rows(shells: Shells, kind: PointStrains) -> FloatArray:
+    """Return the rows (e, m, 2, 3, 6 n) of the displacements' slopes along the axes at the points."""
+    if kind.corners.shape[1] == quad4.N_NODES:
+        return quad4.slope_rows(kind.points, [(r, s) for r, s in GAUSS.tolist()], shells.axis)
+    return tria3.slope_rows(kind.points, kind.axes[:, 0])
 
 
 def buckling_modes(

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from femlib.arrays import FloatArray, judged
+from femlib.arrays import FloatArray, IntArray, judged
 from femlib.assembly.factors import Factors, factorise
 from femlib.assembly.integration import PointStrains, point_strains
 from femlib.assembly.refined import Refined
@@ -160,8 +160,8 @@ def solution_quality(shells: Shells, displacements: FloatArray, factor: FloatArr
     energy = sum(float(kind.energy(kind.whole).sum()) for kind in kinds) + shells.other_energy(moved, scale)
     if not energy > 0.0:
         raise SolveError("displacements have no strain energy; expected those of a loaded structure; load it")
-    recovered = _recovered(shells, kinds)
-    shares = np.concatenate([k.distance(r) for k, r in zip(kinds, recovered, strict=True)]) / energy
+    names, recovered = nodal_tensors(shells, kinds)
+    shares = np.concatenate([k.distance(recovered[np.searchsorted(names, k.group)]) for k in kinds]) / energy
     shares[len(mesh.quads) :] *= TRIANGLE
     return Quality(shares)
 
@@ -193,8 +193,11 @@ def _name(load: FloatArray) -> str:
     return hashlib.sha256((np.round(load / _largest(load), 12) + 0.0).tobytes()).hexdigest()
 
 
-def _recovered(shells: Shells, kinds: list[PointStrains]) -> list[FloatArray]:
-    """Return the tensors (e, n, 18) at the corners, each a linear fit to the points of its node's elements."""
+def nodal_tensors(shells: Shells, kinds: list[PointStrains]) -> tuple[IntArray, FloatArray]:
+    """Return names of nodes and patches (g,), as `PointStrains.group`, and the tensors (g, 18) there.
+
+    Each is a linear fit to the points of its node's elements in its patch.
+    """
     mesh = shells.mesh
     names, group = np.unique(np.concatenate([kind.group.ravel() for kind in kinds]), return_inverse=True)
     node = mesh.nodes[names // len(mesh.patches)]
@@ -213,8 +216,7 @@ def _recovered(shells: Shells, kinds: list[PointStrains]) -> list[FloatArray]:
             basis = np.concatenate([np.ones((*offset.shape[:2], 1)), offset @ tangents[corner]], axis=2)
             np.add.at(matrix, corner, basis.swapaxes(1, 2) @ basis)
             np.add.at(right, corner, basis.swapaxes(1, 2) @ values)
-    fitted = (np.linalg.pinv(matrix, rcond=1e-9, hermitian=True)[:, :1] @ right)[:, 0]
-    return [fitted[own] for own in groups]
+    return names, (np.linalg.pinv(matrix, rcond=1e-9, hermitian=True)[:, :1] @ right)[:, 0]
 
 
 def _tangents(normals: FloatArray) -> FloatArray:

@@ -124,7 +124,7 @@ class ReducedModel:
         outputs = np.empty((len(damage), len(self.outputs)))
         for first in range(0, len(damage), CHUNK):
             mu = damage[first : first + CHUNK]
-            np.matmul(self._parts(mu), self._map.T, out=outputs[first : first + CHUNK])
+            np.matmul(self.parts(mu), self._map.T, out=outputs[first : first + CHUNK])
         return outputs
 
     def displacements(self, states: FloatArray) -> FloatArray:
@@ -137,10 +137,13 @@ class ReducedModel:
         """
         if self.motion is None:
             raise InputError("this reduced model holds no displacements; reduce the structure with with_motion=True")
-        return np.asarray(self._parts(checked_damage(states, self.parameters)) @ self.motion.T)
+        return np.asarray(self.parts(checked_damage(states, self.parameters)) @ self.motion.T)
 
-    def _parts(self, mu: FloatArray) -> FloatArray:
-        """Return (amplitudes, mu / (1 - mu), 1) (n_states, N + n_parameters + 1) of checked damages."""
+    def parts(self, mu: FloatArray) -> FloatArray:
+        """Return (amplitudes, mu / (1 - mu), 1) (n_states, N + n_parameters + 1) of checked damages.
+
+        Whatever is linear in the displacements is linear in them: `motion` are those of each.
+        """
         return np.concatenate([self.amplitudes(mu).T, (mu / (1.0 - mu)).T, np.ones((1, len(mu)))]).T
 
     def query(self, damage: FloatArray) -> FloatArray:

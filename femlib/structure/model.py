@@ -11,34 +11,37 @@ from femlib import sensors
 from femlib.arrays import FloatArray, IntArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
+    BucklingMode,
     BuiltUp,
     Judge,
     Mode,
     Quality,
     Shells,
+    Stresses,
     Supports,
+    buckling_modes,
     is_buckled,
     natural_modes,
+    ply_stresses,
     refuse_error,
     relative_distance,
+    strain_distance,
 )
 from femlib.assembly.refined import MOST_UNKNOWNS
-from femlib.components import Component, DamagedStructure, checked_damage, damage_row
+from femlib.components import DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, SolveError, frozen_floats
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
 from femlib.sensors import StrainGauge
 from femlib.structure import loads
-from femlib.structure.named_mesh import NamedMesh, listed
-from femlib.structure.parts import Parts, Section, Spring, parts_of
+from femlib.structure.named_mesh import NamedMesh
+from femlib.structure.parts import Parts, Section, Spring, component_of, parts_of
 
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
 MOST_GAUGE_ERROR = 0.1
 """Estimated error of gauge strains beyond which they are refused."""
-MOST_CARRIED = 150_000_000
-"""Degrees of freedom of a damage region times those at its border: a dense matrix of 1.2 GB."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along and rotations about the global axes."""
 HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
@@ -109,7 +112,7 @@ class Structure:
                 "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
             )
         supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
-        components = tuple(_component(self.mesh, parts, name) for name in self.damage)
+        components = tuple(component_of(self.mesh, parts, name) for name in self.damage)
         object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
         object.__setattr__(self, "judge", Judge(parts.built, supports))
 
@@ -255,6 +258,53 @@ class Structure:
         own, other = self.strain_rows(gauges) @ pristine, self._rows_on(finer.shells, gauges) @ fine
         return relative_distance(own, other, finer.share)
 
+    def stresses(
+        self,
+        state: Mapping[str, float],
+        load: FloatArray,
+        limit: float = MOST_ERROR,
+        strain_limit: float = MOST_GAUGE_ERROR,
+    ) -> Stresses:
+        """Return strains and stresses of all plies at the shells' corners, with the estimated error of the strains.
+
+        The error is that of the undamaged structure by a finer mesh; where none was made, the root of the energy's.
+
+        Raises
+        ------
+        InputError, SolveError
+            As `solve`, or if the strains are estimated to be farther off than `strain_limit`.
+        """
+        moved, quality = self._judged(state, load)
+        quality.refuse(limit)
+        fine, finer = self.judge.finer_solution(load), self.judge.finer
+        if fine is None or finer is None:
+            error = float(np.sqrt(quality.mesh.sum()))
+        else:
+            pristine = self.damaged.solve(np.zeros((1, len(self.parameters))), load)[0]
+            error = strain_distance(self.built, pristine, finer, fine)
+        refuse_error(error, "strains of the plies", strain_limit)
+        return ply_stresses(self.built, moved.ravel(), self.stiffness_left(state), error)
+
+    def reactions(self, state: Mapping[str, float], load: FloatArray, limit: float = MOST_ERROR) -> Judged:
+        """Return the forces and moments (n_nodes, 6) [N, N m] of the supports, springs aside; raises as `solve`."""
+        moved = self.solve(state, load, limit)
+        left = self.built.stiffness(factor=self.stiffness_left(state)) @ np.asarray(moved).ravel() - load
+        left[self.damaged.supports.free] = 0.0
+        return judged(left.reshape(-1, DOFS_PER_NODE), moved.error)
+
+    def buckling_modes(
+        self, state: Mapping[str, float], load: FloatArray, n_modes: int = 1, limit: float = MOST_ERROR
+    ) -> list[BucklingMode]:
+        """Return the modes of least positive factor on a load in a state, each with its estimated error.
+
+        Raises
+        ------
+        InputError, SolveError
+            As `femlib.assembly.buckling_modes`, or if the state names an unknown parameter.
+        """
+        factor = self.stiffness_left(state)
+        return buckling_modes(self.built, self.damaged.supports, load, n_modes, factor, limit)
+
     def natural_modes(
         self, n_modes: int, state: Mapping[str, float] | None = None, limit: float = MOST_ERROR
     ) -> list[Mode]:
@@ -323,28 +373,3 @@ def _held(mesh: NamedMesh, supports: Mapping[str, str]) -> IntArray:
         axes = np.array([DIRECTIONS.index(direction) for direction in every])
         held.append((DOFS_PER_NODE * nodes[:, None] + axes).ravel())
     return np.unique(np.concatenate(held))
-
-
-def _component(mesh: NamedMesh, parts: Parts, name: str) -> Component:
-    """Return the damage region of an element set or of the springs of a name."""
-    if name in parts.spring_names:
-        return Component(name, name, parts.of_spring(name))
-    if name not in mesh.element_sets and parts.spring_names:
-        names = [*mesh.element_sets, *parts.spring_names]
-        raise InputError(
-            f"damage is on {name!r}; expected an element set or a spring, one of {listed(names)}; correct it"
-        )
-    own = parts.of_elements(mesh.elements_of(name))
-    if not own.any():
-        raise InputError(
-            f"damage is on {name!r}, whose lines have no section and so no stiffness; expected shells or beams; give "
-            "it a BeamSection or name another"
-        )
-    inside, outside = parts.built.touched(own), parts.built.touched(~own)
-    n_dofs, n_ports = int(inside.sum()), int((inside & outside).sum())
-    if n_dofs * n_ports > MOST_CARRIED:
-        raise InputError(
-            f"damage region {name!r} has {n_dofs} degrees of freedom and {n_ports} at its border, held as one dense "
-            f"matrix; expected at most {MOST_CARRIED:g} numbers in it; divide it into several sets"
-        )
-    return Component(name, name, own)

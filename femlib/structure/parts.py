@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import Beams, BuiltUp, Springs
+from femlib.components import Component
 from femlib.elements.beam2 import BeamSection
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.material import Laminate
@@ -21,6 +22,8 @@ SLENDEREST = 5000.0
 """Length of the middle element over the thinnest shell's thickness, and beyond HUGE, where lengths are in two units."""
 APART = 1e-3
 """Distance of two nodes over the shortest side, below which they lie at one place."""
+MOST_CARRIED = 150_000_000
+"""Degrees of freedom of a damage region times those at its border: a dense matrix of 1.2 GB."""
 HUGE = 100.0
 """Size of a mesh [m] from which it is asked whether it is in millimetres."""
 
@@ -260,3 +263,28 @@ def _check_units(mesh: NamedMesh, laminates: Sequence[Laminate]) -> None:
             f"the mesh is {size:.4g} m across with elements of {length:.3g} m on shells {thinnest:.3g} m thick; "
             f"expected at most {SLENDEREST:g} thicknesses; if the mesh is in millimetres, read(..., unit='mm')"
         )
+
+
+def component_of(mesh: NamedMesh, parts: Parts, name: str) -> Component:
+    """Return the damage region of an element set or of the springs of a name."""
+    if name in parts.spring_names:
+        return Component(name, name, parts.of_spring(name))
+    if name not in mesh.element_sets and parts.spring_names:
+        names = [*mesh.element_sets, *parts.spring_names]
+        raise InputError(
+            f"damage is on {name!r}; expected an element set or a spring, one of {listed(names)}; correct it"
+        )
+    own = parts.of_elements(mesh.elements_of(name))
+    if not own.any():
+        raise InputError(
+            f"damage is on {name!r}, whose lines have no section and so no stiffness; expected shells or beams; give "
+            "it a BeamSection or name another"
+        )
+    inside, outside = parts.built.touched(own), parts.built.touched(~own)
+    n_dofs, n_ports = int(inside.sum()), int((inside & outside).sum())
+    if n_dofs * n_ports > MOST_CARRIED:
+        raise InputError(
+            f"damage region {name!r} has {n_dofs} degrees of freedom and {n_ports} at its border, held as one dense "
+            f"matrix; expected at most {MOST_CARRIED:g} numbers in it; divide it into several sets"
+        )
+    return Component(name, name, own)

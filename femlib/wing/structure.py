@@ -16,6 +16,7 @@ from femlib.errors import InputError, is_number
 from femlib.geometry import Naca4, Planform, grid_lines
 from femlib.material import Laminate, isotropic_plate
 from femlib.mesh import Mesh
+from femlib.strength import Strength
 from femlib.wing.damage import SURFACES, DamageRegion
 
 SKIN_PATCHES = ("top", "bottom")
@@ -41,6 +42,11 @@ N_WEB_LEVELS = 2
 """Elements over the height of web and ribs."""
 
 
+SKIN_STRAINS = (6.0e-3, 4.5e-3, 9.0e-3)
+"""Strains that the carbon faces bear in tension, compression and shear [-]. Assumed: what designers allow where an
+impact that nobody saw may have hurt the laminate; undamaged coupons bear twice as much."""
+WOOD_STRAINS = (4.3e-3, 3.0e-3, 1.5e-2)
+"""The same of birch plywood. Assumed."""
 PLAUSIBLE = {
     "skin_young": (1e6, 1e13, "Pa"),
     "wood_young": (1e6, 1e13, "Pa"),
@@ -122,14 +128,23 @@ class WingMaterials:
 
     def laminates(self) -> tuple[Laminate, Laminate]:
         """Return the sections (skin at the root, wood)."""
-        factor = self.modulus_scale
-        skin = isotropic_plate(
-            factor * self.skin_young, self.skin_poisson, self.skin_thickness, self.skin_density, self.skin_expansion
+        skin = (self.skin_young, self.skin_poisson, self.skin_thickness, self.skin_density, self.skin_expansion)
+        wood = (self.wood_young, self.wood_poisson, self.wood_thickness, self.wood_density, self.wood_expansion)
+        young = [self.modulus_scale * card[0] for card in (skin, wood)]
+        return (
+            isotropic_plate(young[0], *skin[1:], _bearing(young[0], skin[1], SKIN_STRAINS)),
+            isotropic_plate(young[1], *wood[1:], _bearing(young[1], wood[1], WOOD_STRAINS)),
         )
-        wood = isotropic_plate(
-            factor * self.wood_young, self.wood_poisson, self.wood_thickness, self.wood_density, self.wood_expansion
-        )
-        return skin, wood
+
+
+def _bearing(young: float, poisson: float, strains: tuple[float, float, float]) -> Strength | None:
+    """Return the strength of an isotropic card that bears strains in tension, compression and shear."""
+    if not (is_number(young) and is_number(poisson)) or young <= 0.0 or poisson <= -1.0:
+        return None  # the card itself is refused, with a sentence of its own
+    tension, compression, shear = strains
+    return Strength(
+        young * tension, young * compression, young * tension, young * compression, young * shear / (2 * (1 + poisson))
+    )
 
 
 def tapered_materials() -> WingMaterials:

@@ -1,0 +1,207 @@
+"""Capability: the greatest factor on a load that a structure bears in any damage state, in under a millisecond.
+
+Three limits, each a factor on the load, of which the least counts: a ply fails (`femlib.strength`: closed form along
+the ray of loads), the shells buckle (`femlib.rom.buckling`), a displacement reaches what is allowed. Strains are those
+of the reduced model at the corners that came near failing first in sampled states.
+
+The error is checked, not bounded: `error` is the largest distance from the full model over states that were drawn
+apart from the sampled ones. The mesh's own error is `Structure.stresses(...).error` and `BucklingMode.error`.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from femlib.arrays import FloatArray
+from femlib.assembly import buckling_modes
+from femlib.assembly.stresses import Block, Faces, block_factors, blocks_of, corner_strains
+from femlib.components import DamagedStructure, checked_damage
+from femlib.errors import InputError, is_number, is_whole
+from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
+from femlib.rom.model import ReducedModel
+
+LIMITS = ("ply", "buckling", "deflection")
+NEAR = 1.25
+"""A corner is kept if in some sampled state its factor is within this of the least."""
+MOST_KEPT = 400
+"""Corners and heights kept, those that came nearest."""
+WORST, HALF = 0.9, 0.5
+"""Damages of a region alone in the states whose buckling modes are solved; the drawn states have the first at most."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limits:
+    """What a structure must not reach.
+
+    Attributes
+    ----------
+    row : FloatArray
+        Map (n_dofs,) from displacements to the deflection that is limited.
+    most_deflection : float
+        Its limit [m], of either sign.
+    criterion : str
+        Of failing plies, one of `femlib.strength.CRITERIA`.
+    faces : sequence, optional
+        Plies and heights of each laminate, as for `femlib.assembly.stresses.blocks_of`.
+    """
+
+    row: FloatArray
+    most_deflection: float
+    criterion: str = "max strain"
+    faces: Sequence[Faces] | None = None
+
+    def __post_init__(self) -> None:
+        if not is_number(self.most_deflection) or self.most_deflection <= 0.0:
+            raise InputError(f"most_deflection is {self.most_deflection!r}; expected more than 0 m; correct it")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Capability:
+    """Greatest factors on a load.
+
+    Attributes
+    ----------
+    model : ReducedModel
+        Gives the parts of a state.
+    blocks : tuple of Block
+        The kept corners; their rows are `strains`.
+    strains : FloatArray
+        Strains (n, 3, n_parts) in fibre axes of the model's parts.
+    buckling : ReducedBuckling
+        The reduced buckling equations.
+    deflection : FloatArray
+        The limited deflection over its limit, of each part (n_parts,).
+    criterion : str
+        Of failing plies.
+    error : float
+        Largest relative error of a limit against the full model over the checked states; NaN if none.
+    """
+
+    model: ReducedModel
+    blocks: tuple[Block, ...]
+    strains: FloatArray
+    buckling: ReducedBuckling
+    deflection: FloatArray
+    criterion: str
+    error: float = float("nan")
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters: the columns of a state array."""
+        return self.model.parameters
+
+    def limits(self, states: FloatArray) -> FloatArray:
+        """Return the factors (n_states, 3) at which each of `LIMITS` is reached, of states (n_states, n_parameters).
+
+        Raises
+        ------
+        InputError
+            If a damage is outside [0, 1).
+        """
+        damage = checked_damage(states, self.parameters)
+        return np.array([self._limits(row) for row in damage]).reshape(-1, len(LIMITS))
+
+    def load_factors(self, states: FloatArray) -> FloatArray:
+        """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
+        return np.asarray(self.limits(states).min(axis=1))
+
+    def _limits(self, damage: FloatArray) -> tuple[float, float, float]:
+        parts = self.model.parts(damage[None])[0]
+        factors = block_factors(self.blocks, self.strains @ parts, self.criterion)
+        deflected = abs(float(self.deflection @ parts))
+        return float(factors.min()), self.buckling.factor(damage, parts), 1.0 / max(deflected, 1e-300)
+
+
+def reduce_capability(
+    structure: DamagedStructure,
+    model: ReducedModel,
+    limits: Limits,
+    load: FloatArray,
+    n_states: int = 300,
+    n_checks: int = 6,
+    seed: int = 0,
+) -> Capability:
+    """Return the capability under the load that a reduced model was made for.
+
+    Parameters
+    ----------
+    structure : DamagedStructure
+        The full model, of shells alone whose plies have strengths.
+    model : ReducedModel
+        Its reduced model, with motion.
+    limits : Limits
+        What must not be reached.
+    load : FloatArray
+        The load at factor 1 (n_dofs,) [N, N m].
+    n_states, n_checks : int
+        Random states that are sampled by the reduced model, and that are checked against the full one.
+    seed : int
+        Of both.
+
+    Raises
+    ------
+    InputError
+        If the model holds no motion, or a ply has no strength.
+    """
+    if model.motion is None:
+        raise InputError("this reduced model holds no displacements; reduce the structure with with_motion=True")
+    if not is_whole(n_states) or not is_whole(n_checks) or n_states < 1 or n_checks < 0:
+        raise InputError(f"n_states is {n_states!r} and n_checks {n_checks!r}; expected 1 or more and 0 or more")
+    rng = np.random.default_rng(seed)
+    motion = np.asarray(model.motion, dtype=np.float64)
+    each = np.eye(len(model.parameters))
+    alone = np.concatenate([0.0 * each[:1], WORST * each, HALF * each])
+    drawn = np.concatenate([alone, drawn_states(rng, n_states, len(model.parameters))])
+    solved, forced = (Sampled(states, model.parts(states)) for states in (alone, drawn))
+    blocks, strains = _kept(structure, motion, limits, forced.parts)
+    buckling = reduce_buckling(structure, motion, solved, forced)
+    found = Capability(model, blocks, strains, buckling, limits.row @ motion / limits.most_deflection, limits.criterion)
+    states = drawn_states(rng, n_checks, len(model.parameters))
+    full = [full_limits(structure, limits, load, state) for state in states]
+    errors = [float(np.abs(found.limits(s[None])[0] / own - 1.0).max()) for s, own in zip(states, full, strict=True)]
+    return replace(found, error=max(errors, default=float("nan")))
+
+
+def drawn_states(rng: np.random.Generator, n: int, n_parameters: int) -> FloatArray:
+    """Return random states (n, n_parameters): one region damaged, two, three, or all, by up to 90 %, in turns."""
+    states = np.zeros((n, n_parameters))
+    for k, row in enumerate(states):
+        most = (1, 2, 3, n_parameters)[k % 4]
+        hit = rng.choice(n_parameters, min(most, n_parameters), replace=False)
+        row[hit] = rng.uniform(0.0, WORST, len(hit))
+    return states
+
+
+def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, state: FloatArray) -> FloatArray:
+    """Return the factors (3,) of `LIMITS` of one state (n_parameters,) by the full model."""
+    shells = structure.shells
+    moved = structure.solve(state[None], load)[0]
+    blocks, strains = blocks_of(shells, limits.faces), corner_strains(shells, moved)
+    ply = min(float(b.factors(b.strain(strains), limits.criterion).min()) for b in blocks)
+    left = np.ones(shells.n_elements)
+    for mu, component in zip(state, structure.components, strict=True):
+        left[component.elements] -= mu
+    modes = buckling_modes(shells, structure.supports, load, 1, left, limit=np.finfo(float).max, is_refined=False)
+    factor = modes[0].factor if modes else float("inf")
+    return np.array([ply, factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])
+
+
+def _kept(
+    structure: DamagedStructure, motion: FloatArray, limits: Limits, parts: FloatArray
+) -> tuple[tuple[Block, ...], FloatArray]:
+    """Return the corners that come near failing first, and their strains (n, 3, n_parts) of the motions."""
+    shells = structure.shells
+    of_parts = np.stack([corner_strains(shells, column) for column in motion.T], axis=2)
+    every = blocks_of(shells, limits.faces)
+    near = [np.full(len(block.corners), np.inf) for block in every]
+    for part in parts:
+        strains = of_parts @ part
+        factors = [block.factors(block.strain(strains), limits.criterion) for block in every]
+        least = min(float(own.min()) for own in factors)
+        near = [np.minimum(old, own / least) for old, own in zip(near, factors, strict=True)]
+    most = min(NEAR, float(np.sort(np.concatenate(near))[: MOST_KEPT + 1][-1]))
+    kept = [replace(b, corners=b.corners[own <= most]) for b, own in zip(every, near, strict=True)]
+    blocks = tuple(block for block in kept if len(block.corners))
+    strains = [np.moveaxis(block.strain(of_parts), -1, 1) for block in blocks]
+    return blocks, np.concatenate(strains)

@@ -1,0 +1,77 @@
+"""What the wing bears: stresses of its plies, reactions at the root, and the greatest load factor of a damage state."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from femlib.arrays import FloatArray, Judged, judged
+from femlib.assembly import Stresses, ply_stresses, solution_quality
+from femlib.assembly.stresses import Faces
+from femlib.mesh import DOFS_PER_NODE
+from femlib.rom.capability import Capability, Limits, full_limits, reduce_capability
+from femlib.wing.bent import stiffness_factor
+from femlib.wing.model import Wing
+from femlib.wing.reduced import ReducedWing
+
+TIP_LIMIT = 0.25
+"""Deflection of the tip's spar that a load may cause, over the half-span; beyond it linear analysis says little."""
+
+
+def wing_faces(wing: Wing) -> tuple[Faces, Faces]:
+    """Return where plies are looked at: the skin at its carbon faces, the wood at its surfaces."""
+    face, wood = wing.materials.face_height, 0.5 * wing.materials.wood_thickness
+    return ((0, -face), (0, face)), ((0, -wood), (0, wood))
+
+
+def wing_stresses(
+    wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None
+) -> Stresses:
+    """Return strains and stresses at the corners of skins, web and ribs; arguments and errors as `Wing.solve`.
+
+    The stress of the skin is that of its equivalent layer. `error` is the root of the share of energy that is the
+    mesh's.
+    """
+    moved, factor = wing.solve(state, load_factor, lift).ravel(), stiffness_factor(wing, state)
+    shells = wing.structure.shells
+    error = float(np.sqrt(solution_quality(shells, moved, factor).displacement_error)) if load_factor else 0.0
+    return ply_stresses(shells, moved, factor, error, wing_faces(wing))
+
+
+def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> Judged:
+    """Return the forces and moments (n_nodes, 6) [N, N m] of the root on the nodes; arguments and errors as `solve`."""
+    moved = wing.solve(state, load_factor, lift).ravel()
+    left = wing.structure.shells.stiffness(factor=stiffness_factor(wing, state)) @ moved - wing.load(load_factor, lift)
+    left[wing.structure.supports.free] = 0.0
+    return judged(left.reshape(-1, DOFS_PER_NODE), wing.mesh_error)
+
+
+def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max strain") -> Limits:
+    """Return the limits of the wing: plies, buckling, and a deflection of the tip's spar over the half-span."""
+    nodes = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
+    row = np.zeros_like(wing.lift)
+    row[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
+    return Limits(row, tip_limit * wing.span, criterion, wing_faces(wing))
+
+
+def wing_capability(
+    wing: Wing, reduced: ReducedWing, limits: Limits | None = None, n_states: int = 300, n_checks: int = 6
+) -> Capability:
+    """Return the greatest load factors of the wing's damage states, from its reduced model.
+
+    Parameters
+    ----------
+    wing, reduced
+        The full model and its reduced one, under the wing's own lift.
+    limits : Limits, optional
+        Those of `wing_limits` if not given.
+    n_states, n_checks : int
+        As for `femlib.rom.capability.reduce_capability`.
+    """
+    chosen = wing_limits(wing) if limits is None else limits
+    return reduce_capability(wing.structure, reduced.model, chosen, wing.lift, n_states, n_checks)
+
+
+def full_capability(wing: Wing, state: Mapping[str, float], limits: Limits | None = None) -> FloatArray:
+    """Return the load factors (3,) at which `femlib.rom.capability.LIMITS` are reached, by the full model."""
+    row = np.array([state.get(name, 0.0) for name in wing.parameters])
+    return full_limits(wing.structure, wing_limits(wing) if limits is None else limits, wing.lift, row)

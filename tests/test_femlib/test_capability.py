@@ -1,0 +1,68 @@
+"""The greatest load factor of damage states: the reduced model beside the full one, and what each limit does."""
+
+import numpy as np
+import pytest
+
+from femlib.errors import InputError
+from femlib.rom import ReducedModel
+from femlib.rom.capability import Capability, full_limits, reduce_capability
+from femlib.wing.strength import full_capability, reactions, wing_capability, wing_limits, wing_stresses
+
+STATES = np.array([[0.0, 0.0], [0.55, 0.0], [0.0, 0.85], [0.7, 0.3]])
+
+
+@pytest.fixture(scope="module")
+def capable(tiny, tiny_reduced) -> Capability:
+    return wing_capability(tiny, tiny_reduced, n_states=24, n_checks=1)
+
+
+def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampled(tiny, capable):
+    limits = wing_limits(tiny)
+    full = [full_limits(tiny.structure, limits, tiny.lift, state) for state in STATES]
+    np.testing.assert_allclose(capable.limits(STATES), full, rtol=1e-3)
+    np.testing.assert_allclose(capable.limits(STATES)[:, [0, 2]], np.array(full)[:, [0, 2]], rtol=1e-6)
+    assert capable.error < 1e-3
+    np.testing.assert_allclose(full_capability(tiny, {"mu2": 0.85}), full[2], rtol=1e-12)
+
+
+def test_the_least_limit_counts_and_every_limit_is_one_of_its_own(tiny, tiny_reduced):
+    own = wing_capability(tiny, tiny_reduced, wing_limits(tiny, tip_limit=0.01), n_states=8, n_checks=0)
+    found = own.limits(STATES)
+    np.testing.assert_allclose(own.load_factors(STATES), found.min(axis=1))
+    assert (found.argmin(axis=1) == 2).all()
+    moved = tiny.solve({"mu1": 0.55}, found[1, 2]).reshape(-1, 6)
+    tip = tiny.grid.columns(len(tiny.grid.eta) - 1)[tiny.grid.spar_column]
+    assert moved[tip, 2].mean() == pytest.approx(0.01 * tiny.span, rel=1e-5)
+
+
+def test_the_ply_limit_is_the_load_factor_at_which_the_stresses_reach_the_strength(tiny, capable):
+    factor = capable.limits(STATES[1:2])[0, 0]
+    found = wing_stresses(tiny, {"mu1": 0.55}, factor)
+    assert found.failure_factors("max strain").min() == pytest.approx(1.0, rel=1e-5)
+    assert 0.0 < found.error < 0.25
+
+
+def test_the_tip_bends_farther_with_more_damage(capable):
+    growing = np.column_stack([np.linspace(0.0, 0.9, 7), np.zeros(7)])
+    assert (np.diff(capable.limits(growing)[:, 2]) < 0.0).all()
+
+
+def test_the_root_holds_the_lift_and_its_moment(tiny):
+    held = np.asarray(reactions(tiny, {"mu1": 0.5}, 2.0))
+    lift, y = 2.0 * tiny.lift.reshape(-1, 6), tiny.structure.shells.mesh.nodes[:, 1]
+    assert held[:, 2].sum() == pytest.approx(-lift[:, 2].sum(), rel=1e-9)
+    z = tiny.structure.shells.mesh.nodes[:, 2]
+    moments = [(own[:, 3] + y * own[:, 2] - z * own[:, 1]).sum() for own in (held, lift)]
+    assert moments[0] == pytest.approx(-moments[1], rel=1e-7)
+    assert not held[y > 0].any()
+
+
+def test_what_cannot_be_used_is_refused(tiny, tiny_reduced, capable):
+    model = tiny_reduced.model
+    fields = {name: getattr(model, name) for name in ReducedModel.__dataclass_fields__ if not name.startswith("_")}
+    with pytest.raises(InputError, match="with_motion=True"):
+        reduce_capability(tiny.structure, ReducedModel(**fields | {"motion": None}), wing_limits(tiny), tiny.lift)
+    with pytest.raises(InputError, match="most_deflection"):
+        wing_limits(tiny, tip_limit=0.0)
+    with pytest.raises(InputError, match="mu1 = 1"):
+        capable.limits(np.array([[1.0, 0.0]]))

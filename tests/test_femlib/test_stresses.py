@@ -1,0 +1,157 @@
+"""Stresses, strength, reactions and buckling of structures: what laminate theory and equilibrium say."""
+
+import meshio
+import numpy as np
+import pytest
+
+from femlib.assembly import ply_stresses
+from femlib.assembly.stresses import corner_strains
+from femlib.errors import InputError, SolveError
+from femlib.material import Ply, isotropic_plate, laminate
+from femlib.strength import Strength, strain_factors, tsai_wu_factors, von_mises, yielding_at
+from femlib.structure import Structure, read
+from tests.test_femlib.own_meshes import plate_mesh, plate_with_mast
+
+CARBON = Strength(1500e6, 900e6, 40e6, 150e6, 70e6)
+LAMINA = {"young_1": 130e9, "young_2": 9e9, "poisson_12": 0.3, "shear_12": 5e9, "shear_13": 5e9, "shear_23": 3e9}
+
+
+def cantilever(section, n_x=24, width=0.05):
+    """A strip 0.2 m long, held at its left edge."""
+    mesh = plate_mesh(n_x, 4, 0.2, width)
+    shells = meshio.Mesh(
+        mesh.points[:-2],
+        [("quad", mesh.cells[0].data)],
+        point_sets={name: mesh.point_sets[name] for name in ("left", "right")},
+        cell_sets={name: [mesh.cell_sets[name][0]] for name in ("skin", "middle")},
+    )
+    return Structure(read(shells), {"skin": section}, {"left": "clamped"}, damage=("middle",))
+
+
+def test_tsai_wu_and_max_strain_fail_a_ply_at_its_own_strengths():
+    signs = np.array([[1500e6, 0, 0], [-900e6, 0, 0], [0, 40e6, 0], [0, -150e6, 0], [0, 0, 70e6], [0, 0, -70e6]])
+    np.testing.assert_allclose(tsai_wu_factors(CARBON, signs / 2), 2.0)
+    moduli = (130e9, 9e9, 5e9)
+    np.testing.assert_allclose(strain_factors(CARBON, moduli, signs / moduli / 4), 4.0)
+
+
+def test_the_factor_of_tsai_wu_lies_on_its_surface():
+    stress = np.random.default_rng(0).normal(size=(50, 3)) * [500e6, 50e6, 40e6]
+    s1, s2, s12 = (tsai_wu_factors(CARBON, stress)[:, None] * stress).T
+    f11, f22 = 1 / (1500e6 * 900e6), 1 / (40e6 * 150e6)
+    index = f11 * s1**2 + f22 * s2**2 + (s12 / 70e6) ** 2 - np.sqrt(f11 * f22) * s1 * s2
+    index += (1 / 1500e6 - 1 / 900e6) * s1 + (1 / 40e6 - 1 / 150e6) * s2
+    np.testing.assert_allclose(index, 1.0, atol=1e-12)
+
+
+def test_von_mises_of_tension_shear_and_equal_tension():
+    np.testing.assert_allclose(von_mises(np.array([[3.0, 0, 0], [0, 0, 1], [2, 2, 0]])), [3.0, np.sqrt(3), 2.0])
+
+
+def uniform(structure, strain, curvature):
+    """Displacements (n_dofs,) of strains and curvatures (3,) that are the same everywhere, order (xx, yy, xy)."""
+    x, y = structure.mesh.nodes[:, :2].T
+    (exx, eyy, exy), (kxx, kyy, kxy) = strain, curvature
+    moved = np.zeros((len(x), 6))
+    moved[:, 0], moved[:, 1] = exx * x + exy * y / 2, eyy * y + exy * x / 2
+    moved[:, 2] = -(kxx * x * x + kyy * y * y + kxy * x * y) / 2
+    moved[:, 3], moved[:, 4] = -(kyy * y + kxy * x / 2), kxx * x + kxy * y / 2
+    return moved.ravel()
+
+
+def test_every_ply_has_the_strain_of_its_height_in_its_own_axes():
+    angles = (0.0, np.pi / 2, np.pi / 6)
+    section = laminate([Ply(**LAMINA, thickness=1e-3, angle=a) for a in angles])
+    strip = cantilever(section)
+    strain, curvature = np.array([1e-3, -4e-4, 6e-4]), np.array([0.3, -0.1, 0.2])
+    moved = uniform(strip, strain, curvature)
+    np.testing.assert_allclose(corner_strains(strip.built, moved)[:, :3], np.tile(strain, (384, 1)), atol=1e-12)
+    found = ply_stresses(strip.built, moved, strip.stiffness_left({"middle": 0.5}))
+    assert sorted(set(found.height.round(12))) == [-1.5e-3, -0.5e-3, 0.5e-3, 1.5e-3]
+    for number, angle in enumerate(angles):
+        c, s = np.cos(angle), np.sin(angle)
+        own = found.ply == number
+        xx, yy, xy = (strain + found.height[own, None] * curvature).T
+        along, across = c * c * xx + s * s * yy + c * s * xy, s * s * xx + c * c * yy - c * s * xy
+        both = np.column_stack([along, across, 2 * c * s * (yy - xx) + (c * c - s * s) * xy])
+        np.testing.assert_allclose(found.strain[own], both, atol=2e-6)
+        rest = 1 - 0.3**2 * 9 / 130
+        left = strip.stiffness_left({"middle": 0.5})[found.element[own]]
+        np.testing.assert_allclose(found.stress[own, 0], left * (130e9 * along + 2.7e9 * across) / rest, atol=4e5)
+        np.testing.assert_allclose(found.stress[own, 2], left * 5e9 * both[:, 2], atol=2e4)
+
+
+def test_a_triangle_has_the_axes_and_strains_of_its_quadrilateral():
+    strip = cantilever(isotropic_plate(70e9, 0.3, 3e-3), n_x=4)
+    corners = strip.mesh.quads
+    halves = np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+    cut = meshio.Mesh(
+        strip.mesh.nodes,
+        [("triangle", halves)],
+        point_sets={"left": np.flatnonzero(strip.mesh.nodes[:, 0] == 0.0)},
+        cell_sets={"skin": [np.arange(len(halves))]},
+    )
+    whole = Structure(read(cut), {"skin": isotropic_plate(70e9, 0.3, 3e-3)}, {"left": "clamped"})
+    strain = np.array([1e-3, -4e-4, 6e-4])
+    found = corner_strains(whole.built, uniform(whole, strain, np.zeros(3)))
+    np.testing.assert_allclose(found[:, :3], np.tile(strain, (len(found), 1)), atol=1e-12)
+
+
+def test_a_bent_strip_yields_where_and_when_beam_theory_says():
+    """sigma = 6 F x / (b t^2) at mid-span, in a strip without contraction across."""
+    strip = cantilever(isotropic_plate(70e9, 0.0, 2e-3, strength=yielding_at(250e6)))
+    load = strip.line_load("right", (0.0, 0.0, 100.0))
+    found = strip.stresses({}, load)
+    x = strip.mesh.nodes[found.node][:, 0]
+    expected = 6.0 * 100.0 * (0.2 - x) / 4e-6
+    off = np.abs(found.von_mises - expected) / expected.max()
+    assert (off < 1e-6).mean() > 0.85
+    # a node at the end of a patch has the mean of one row of elements: half an element's length of slope is missing
+    assert off.max() == pytest.approx(0.5 / 24, rel=1e-3)
+    assert found.failure_factors("von mises").min() == pytest.approx(250e6 / expected.max(), rel=0.03)
+    assert 0.002 < found.error < 0.02
+
+
+def test_a_damaged_ply_fails_at_the_strain_of_its_card():
+    strip = cantilever(isotropic_plate(70e9, 0.0, 2e-3, strength=yielding_at(250e6)))
+    load = strip.line_load("right", (1e4, 0.0, 0.0))
+    sound, damaged = (strip.stresses({"middle": mu}, load, strain_limit=1.0) for mu in (0.0, 0.5))
+    away = strip.mesh.nodes[sound.node][:, 0] < 0.15  # from the end's corners, where the load is lumped
+    factors = [found.failure_factors("max strain")[away].min() for found in (sound, damaged)]
+    np.testing.assert_allclose(factors, [50.0, 25.0], rtol=0.001)
+
+
+def test_reactions_hold_the_load_and_its_moment():
+    plate = plate_with_mast(finer=2)
+    load = plate.pressure("skin", 50.0) + plate.point_load("top", (1.0, 2.0, 3.0)) + plate.gravity()
+    held = np.asarray(plate.reactions({"middle": 0.5}, load))
+    arms, force = plate.mesh.nodes, load.reshape(-1, 6)
+    np.testing.assert_allclose(held[:, :3].sum(axis=0), -force[:, :3].sum(axis=0), rtol=1e-8)
+    moments = [(own[:, 3:] + np.cross(arms, own[:, :3])).sum(axis=0) for own in (held, force)]
+    np.testing.assert_allclose(moments[0], -moments[1], rtol=1e-7)
+    assert not held[arms[:, 0] > 0].any()
+
+
+def test_a_structure_buckles_as_euler_says_and_sooner_with_damage():
+    strip = cantilever(isotropic_plate(70e9, 0.0, 2e-3))
+    load = strip.line_load("right", (-1.0, 0.0, 0.0))
+    factor = strip.buckling_modes({}, load)[0].factor
+    assert factor == pytest.approx(np.pi**2 * 70e9 * (2e-3) ** 3 / 12 / (4 * 0.2**2), rel=0.01)
+    assert strip.buckling_modes({"middle": 0.5}, load)[0].factor < 0.95 * factor
+
+
+def test_what_is_missing_for_strength_is_said():
+    strip = cantilever(isotropic_plate(70e9, 0.3, 2e-3))
+    found = strip.stresses({}, strip.line_load("right", (0.0, 0.0, 100.0)))
+    with pytest.raises(InputError, match="has no strength"):
+        found.failure_factors()
+    with pytest.raises(InputError, match="criterion is 'mises'"):
+        found.failure_factors("mises")
+    with pytest.raises(InputError, match="strength compression_1 is -1"):
+        Strength(1.0, -1.0, 1.0, 1.0, 1.0)
+
+
+def test_strains_of_a_coarse_mesh_are_refused():
+    coarse = cantilever(isotropic_plate(70e9, 0.3, 2e-3), n_x=5)
+    with pytest.raises(SolveError, match="estimated to be"):
+        coarse.stresses({}, coarse.line_load("right", (0.0, 0.0, 100.0)), strain_limit=0.001)
