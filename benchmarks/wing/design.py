@@ -22,16 +22,21 @@ PLACE_STEP = 1e-6
 """Half step of the fractions in the derivative of a gauge's point [-]: the section's curve is smooth."""
 GAUGE_PARAMETERS = ("front_in", "front_out", "rear_in", "rear_out", "pitch", "x_front", "x_rear")
 EDGES = {"mu1": ("r1_fore", "r1_aft"), "mu2": ("r2_fore", "r2_aft")}
-"""Parameters of the regions' edges by damage parameter."""
+"""Parameters of the regions' edges along the chord by damage parameter."""
+SPAN_EDGES = {"mu1": ("r1_in", "r1_out"), "mu2": ("r2_in", "r2_out")}
+"""The same along the span; those of the wing's own regions if they are not given."""
+ELLIPSE_MIDDLE = 4.0 / (3.0 * np.pi)
+"""Span fraction at which elliptic lift has its resultant."""
 
 
 class WingDesign:
     """A wing with parameters.
 
-    Stiffness: `skin` (all moduli), `rise`, `step`, `rib`, `web` as in `WingMaterials`. Load: `mass` [kg]. Gauges: those
-    of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions:
-    those of `EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a
-    mesh that stays.
+    Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web` as in
+    `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges: those of
+    `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and
+    `SPAN_EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh
+    that stays.
 
     Parameters
     ----------
@@ -43,6 +48,8 @@ class WingDesign:
         Values of parameters that are not fitted.
     masses : mapping
         Point masses [kg] by span fraction, on the spar's upper cap.
+    is_wood_apart : bool
+        Whether `skin` leaves web and ribs as they are.
     """
 
     def __init__(
@@ -51,8 +58,10 @@ class WingDesign:
         states: Mapping[str, tuple[str, float]],
         fixed: Mapping[str, float],
         masses: Mapping[float, float],
+        is_wood_apart: bool = False,
     ) -> None:
-        self.wing, self.states, self.fixed = wing, states, fixed
+        own = {n: e for r in wing.regions for n, e in zip(SPAN_EDGES[r.parameter], (r.eta_min, r.eta_max), strict=True)}
+        self.wing, self.states, self.fixed, self.is_wood_apart = wing, states, {"tilt": 0.0, **own, **fixed}, is_wood_apart
         shells, cards, mesh = wing.structure.shells, wing.materials, wing.structure.shells.mesh
         ones = np.ones(mesh.n_elements)
         wood = shells.section == 1
@@ -65,7 +74,8 @@ class WingDesign:
         top = ("top", *(region.name for region in wing.regions))
         self.gauges = MovingGauges(mesh, wing.thickness, SPANWISE, top, side, unit=-1e6)
         self.lift = elliptic_lift(wing.grid, 1.0)
-        self.chords = _chord_ranges(wing)
+        self.tilted = self.lift * np.repeat(mesh.nodes[:, 1] / wing.span / ELLIPSE_MIDDLE - 1.0, 6)
+        self.ranges = _ranges(wing)
         rows = {eta: int(np.abs(wing.grid.eta - eta).argmin()) for eta in masses}
         at = {int(wing.grid.upper[rows[eta], wing.grid.spar_column]): masses[eta] for eta in masses}
         self.point_mass = point_masses(mesh, at)
@@ -74,14 +84,17 @@ class WingDesign:
         """Return the wing at parameter values; others have their fixed ones."""
         v = {**self.fixed, **values}
         up, aft = self._tip(2), self._tip(0)
-        lift = LOAD_FACTOR * self.lift
+        lift, tilted = LOAD_FACTOR * (self.lift + v["tilt"] * self.tilted), LOAD_FACTOR * self.tilted
         return Design(
             self.shells,
             self.wing.structure.supports,
             self._stiffness(v),
             self._mass(v),
             {name: self._state(v, *state) for name, state in self.states.items()},
-            {"lift": Varying(v["mass"] * lift, {"mass": lift}), "tip": Varying(up)},
+            {
+                "lift": Varying(v["mass"] * lift, {"mass": lift, "tilt": v["mass"] * tilted}),
+                "tip": Varying(up),
+            },
             {
                 "gauges": self.gauges.at(_places(v)),
                 "up": VaryingRows(sparse.csr_array(up[None])),
@@ -94,9 +107,10 @@ class WingDesign:
         outer, skin = self.eta > MIDDLE, ~(self.web | self.rib)
         along = np.exp(v["rise"] * (self.eta - MIDDLE)) * np.where(outer, v["step"], 1.0)
         base = np.select([self.web, self.rib], [v["web"], v["rib"]], along)
-        value = v["skin"] * base
+        by_skin = np.where(skin | (not self.is_wood_apart), base, 0.0)
+        value = np.where(by_skin > 0.0, v["skin"] * base, base)
         slopes = {
-            "skin": base,
+            "skin": by_skin,
             "rise": skin * value * (self.eta - MIDDLE),
             "step": (skin & outer) * value / v["step"],
             "web": self.web * value / v["web"],
@@ -114,17 +128,16 @@ class WingDesign:
         ones = np.ones(len(self.eta))
         if loss == 0.0:
             return Varying(ones)
-        region = next(r for r in self.wing.regions if r.parameter == parameter)
-        fore, aft = EDGES[parameter]
-        low, high = self.chords
-        bay = (region.eta_min < self.eta) & (self.eta < region.eta_max) & (high > low)
-        width = np.where(bay, high - low, 1.0)
-        inside = np.clip(np.minimum(high, v[aft]) - np.maximum(low, v[fore]), 0.0, None) / width
-        slopes = {
-            fore: np.where(bay & (low < v[fore]) & (v[fore] <= high), loss / width, 0.0),
-            aft: np.where(bay & (low <= v[aft]) & (v[aft] < high), -loss / width, 0.0),
-        }
-        return Varying(ones - loss * np.where(bay, inside, 0.0), slopes)
+        values, slopes = 1.0, {}
+        for (low, high), (first, last) in zip(self.ranges, (EDGES[parameter], SPAN_EDGES[parameter]), strict=True):
+            top = high > low
+            width = np.where(top, high - low, 1.0)
+            inside = np.where(top, np.clip(np.minimum(high, v[last]) - np.maximum(low, v[first]), 0.0, None), 0.0) / width
+            slopes = {name: slope * inside for name, slope in slopes.items()}
+            slopes[first] = values * np.where(top & (low < v[first]) & (v[first] <= high), -1.0, 0.0) / width
+            slopes[last] = values * np.where(top & (low <= v[last]) & (v[last] < high), 1.0, 0.0) / width
+            values = values * inside
+        return Varying(ones - loss * values, {name: -loss * slope for name, slope in slopes.items()})
 
     def _tip(self, axis: int) -> Floats:
         """Return a unit force (n_dofs,) at the tip's spar, shared as in `Wing.tip_stiffness`."""
@@ -135,14 +148,19 @@ class WingDesign:
         return unit
 
 
-def _chord_ranges(wing: Wing) -> tuple[Floats, Floats]:
-    """Return the least and largest chord fractions (n_elements,) of the top skin's elements, equal elsewhere."""
+def _ranges(wing: Wing) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    """Return least and largest chord and span fractions (n_elements,) of the top skin's elements, equal elsewhere."""
     mesh = wing.structure.shells.mesh
     corners = mesh.nodes[mesh.quads]
-    fraction = corners[:, :, 0] / PLANFORM.chord(corners[:, :, 1] / wing.span) + PLANFORM.spar_fraction
+    eta = corners[:, :, 1] / wing.span
+    chord = corners[:, :, 0] / PLANFORM.chord(eta) + PLANFORM.spar_fraction
     names = ("top", *(region.name for region in wing.regions))
     top = np.isin(mesh.patch_of_element[: len(mesh.quads)], [mesh.patches.index(name) for name in names])
-    low, high = np.zeros(mesh.n_elements), np.zeros(mesh.n_elements)
+    return _of_top(chord, top, mesh.n_elements), _of_top(eta, top, mesh.n_elements)
+
+
+def _of_top(fraction: Floats, top: NDArray[np.bool_], n_elements: int) -> tuple[Floats, Floats]:
+    low, high = np.zeros(n_elements), np.zeros(n_elements)
     low[: len(top)][top], high[: len(top)][top] = fraction.min(axis=1)[top], fraction.max(axis=1)[top]
     return low, high
 

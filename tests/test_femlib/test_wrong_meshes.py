@@ -9,7 +9,7 @@ import pytest
 from femlib.errors import FemlibError
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.sensors import StrainGauge
-from femlib.structure import Spring, Structure, model, read, rectangular_beam, reduce, write_vtu
+from femlib.structure import Spring, Structure, parts, read, rectangular_beam, reduce, write_vtu
 from femlib.structure.calculix import write_deck
 from tests.test_femlib.own_meshes import ALUMINIUM, plate_mesh, plate_with_mast
 from tests.test_femlib.test_mesh_files import DECK
@@ -179,7 +179,7 @@ def test_a_wrong_structure_is_refused_in_one_sentence(name, tmp_path):
 
 
 def test_a_damage_region_that_fills_the_memory_is_refused(monkeypatch):
-    monkeypatch.setattr(model, "MOST_CARRIED", 5000)
+    monkeypatch.setattr(parts, "MOST_CARRIED", 5000)
     with pytest.raises(FemlibError, match=r"'middle' has 90 degrees of freedom and 60 at its border.*; divide it"):
         plate_with_mast()
 
