@@ -12,7 +12,7 @@ from femlib.wing import Wing
 from femlib.wing.gauges import SPANWISE, pitched_places
 from femlib.wing.loads import elliptic_lift
 from femlib.wing.planform import PLANFORM, SECTION
-from femlib.wing.structure import MIDDLE
+from femlib.wing.structure import MIDDLE, ROOT_END
 
 Floats = NDArray[np.float64]
 LOAD_FACTOR = 3.0
@@ -32,8 +32,8 @@ ELLIPSE_MIDDLE = 4.0 / (3.0 * np.pi)
 class WingDesign:
     """A wing with parameters.
 
-    Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web` as in
-    `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges: those of
+    Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web`
+    and `root` (1 if not given) as in `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges: those of
     `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and
     `SPAN_EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh
     that stays.
@@ -61,7 +61,12 @@ class WingDesign:
         is_wood_apart: bool = False,
     ) -> None:
         own = {n: e for r in wing.regions for n, e in zip(SPAN_EDGES[r.parameter], (r.eta_min, r.eta_max), strict=True)}
-        self.wing, self.states, self.fixed, self.is_wood_apart = wing, states, {"tilt": 0.0, **own, **fixed}, is_wood_apart
+        self.wing, self.states, self.fixed, self.is_wood_apart = (
+            wing,
+            states,
+            {"tilt": 0.0, "root": 1.0, **own, **fixed},
+            is_wood_apart,
+        )
         shells, cards, mesh = wing.structure.shells, wing.materials, wing.structure.shells.mesh
         ones = np.ones(mesh.n_elements)
         wood = shells.section == 1
@@ -107,6 +112,7 @@ class WingDesign:
         outer, skin = self.eta > MIDDLE, ~(self.web | self.rib)
         along = np.exp(v["rise"] * (self.eta - MIDDLE)) * np.where(outer, v["step"], 1.0)
         base = np.select([self.web, self.rib], [v["web"], v["rib"]], along)
+        base = np.where(~self.rib & (self.eta < ROOT_END), v["root"] * base, base)
         by_skin = np.where(skin | (not self.is_wood_apart), base, 0.0)
         value = np.where(by_skin > 0.0, v["skin"] * base, base)
         slopes = {
@@ -132,7 +138,9 @@ class WingDesign:
         for (low, high), (first, last) in zip(self.ranges, (EDGES[parameter], SPAN_EDGES[parameter]), strict=True):
             top = high > low
             width = np.where(top, high - low, 1.0)
-            inside = np.where(top, np.clip(np.minimum(high, v[last]) - np.maximum(low, v[first]), 0.0, None), 0.0) / width
+            inside = (
+                np.where(top, np.clip(np.minimum(high, v[last]) - np.maximum(low, v[first]), 0.0, None), 0.0) / width
+            )
             slopes = {name: slope * inside for name, slope in slopes.items()}
             slopes[first] = values * np.where(top & (low < v[first]) & (v[first] <= high), -1.0, 0.0) / width
             slopes[last] = values * np.where(top & (low <= v[last]) & (v[last] < high), 1.0, 0.0) / width

@@ -102,15 +102,16 @@ def damage_library() -> tuple[DamageRegion, ...]:
     assumed: five rib bays of the top skin's nose, aft and tail strips, of the bottom skin's fore and aft strips, and
     of the web.
     """
-    return _library(UAV_REGIONS, _BAYS)
+    return library_of(UAV_REGIONS, _BAYS)
 
 
 def tapered_library() -> tuple[DamageRegion, ...]:
     """Return the same 28 regions for `tapered_wing`."""
-    return _library(TAPERED_REGIONS, _TAPERED_BAYS)
+    return library_of(TAPERED_REGIONS, _TAPERED_BAYS)
 
 
-def _library(study: tuple[DamageRegion, ...], bays: tuple[tuple[float, float], ...]) -> tuple[DamageRegion, ...]:
+def library_of(study: tuple[DamageRegion, ...], bays: tuple[tuple[float, float], ...]) -> tuple[DamageRegion, ...]:
+    """Return 28 regions: the study's two, then strips over five bays (span fractions)."""
     top = [("top", _REAR, bay) for bay in (bays[0], bays[2], bays[4])]
     top += [("top", _NOSE, bay) for bay in bays] + [("top", _TAIL, bay) for bay in (bays[1], bays[2], bays[3])]
     bottom = [("bottom", strip, bay) for strip in (_FORE, _AFT) for bay in bays]

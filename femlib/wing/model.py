@@ -288,7 +288,7 @@ def uav_wing(
     cards, installed = WingMaterials() if materials is None else materials, installed_places()
     lines = installed[:16, 0]  # the rear row's gauges lie too near the front row's for lines of their own
     places = np.concatenate([installed, candidate_places()]) if candidates else installed
-    return _checked_wing(refinement, regions, cards, effective_mass, places, lines, LEFT_OUT)
+    return checked_wing(refinement, regions, cards, effective_mass, places, lines, LEFT_OUT)
 
 
 def tapered_wing(
@@ -319,10 +319,10 @@ def tapered_wing(
     """
     cards, installed = tapered_materials() if materials is None else materials, tapered_places()
     places = np.concatenate([installed, tapered_candidates()]) if candidates else installed
-    return _checked_wing(refinement, regions, cards, effective_mass, places, installed[:, 0], ())
+    return checked_wing(refinement, regions, cards, effective_mass, places, installed[:, 0], ())
 
 
-def _checked_wing(
+def checked_wing(
     refinement: float,
     regions: tuple[DamageRegion, ...],
     cards: WingMaterials,

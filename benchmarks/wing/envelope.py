@@ -1,0 +1,199 @@
+"""What load factor a damaged wing bears: curves with their uncertainty, the flight envelope, all 28 regions.
+
+    python -m benchmarks.wing.envelope [--refinement 0.5] [--tables FOLDER] [--picture FILE.png] [--library]
+
+`built_wing` under its elliptic lift. The uncertainty has two parts: the modulus scale that the authors measured (their
+100 samples) and the strains that plies bear (a coefficient of variation of `STRENGTH_CV`, assumed). Both scale the
+limits: a modulus scale e multiplies all three, a strength the first. With --library each of the 28 regions as well.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from benchmarks.data import SHARED
+from benchmarks.main_program import run_main
+from femlib.rom.capability import LIMITS, Capability, drawn_states
+from femlib.wing import Wing, reduce_wing
+from femlib.wing.built import BUILT_MASS, built_library, built_wing
+from femlib.wing.strength import full_capability, wing_capability, wing_stresses
+from octmip.formats.files import write_bytes
+from octmip.interfaces.report.markdown import markdown_table
+
+Floats = NDArray[np.float64]
+FLOWN = 3.0
+"""Load factor of the study's tight turns."""
+STRENGTH_CV = 0.08
+"""Coefficient of variation of the strains that plies bear. Assumed."""
+N_DRAWS = 4000
+DAMAGE = np.linspace(0.0, 0.9, 46)
+KINDS = {"mu1": (1.0, 0.0), "mu2": (0.0, 1.0), "mu1 and mu2": (1.0, 1.0)}
+SHOWN = (0.0, 0.2, 0.4, 0.6, 0.8)
+DENSITY, MOST_LIFT, FASTEST = 1.225, 1.4, 40.0
+"""Of air [kg/m^3]; the wing's greatest lift coefficient and the fastest speed [m/s] of the picture, assumed."""
+COLOURS = {"mu1": "#c2410c", "mu2": "#1d4ed8", "mu1 and mu2": "#222222"}
+
+
+def main() -> None:
+    """Print tables and write what is asked for."""
+    parser = argparse.ArgumentParser(prog="benchmarks.wing.envelope", description=__doc__)
+    parser.add_argument("--refinement", type=float, default=0.5)
+    parser.add_argument("--tables", help="folder for CSV files")
+    parser.add_argument("--picture", help="PNG file to write")
+    parser.add_argument("--library", action="store_true", help="all 28 regions as well")
+    options = parser.parse_args()
+    wing = built_wing(refinement=options.refinement)
+    start = time.process_time()
+    capable = wing_capability(wing, reduce_wing(wing))
+    print(
+        f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}; {speed(capable)}"
+    )
+    print(weakest(wing))
+    tables = {"capability": curve_rows(capable), "crossings": crossing_rows(capable)}
+    if options.library:
+        tables["regions"] = region_rows(options.refinement)
+    for name, rows in tables.items():
+        shown = rows if name != "capability" else rows[::5]
+        print(f"\n{name}\n{markdown_table(shown)}", flush=True)
+        if options.tables:
+            write_bytes(Path(options.tables) / f"{name}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+    if options.picture:
+        picture(capable, wing).savefig(options.picture, dpi=110)
+
+
+def speed(capable: Capability) -> str:
+    """Return in words what a state costs, one at a time, states drawn as for the check."""
+    states = drawn_states(np.random.default_rng(1), 200, len(capable.parameters))
+    times = []
+    for state in states:
+        start = time.process_time()
+        capable.limits(state[None])
+        times.append(1e3 * (time.process_time() - start))
+    return f"{np.median(times):.2f} CPU ms a state in the median, {np.max(times):.2f} at most of {len(states)}"
+
+
+def weakest(wing: Wing) -> str:
+    """Return in words where plies of the sound wing and of mu1 = 80 % fail first, by the full model."""
+    mesh, words = wing.structure.shells.mesh, []
+    for name, state in (("sound", {}), ("mu1 80 %", {"mu1": 0.8})):
+        found = wing_stresses(wing, state, 1.0)
+        factors = found.failure_factors("max strain")
+        k = int(factors.argmin())
+        place = mesh.nodes[found.node[k]] / wing.span
+        patch = mesh.patches[mesh.patch_of_element[found.element[k]]]
+        error = f"strains {100 * found.error:.0f} % by energy"
+        words.append(f"{name}: {patch} at eta {place[1]:.3f}, load factor {factors[k]:.2f} ({error})")
+    return "first ply: " + "; ".join(words)
+
+
+def drawn(limits: Floats, seed: int = 0) -> Floats:
+    """Return capabilities (n_draws, n_states) of limits (n_states, 3) with drawn modulus scales and strengths."""
+    rng = np.random.default_rng(seed)
+    scales = np.loadtxt(SHARED / "uav" / "modulus_scale_samples.csv")
+    scale, strength = rng.choice(scales, N_DRAWS), np.exp(rng.normal(0.0, STRENGTH_CV, N_DRAWS))
+    factors = np.column_stack([scale * strength, scale, scale])
+    return np.asarray((factors[:, None] * limits[None]).min(axis=2))
+
+
+def curve_rows(capable: Capability) -> list[dict[str, object]]:
+    """Return the capability along each kind of damage, with the limit that counts and 5 to 95 %."""
+    rows: list[dict[str, object]] = []
+    for kind, along in KINDS.items():
+        limits = capable.limits(DAMAGE[:, None] * np.array(along))
+        low, high = np.quantile(drawn(limits), [0.05, 0.95], axis=0)
+        for k, damage in enumerate(DAMAGE.tolist()):
+            row: dict[str, object] = {"damage": kind, "lost %": round(100 * damage), "bears": round(limits[k].min(), 3)}
+            row |= {"5 %": round(low[k], 3), "95 %": round(high[k], 3), "limit": LIMITS[int(limits[k].argmin())]}
+            rows.append(row | {name: round(value, 3) for name, value in zip(LIMITS, limits[k].tolist(), strict=True)})
+    return rows
+
+
+def crossing_rows(capable: Capability) -> list[dict[str, object]]:
+    """Return the damage at which the flown load factor is no longer borne, and P(not borne) at 40 %."""
+    rows: list[dict[str, object]] = []
+    for kind, along in KINDS.items():
+        grid = np.linspace(0.0, 0.9, 181)
+        limits = capable.limits(grid[:, None] * np.array(along))
+        fails = drawn(limits) < FLOWN
+        first = np.where(fails.any(axis=1), grid[fails.argmax(axis=1)], np.inf)
+        low, middle, high = (100 * np.quantile(first, q, method="inverted_cdf") for q in (0.05, 0.5, 0.95))
+        row: dict[str, object] = {"damage": kind, "3 g fails at %": _percent(middle), "5 %": _percent(low)}
+        row |= {"95 %": _percent(high), "P(fails at 40 %)": round(float(fails[:, 80].mean()), 3)}
+        rows.append(row)
+    return rows
+
+
+def _percent(value: float) -> str:
+    return f"{value:.0f}" if np.isfinite(value) else "never"
+
+
+def region_rows(refinement: float) -> list[dict[str, object]]:
+    """Return what each of the 28 regions alone does to the capability, and the check against the full model."""
+    wing = built_wing(refinement=refinement, regions=built_library())
+    start = time.process_time()
+    capable = wing_capability(wing, reduce_wing(wing), n_checks=4)
+    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
+    print(f"\n28 regions: {words}; {speed(capable)}", flush=True)
+    sound, each = capable.load_factors(np.zeros((1, 28)))[0], np.eye(28)
+    rows: list[dict[str, object]] = []
+    for k, region in enumerate(wing.regions):
+        limits = {mu: capable.limits(mu * each[k : k + 1])[0] for mu in (0.4, 0.8)}
+        row: dict[str, object] = {"region": region.name, "surface": region.surface}
+        row |= {"eta": f"{region.eta_min:.3f} to {region.eta_max:.3f}"}
+        row |= {f"bears at {100 * mu:.0f} % lost": round(float(own.min()), 3) for mu, own in limits.items()}
+        row["share of sound at 80 %"] = round(float(limits[0.8].min() / sound), 3)
+        rows.append(row | {"limit at 80 %": LIMITS[int(limits[0.8].argmin())]})
+    full = full_capability(wing, {"mu1": 0.8, "mu9": 0.5})
+    both = 0.8 * each[0] + 0.5 * each[8]
+    print(
+        f"mu1 80 %, mu9 50 %: full {full.round(3).tolist()}, reduced {capable.limits(both[None])[0].round(3).tolist()}"
+    )
+    return rows
+
+
+def picture(capable: Capability, wing: Wing) -> Figure:
+    """Return the curves with their bands, and the envelope of speed and load factor that shrinks with damage."""
+    figure = Figure(figsize=(11, 4.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for kind, along in KINDS.items():
+        limits = capable.limits(DAMAGE[:, None] * np.array(along))
+        low, high = np.quantile(drawn(limits), [0.05, 0.95], axis=0)
+        left.fill_between(100 * DAMAGE, low, high, color=COLOURS[kind], alpha=0.15, lw=0)
+        left.plot(100 * DAMAGE, limits.min(axis=1), color=COLOURS[kind], label=kind)
+    left.axhline(FLOWN, color="#5b6670", ls="--", lw=1)
+    left.annotate("3 g turns of the mission", (1, FLOWN), xytext=(0, 4), textcoords="offset points", fontsize=8)
+    left.axvline(40.0, color="#5b6670", ls=":", lw=1)
+    left.annotate("the paper's 40 %", (40, 0.1), xytext=(4, 0), textcoords="offset points", fontsize=8)
+    left.set(xlabel="stiffness lost [%]", ylabel="greatest load factor [g]", ylim=(0.0, None), xlim=(0.0, 90.0))
+    left.set_title("what the wing bears; bands of 5 to 95 %", fontsize=10)
+    left.legend(fontsize=8)
+    _envelope(right, capable, wing)
+    return figure
+
+
+def _envelope(axis: Axes, capable: Capability, wing: Wing) -> None:
+    area = 2.0 * wing.span * 0.5 * (wing.planform.root_chord + wing.planform.tip_chord)
+    stall = np.sqrt(2.0 * BUILT_MASS * 9.81 / (DENSITY * area * MOST_LIFT))
+    speeds = np.linspace(0.0, FASTEST, 400)
+    for k, damage in enumerate(SHOWN):
+        bears = float(capable.load_factors(damage * np.ones((1, 2)))[0])
+        top = np.minimum((speeds / stall) ** 2, bears)
+        colour = str(0.82 - 0.16 * k)
+        axis.fill_between(speeds, 0.0, top, color=colour, lw=0)
+        axis.plot([*speeds, FASTEST], [*top, 0.0], color="#222222", lw=0.8)
+        label = f"{100 * damage:.0f} % lost in both regions: {bears:.2f} g"
+        place = (FASTEST, bears)
+        axis.annotate(label, place, xytext=(-4, -10), textcoords="offset points", ha="right", fontsize=8)
+    axis.axhline(FLOWN, color="#c2410c", ls="--", lw=1)
+    axis.set(xlabel="speed [m/s]", ylabel="load factor [g]", xlim=(0.0, FASTEST), ylim=(0.0, None))
+    axis.set_title("flight envelope: stall on the left, strength on top", fontsize=10)
+
+
+if __name__ == "__main__":
+    run_main(main)
