@@ -32,9 +32,9 @@ ELLIPSE_MIDDLE = 4.0 / (3.0 * np.pi)
 class WingDesign:
     """A wing with parameters.
 
-    Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web`
-    and `root` (1 if not given) as in `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges: those of
-    `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and
+    Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web` and `root` (1 if
+    not given) as in `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges:
+    those of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and
     `SPAN_EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh
     that stays.
 
@@ -130,17 +130,16 @@ class WingDesign:
         return Varying(wood + v["density"] * skin, {"density": skin})
 
     def _state(self, v: Mapping[str, float], parameter: str, loss: float) -> Varying:
-        """Return the factors of one region's loss, and their derivatives by the region's edges along the chord."""
+        """Return the factors of one region's loss, and their derivatives by the region's edges."""
         ones = np.ones(len(self.eta))
         if loss == 0.0:
             return Varying(ones)
-        values, slopes = 1.0, {}
+        values, slopes = ones, dict[str, Floats]()
         for (low, high), (first, last) in zip(self.ranges, (EDGES[parameter], SPAN_EDGES[parameter]), strict=True):
             top = high > low
             width = np.where(top, high - low, 1.0)
-            inside = (
-                np.where(top, np.clip(np.minimum(high, v[last]) - np.maximum(low, v[first]), 0.0, None), 0.0) / width
-            )
+            overlap = np.minimum(high, v[last]) - np.maximum(low, v[first])
+            inside = np.where(top, np.clip(overlap, 0.0, None), 0.0) / width
             slopes = {name: slope * inside for name, slope in slopes.items()}
             slopes[first] = values * np.where(top & (low < v[first]) & (v[first] <= high), -1.0, 0.0) / width
             slopes[last] = values * np.where(top & (low <= v[last]) & (v[last] < high), 1.0, 0.0) / width

@@ -51,9 +51,8 @@ def main() -> None:
     wing = built_wing(refinement=options.refinement)
     start = time.process_time()
     capable = wing_capability(wing, reduce_wing(wing))
-    print(
-        f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}; {speed(capable)}"
-    )
+    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
+    print(f"{words}; {speed(capable)}")
     print(weakest(wing))
     tables = {"capability": curve_rows(capable), "crossings": crossing_rows(capable)}
     if options.library:

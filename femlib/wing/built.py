@@ -16,12 +16,13 @@ BUILT_MASS = 21.83
 PITCH = 0.022108
 """Pitch of the front row's gauges in span fractions. Fitted."""
 FRONT = (1.0 / 3.0 - 3.0 * PITCH, 0.75 - 7.0 * PITCH)
-"""Span fractions of the front row's halves: fitted, then moved by less than a standard deviation so that a gauge stands on a rib."""
+"""Span fractions of the front row's halves: fitted, then moved by less than a standard deviation so that a gauge stands
+on a rib."""
 R1_END = FRONT[0] + 4.0 * PITCH
 """Outboard edge of R1: fitted 0.3584 +- 0.0025, moved to a gauge near by, where the mesh has a line."""
 ROOT = 2.0
-"""Factor on skins and web of the root's bays: a designer's choice, since no gauge stands there. Without it the web's
-plywood would fail at load factor 1.9."""
+"""Factor on skins and web of the root's bays: a designer's choice, since no gauge stands there. Without it the web
+fails there first, at load factor 2.6."""
 BUILT_REGIONS = (
     DamageRegion("R1", "mu1", 2.5 / 12.0, R1_END, 0.357, 0.631),
     DamageRegion("R2", "mu2", 0.657, 10.0 / 12.0, 0.357, 0.456),
@@ -31,10 +32,10 @@ _BAYS = ((1 / 12, 2 / 12), (2.5 / 12, R1_END), (5 / 12, 6 / 12), (0.657, 10 / 12
 
 
 def built_materials() -> WingMaterials:
-    """Return the cards: faces of 1.3e6 N/m inboard and 0.73e6 N/m outboard, as carbon fabric at +-45 degrees
-    of 0.08 and 0.05 mm has; twice that at the root.
+    """Return the cards: one layer stands for a sandwich; that of its thickness t has its faces at t / sqrt(12).
 
-    One layer stands for the sandwich: of its thickness t a layer has faces at t / sqrt(12).
+    A face has 1.3e6 N/m inboard and 0.73e6 N/m outboard, as carbon fabric at +-45 degrees of 0.08 and 0.05 mm, and
+    twice that at the root.
     """
     face = 2.5e-3
     return WingMaterials(
