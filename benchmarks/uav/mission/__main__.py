@@ -34,19 +34,19 @@ def main() -> None:
         write_bytes(path, flight_page(aircraft, recorded(aircraft, kind, options.seed)).encode())
         print(f"page: {path.resolve()}", flush=True)
     for name in options.tables:
-        for title, rows in _tables(name, aircraft, folder, options.missions, options.seed):
+        for title, rows in _tables(name, aircraft, folder, options.missions, options.seed, options.kinds):
             write_bytes(folder / f"{title}.json", (json.dumps(rows, indent=1) + "\n").encode())
             print(f"\n{title}\n{markdown_table(rows)}", flush=True)
     print(f"{time.perf_counter() - start:.0f} s; all lies in {folder.resolve()}")
 
 
 def _tables(
-    name: str, aircraft: Aircraft, folder: Path, n: int, seed: int
+    name: str, aircraft: Aircraft, folder: Path, n: int, seed: int, kinds: Sequence[str] = KINDS
 ) -> Sequence[tuple[str, Sequence[dict[str, object]]]]:
     if name == "filter":
         return [("filter", filter_rows(aircraft, max(50, n // 20), seed))]
     if name == "policies":
-        return [("policies", policy_rows(aircraft, n, seed))]
+        return [("policies", policy_rows(aircraft, n, seed, kinds))]
     if name == "speed":
         return [("speed", speed_rows(aircraft, 1000 * n, seed))]
     watch = aircraft.watch()
@@ -60,6 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--pages", nargs="*", choices=KINDS, default=KINDS[:1], help="missions to play")
     parser.add_argument("--tables", nargs="*", choices=TABLES, default=(), help="tables to make as well")
+    parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS, help="missions of the policy table")
     parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy; tables take fewer")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", default="results/uav/mission/wing")

@@ -1,4 +1,4 @@
-"""The aircraft: a wing's twin, the gauges that its trees read, the libraries, the trees, and what the wing can bear."""
+"""The aircraft: a wing's twin, the gauges that its trees read, the libraries, the trees, and what the wing bears."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.uav.mission.capable import Capable, capable_wing
 from benchmarks.uav.mission.table_twin import TableTwin
 from femlib.dataset import Dataset, MeanStrains, Recipe, build_dataset, published_strains
 from femlib.wing import Wing, uav_twin
@@ -33,12 +34,12 @@ NOISE_SD = float(np.sqrt(1000.0))
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
 """States of the library that the trees distinguish."""
 CRITICAL = 0.4
-"""Damage beyond which the wing does not bear 3 g: the paper's limit."""
+"""Damage beyond which the paper's rule flies at 2 g."""
 RATES = (0.0005, 0.004, 0.0075)
 """Growth rates that the filter allows for, per step: hardly any, half and nearly all of 0 to 80 % in 100 steps."""
 SUDDEN, CHANGE = 0.0005, 0.01
-MISS = 5.0
-"""In the risk-weighted trees, to call a critical damage harmless costs so many times its error."""
+WEAR = (2.0 / 3.0) ** 4
+"""Growth of damage in a step at 2 g over that at 3 g: the load to the power of four. Assumed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,20 +56,21 @@ class Aircraft:
         its strains.
     gauges
         that are read.
+    capable
+        what the wing bears.
     trees
-        the trees for mu1 and mu2 of least absolute error; risk_trees: those that fear to miss.
-    selector, risk_selector
-        each pair as one tree.
+        the trees for mu1 and mu2 of least absolute error.
+    selector
+        both as one tree.
     """
 
     source: str
     wing: Wing
     twin: TableTwin
     gauges: tuple[str, ...]
+    capable: Capable
     trees: tuple[TreeFile, ...]
-    risk_trees: tuple[TreeFile, ...]
     selector: ModelSelector
-    risk_selector: ModelSelector
 
     def strains(self, states: Floats) -> Floats:
         """Return the strains (n, n_gauges) per unit of load of damage fractions (n, 2)."""
@@ -82,12 +84,11 @@ class Aircraft:
         grid = grid_states([centres, centres])
         return library_of(self.twin, grid, NOISE_SD, gauges=self.gauges, widths=(width, width))
 
-    def filter(self, n_cells: int = 16, *, is_whole: bool = False, is_risk: bool = False) -> Filter:
-        """Return the filter on the trees' leaves, or on whole readings."""
+    def filter(self, n_cells: int = 16, *, is_whole: bool = False, wear: float = 1.0) -> Filter:
+        """Return the filter on the trees' leaves, or on whole readings; damage grows `wear` times as fast as at 3 g."""
         cells = self.cells(n_cells)
-        tree = (self.risk_selector if is_risk else self.selector).tree
-        likelihood = GaussianLikelihood(cells) if is_whole else LeafLikelihood(tree, cells)
-        return Filter(likelihood, steady_growth(cells, RATES, SUDDEN, CHANGE))
+        likelihood = GaussianLikelihood(cells) if is_whole else LeafLikelihood(self.selector.tree, cells)
+        return Filter(likelihood, steady_growth(cells, [wear * rate for rate in RATES], SUDDEN, CHANGE))
 
     def watch(self, rate: float = 0.01) -> Watch:
         """Return the watch, with the twin's damage outside the library as candidates."""
@@ -134,11 +135,8 @@ def build_aircraft(folder: Path, strains: str | None = None, seed: int = 0, dept
     places = wing.gauges.position[[wing.gauges.names.index(gauge) for gauge in twin.gauges], :2]
     twin = replace(twin, gauge_positions=places, outline=wing.outline())
     library = library_of(twin, grid_states([LEVELS, LEVELS]), NOISE_SD, gauges=data.gauges)
-    trees, risk_trees = (
-        tuple(_tree(folder, data, label, depth, weight) for label in ("mu1", "mu2")) for weight in (1.0, MISS)
-    )
-    selector, risk_selector = (_selector(library, files) for files in (trees, risk_trees))
-    return Aircraft(data.source, wing, twin, data.gauges, trees, risk_trees, selector, risk_selector)
+    trees = tuple(_tree(folder, data, label, depth) for label in ("mu1", "mu2"))
+    return Aircraft(data.source, wing, twin, data.gauges, capable_wing(folder), trees, _selector(library, trees))
 
 
 def _selector(library: Library, files: Sequence[TreeFile]) -> ModelSelector:
@@ -147,18 +145,17 @@ def _selector(library: Library, files: Sequence[TreeFile]) -> ModelSelector:
     return ModelSelector.of_trees(library, trees)
 
 
-def problem_of(data: Dataset, label: str, depth: int, miss: float) -> Problem:
-    """Return the problem of a tree of least absolute error, errors that miss a critical damage weighing `miss`."""
+def problem_of(data: Dataset, label: str, depth: int) -> Problem:
+    """Return the problem of a tree of least absolute error."""
     percent = np.array(LEVELS) * 100.0
     costs = np.abs(percent[:, None] - percent[None, :])
-    costs[np.ix_(percent > 100 * CRITICAL, percent <= 100 * CRITICAL)] *= miss
     labels = getattr(data, label)[data.is_train]
     return Problem(data.features[data.is_train], labels, depth=depth, loss=ClassCosts(costs), feature_names=data.gauges)
 
 
-def _tree(folder: Path, data: Dataset, label: str, depth: int, miss: float) -> TreeFile:
-    problem = problem_of(data, label, depth, miss)
-    path = folder / f"tree_{label}_{'plain' if miss == 1.0 else 'risk'}.json"
+def _tree(folder: Path, data: Dataset, label: str, depth: int) -> TreeFile:
+    problem = problem_of(data, label, depth)
+    path = folder / f"tree_{label}.json"
     if path.exists():
         try:
             file = read_tree_file(path)
@@ -172,14 +169,3 @@ def _tree(folder: Path, data: Dataset, label: str, depth: int, miss: float) -> T
     folder.mkdir(parents=True, exist_ok=True)
     write_tree_file(path, file)
     return file
-
-
-def capability(damage: Floats, reserve: Floats | float = 0.0) -> Floats:
-    """Return the load factor (n,) that a wing bears: 3 g to 40 % damage in the worst region, 2 g at 80 %, plus reserve.
-
-    Args:
-        damage: (n, n_regions) fractions.
-        reserve: what this very wing bears beyond that [g].
-    """
-    worst = damage.max(axis=1)
-    return np.asarray(3.0 - np.maximum(0.0, worst - CRITICAL) / CRITICAL + reserve)

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.uav.mission import course
-from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft, capability
+from benchmarks.uav.mission.aircraft import CRITICAL, WEAR, Aircraft
+from benchmarks.uav.mission.capable import Capable
 from benchmarks.uav.mission.histories import MOST_STEPS, Histories, draw
 from benchmarks.uav.mission.outside import example_signature
-from benchmarks.uav.mission.policies import Pilot, Policy
+from benchmarks.uav.mission.policies import Brain, Pilot, Policy
 from benchmarks.uav.mission.simulation import damage_at, readings_at
 from octmip.interfaces.report.mission import MissionStep
 from octmip.monitor import Belief, Finding, Library, Result
@@ -51,24 +52,24 @@ def recorded(aircraft: Aircraft, kind: str, seed: int) -> Flight:
     rng = np.random.default_rng([seed, 9])
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
     histories = draw(kind, 1, rng, read)
-    chain = aircraft.filter(16)
-    pilot = Pilot(POLICY, aircraft, 1, chain, aircraft.watch())
+    brain = Brain.of(aircraft, 16)
+    pilot = Pilot(POLICY, aircraft, 1, brain, aircraft.watch())
     signature = example_signature(aircraft.gauges) if kind == "outside" else None
     steps: list[MissionStep] = []
-    x, width, load = np.zeros(1), np.zeros(1), np.full(1, 3.0)
+    x, width, load, clock = np.zeros(1), np.zeros(1), np.full(1, 3.0), np.zeros(1)
     for k in range(MOST_STEPS):
-        truth = damage_at(histories, k)
-        readings = readings_at(aircraft, histories, k, load, rng, signature)
+        truth = damage_at(histories, k, clock)
+        readings = readings_at(aircraft, histories, k, load, rng, signature, clock)
         known = bool(pilot.findings)
-        is_cautious = pilot.decide(readings, load, truth)
+        is_cautious = pilot.decide(readings, load, truth, x)
         at = (float(x[0]), float(course.height(x, width)[0]))
         steps.append(_step(k, pilot, readings[0], float(load[0]), bool(is_cautious[0]), truth[0], at, is_new=not known))
-        load = np.where(is_cautious, 2.0, 3.0)
+        load, clock = np.where(is_cautious, 2.0, 3.0), clock + np.where(is_cautious, WEAR, 1.0)
         if x[0] >= course.GOAL:
             break
         x, width = course.advance(x, width, is_cautious)
     traced = tuple(aircraft.gauges[g] for g in _traced(aircraft, histories))
-    return Flight(kind, seed, chain.library, traced, tuple(steps))
+    return Flight(kind, seed, brain.filters[0].library, traced, tuple(steps))
 
 
 def _step(
@@ -97,15 +98,15 @@ def _step(
         reason=_reason(belief, is_cautious, finding, p_value),
         truth=dict(zip(NAMES, truth.tolist(), strict=False)),
         at=at,
-        figures=_figures(belief, truth, float(monitor_state.log_e[0])),
+        figures=_figures(pilot.aircraft.capable, belief, truth, float(monitor_state.log_e[0])),
     )
 
 
-def _figures(belief: Belief, truth: Floats, log_e: float) -> dict[str, str]:
-    believed = float(belief.expectation(capability(belief.library.states))[0])
+def _figures(capable: Capable, belief: Belief, truth: Floats, log_e: float) -> dict[str, str]:
+    believed = float(belief.expectation(capable.bears(belief.library.states))[0])
     above = float(belief.probability_above(dict.fromkeys(NAMES, CRITICAL))[0])
     return {
-        "Load factor that the wing bears": f"{believed:.2f} g believed, {capability(truth[None])[0]:.2f} g true",
+        "Load factor that the wing bears": f"{believed:.2f} g believed, {capable.bears(truth[None])[0]:.2f} g true",
         "Probability that a damage is over 40 %": f"{100 * above:.0f} %",
         "Evidence against the library, power of ten": f"{log_e / np.log(10.0):.1f}",
     }

@@ -23,15 +23,13 @@ class Histories:
     kind
         one of KINDS.
     damage
-        (n, MOST_STEPS, 2) fractions of mu1 and mu2.
+        (n, MOST_STEPS, 2) fractions of mu1 and mu2 by steps at 3 g; at 2 g they age more slowly (aircraft.WEAR).
     dead_gauge
         (n,) index of a gauge that reads nothing but 0 microstrain, -1: none; dead_from: (n,) step.
     outside
         (n,) damage of a third region from `outside_from` on; 0: none.
     outside_from
         (n,) step.
-    reserve
-        (n,) what each wing bears beyond the capability [g].
     """
 
     kind: str
@@ -40,16 +38,16 @@ class Histories:
     dead_from: NDArray[np.int64]
     outside: Floats
     outside_from: NDArray[np.int64]
-    reserve: Floats
+
+    @property
+    def rates(self) -> Floats:
+        """Steady growth (n, 2) of mu1 and mu2 in a step at 3 g, over the first ten."""
+        return np.asarray((self.damage[:, 10] - self.damage[:, 0]) / 10.0)
 
     @property
     def n(self) -> int:
         """Number of aircraft."""
         return len(self.damage)
-
-
-MOST_RESERVE = 0.5
-"""A wing bears up to so much more than its capability [g], uniformly distributed: damage of 40 to 60 %."""
 
 
 def draw(kind: str, n: int, rng: np.random.Generator, gauges_read: tuple[int, ...]) -> Histories:
@@ -73,5 +71,4 @@ def draw(kind: str, n: int, rng: np.random.Generator, gauges_read: tuple[int, ..
         rng.integers(5, 75, n) if is_dead else never,
         rng.uniform(0.4, 0.8, n) if is_outside else np.zeros(n),
         rng.integers(5, 75, n) if is_outside else never,
-        rng.uniform(0.0, MOST_RESERVE, n),
     )

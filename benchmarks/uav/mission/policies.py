@@ -1,9 +1,8 @@
 """Policies: from what is known at a step, whether the next is flown at 2 g (cautious) or at 3 g.
 
-Each is a function of the estimates at hand. The paper's: fall back to 2 g when either estimate exceeds 40 %. A belief
-allows another: fly at 3 g only while the loss that is expected of it is below the time that it gains,
-
-    LOST * P(the wing does not bear 3 g | readings)  <  steps lost by one cautious step.
+The paper's: fall back to 2 g when either tree's estimate exceeds 40 %. The twin's limit instead of 40 %: when a turn at
+3 g would break the wing with more than one chance in a thousand, in the state that the trees name, or with a
+probability over a level in the filter's belief. The planner weighs all later steps (`planner.py`).
 """
 
 from dataclasses import dataclass
@@ -11,18 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft
-from benchmarks.uav.mission.histories import MOST_RESERVE
-from octmip.monitor import Belief, Filter, Finding, ModelSelector, MonitorState, Watch, explain
-from octmip.monitor.belief import share_below
+from benchmarks.uav.mission.aircraft import CRITICAL, RATES, WEAR, Aircraft
+from benchmarks.uav.mission.capable import chance_of_failing
+from benchmarks.uav.mission.planner import Planner, cell_points
+from octmip.monitor import Belief, Filter, Finding, MonitorState, Watch, explain
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-LOST = 200.0
-"""Cost of the loss of an aircraft, in steps of flight: two missions."""
-STEP_PRICE = 0.105
-"""Steps that a cautious step costs: the wide way is so much longer (course.py)."""
+OVER = 1e-3
+"""A state is over the limit if a turn at 3 g breaks the wing with more than this chance."""
+SLOW, FAST = 0, 1
+"""Of a pilot's filters: damage grows as at 2 g, as at 3 g."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +33,11 @@ class Policy:
     name
         in the table.
     estimator
-        "truth", "nothing", "trees", "risk trees" or "filter".
+        "truth", "nothing", "trees" or "filter".
     rule
-        "paper", "loss", "always" or "never".
+        "paper", "limit", "plan", "always" or "never".
+    level
+        of the rule "limit": probability of a state over the limit that is borne.
     has_watch
         whether an alarm, too, leads to caution, and a faulty gauge is left out.
     """
@@ -44,65 +45,103 @@ class Policy:
     name: str
     estimator: str
     rule: str
+    level: float = 0.5
     has_watch: bool = False
 
 
 POLICIES = (
-    Policy("oracle", "truth", "paper"),
-    Policy("never cautious", "nothing", "never"),
+    Policy("oracle (bound of full information)", "truth", "plan"),
     Policy("always cautious", "nothing", "always"),
+    Policy("never cautious", "nothing", "never"),
     Policy("trees, 40 % (the paper's)", "trees", "paper"),
-    Policy("risk-weighted trees, 40 %", "risk trees", "paper"),
-    Policy("filter, 40 %", "filter", "paper"),
-    Policy("filter, expected loss", "filter", "loss"),
-    Policy("filter, expected loss, watch", "filter", "loss", has_watch=True),
+    Policy("trees, the twin's limit", "trees", "limit"),
+    Policy("filter, P(over limit) > 10 %", "filter", "limit", 0.1),
+    Policy("filter, P(over limit) > 2 %", "filter", "limit", 0.02),
+    Policy("planner", "filter", "plan"),
+    Policy("planner, watch", "filter", "plan", has_watch=True),
 )
 
 
-def loss_of_state(chain: Filter) -> Floats:
-    """Return for every state of the filter the probability that a wing does not bear 3 g, over its reserve."""
-    # the reserve is uniform from 0 to MOST_RESERVE, capability falls by 1 g for CRITICAL of damage
-    library = chain.library
-    width = float(library.widths[0])
-    edges = np.linspace(CRITICAL, CRITICAL * (1 + MOST_RESERVE), 51)
-    bears = np.zeros(library.n_states)
-    for edge in edges:  # P(fails) = mean over the reserve of P(worst damage > what that reserve bears)
-        bears += share_below(library.states[:, 0], width, edge) * share_below(library.states[:, 1], width, edge)
-    return 1.0 - bears / len(edges)
+@dataclass(frozen=True, slots=True, eq=False)
+class Brain:
+    """What all pilots of an aircraft share.
+
+    Attributes
+    ----------
+    filters
+        of damage that grows as at 2 g, and as at 3 g.
+    planner
+        over the filters' cells.
+    over
+        (n_states,) share of each cell that is over the limit.
+    """
+
+    filters: tuple[Filter, Filter]
+    planner: Planner
+    over: Floats
+
+    @classmethod
+    def of(cls, aircraft: Aircraft, n_cells: int) -> "Brain":
+        """Return the brain of an aircraft, with n_cells x n_cells cells."""
+        slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
+        library = fast.library
+        over = chance_of_failing(cell_points(library, aircraft.capable), 3.0) > OVER
+        planner = Planner.of(library, (slow.growth, fast.growth), aircraft.capable)
+        return cls((slow, fast), planner, over.mean(axis=1))
 
 
 class Pilot:
-    """A policy at work on n aircraft at once."""
+    """A policy at work on n aircraft at once; `rates` (n, 2) are their true growth rates, for the oracle alone."""
 
-    def __init__(self, policy: Policy, aircraft: Aircraft, n: int, chain: Filter | None, watch: Watch | None) -> None:
-        self.policy, self.aircraft, self.n = policy, aircraft, n
-        self.chain = chain if policy.estimator == "filter" else None
+    def __init__(
+        self, policy: Policy, aircraft: Aircraft, n: int, brain: Brain, watch: Watch | None, rates: Floats | None = None
+    ) -> None:
+        self.policy, self.aircraft, self.n, self.brain = policy, aircraft, n, brain
         self.watch = watch if policy.has_watch else None
-        self.belief: Belief | None = None if self.chain is None else self.chain.start(n, state=0)
+        self.belief: Belief | None = brain.filters[FAST].start(n, state=0) if policy.estimator == "filter" else None
         self.monitor_state: MonitorState | None = None if self.watch is None else self.watch.start(n)
         self.faulty = np.full(n, -1)
         self.is_outside = np.zeros(n, dtype=bool)
         self.findings: dict[int, Finding] = {}
-        self.loss = None if self.chain is None else loss_of_state(self.chain)
-        self.estimate = np.zeros((n, 2))
+        near = np.zeros((n, 2)) if rates is None else rates
+        first, second = np.abs(near[:, :, None] - np.array(RATES)).argmin(axis=2).T
+        self.rate = first * len(RATES) + second  # combinations of rates, the last parameter's fastest
 
-    def decide(self, readings: Floats, loads: Floats, truth: Floats) -> Flags:
-        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,)."""
+    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats) -> Flags:
+        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at places x (n,)."""
         if self.policy.rule in ("always", "never"):
             return np.full(self.n, self.policy.rule == "always")
         if self.policy.estimator == "truth":
-            self.estimate = truth[:, :2]
-            return np.asarray((truth > CRITICAL).any(axis=1))
+            return self._knowing(truth, x)
         if self.belief is None:
-            self.estimate = self._told(readings, loads)
-            return np.asarray((self.estimate > CRITICAL).any(axis=1))
-        return self._decide_by_belief(self._heard(readings, loads), loads)
+            return self._by_trees(readings, loads)
+        self.belief = self._heard_of(self.belief, self._heard(readings, loads), loads)
+        if self.policy.rule == "plan":
+            return self.brain.planner.is_cautious(self.belief.weights, x) | self.is_outside
+        if self.policy.rule == "limit":
+            return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
+        median = np.column_stack([self.belief.quantile(name, 0.5) for name in ("mu1", "mu2")])
+        return np.asarray((median > CRITICAL).any(axis=1)) | self.is_outside
 
-    def _told(self, readings: Floats, loads: Floats) -> Floats:
-        is_risk = self.policy.estimator == "risk trees"
-        selector: ModelSelector = self.aircraft.risk_selector if is_risk else self.aircraft.selector
-        states = selector.compiled.labels(readings / loads[:, None])
-        return np.asarray(selector.library.states[states])
+    def _knowing(self, truth: Floats, x: Floats) -> Flags:
+        library = self.brain.filters[FAST].library
+        n_cells = len(np.unique(library.states[:, 0]))
+        first, second = np.clip((truth[:, :2] / library.widths).astype(np.intp), 0, n_cells - 1).T
+        bears = self.aircraft.capable.bears(truth)
+        return np.asarray(self.brain.planner.is_cautious_knowing(bears, self.rate, first * n_cells + second, x))
+
+    def _by_trees(self, readings: Floats, loads: Floats) -> Flags:
+        selector = self.aircraft.selector
+        told = np.asarray(selector.library.states[selector.compiled.labels(readings / loads[:, None])])
+        if self.policy.rule == "paper":
+            return np.asarray((told > CRITICAL).any(axis=1))
+        return np.asarray(self.aircraft.capable.fails(told, 3.0) > OVER)
+
+    def _heard_of(self, belief: Belief, readings: Floats, loads: Floats) -> Belief:
+        """Return the belief after a step flown at `loads` (n,) and its readings."""
+        slow, fast = (chain.growth.advance(belief.weights) for chain in self.brain.filters)
+        weights = np.where((loads < 3.0)[:, None, None], slow, fast)
+        return self.brain.filters[FAST].observe(Belief(belief.library, weights), readings, loads)
 
     def _heard(self, readings: Floats, loads: Floats) -> Floats:
         """Return the readings without faulty gauges, after the watch has looked at them."""
@@ -126,13 +165,3 @@ class Pilot:
         readings = readings.copy()
         readings[rows, self.faulty[rows]] = np.nan
         return readings
-
-    def _decide_by_belief(self, readings: Floats, loads: Floats) -> Flags:
-        assert self.chain is not None
-        assert self.belief is not None
-        assert self.loss is not None
-        self.belief = self.chain.step(self.belief, readings, loads)
-        if self.policy.rule == "loss":
-            return np.asarray(LOST * self.belief.expectation(self.loss) > STEP_PRICE) | self.is_outside
-        self.estimate = np.column_stack([self.belief.quantile(name, 0.5) for name in ("mu1", "mu2")])
-        return np.asarray((self.estimate > CRITICAL).any(axis=1)) | self.is_outside

@@ -7,7 +7,8 @@ import numpy as np
 from benchmarks.uav.mission.aircraft import Aircraft
 from benchmarks.uav.mission.histories import KINDS, draw
 from benchmarks.uav.mission.outside import example_signature
-from benchmarks.uav.mission.policies import POLICIES, Pilot, Policy
+from benchmarks.uav.mission.planner import LOST
+from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot, Policy
 from benchmarks.uav.mission.simulation import Flights, fly
 
 CHUNK = 1000
@@ -22,7 +23,7 @@ Z = 1.959964
 def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KINDS) -> list[dict[str, object]]:
     """Return one row for every kind of mission and policy, n missions each, the same histories for all policies."""
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
-    chain, watch = aircraft.filter(CELLS), aircraft.watch()
+    brain, watch = Brain.of(aircraft, CELLS), aircraft.watch()
     signature = example_signature(aircraft.gauges)
     rows = []
     for kind in kinds:
@@ -33,16 +34,16 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
             for first in range(0, n, CHUNK):
                 rng = np.random.default_rng([seed, KINDS.index(kind), first])
                 histories = draw(kind, min(CHUNK, n - first), rng, read)
-                pilot = Pilot(policy, aircraft, histories.n, chain, watch)
+                pilot = Pilot(policy, aircraft, histories.n, brain, watch, histories.rates)
                 flights.append(fly(aircraft, histories, pilot, rng, signature))
             rows.append(_row(kind, policy, flights, seed))
     return rows
 
 
 def _row(kind: str, policy: Policy, flights: Sequence[Flights], seed: int) -> dict[str, object]:
-    lost, steps, missed, critical, cautious = (
+    lost, steps, missed, critical, cautious, excess = (
         np.concatenate([getattr(flight, name) for flight in flights])
-        for name in ("is_lost", "steps", "missed", "critical", "cautious")
+        for name in ("is_lost", "steps", "missed", "critical", "cautious", "excess")
     )
     low, high = wilson(int(lost.sum()), len(lost))
     arrived = steps[~lost]
@@ -54,7 +55,10 @@ def _row(kind: str, policy: Policy, flights: Sequence[Flights], seed: int) -> di
         "95 % interval": f"{100 * low:.2f} to {100 * high:.2f}",
         "steps to the goal": round(float(arrived.mean()), 2) if len(arrived) else None,
         "+-": round(float(spread), 2) if len(arrived) else None,
-        "critical steps at 3 g %": round(100 * float(missed.sum() / max(1, critical.sum())), 1),
+        "cost in steps": round(float(np.mean(steps + LOST * lost)), 2),
+        "missions over the limit %": round(100 * float((excess > 0.0).mean()), 2),
+        "worst excess %": round(100 * float(excess.max()), 1),
+        "steps over the limit at 3 g %": round(100 * float(missed.sum() / max(1, critical.sum())), 1),
         "needless 2 g steps": round(float(cautious.mean()), 1),
         "missions": len(lost),
         "seed": seed,
