@@ -61,6 +61,7 @@ def main() -> None:
         shown = rows if name != "capability" else rows[::5]
         print(f"\n{name}\n{markdown_table(shown)}", flush=True)
         if options.tables:
+            Path(options.tables).mkdir(parents=True, exist_ok=True)
             write_bytes(Path(options.tables) / f"{name}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
     if options.picture:
         picture(capable, wing).savefig(options.picture, dpi=110)

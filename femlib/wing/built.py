@@ -48,7 +48,7 @@ def built_materials() -> WingMaterials:
         web_factor=2.0,
         rib_factor=1.2819,
         modulus_scale=1.0,
-        skin_density=76.2,
+        skin_density=173.3,
     )
 
 

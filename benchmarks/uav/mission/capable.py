@@ -22,7 +22,7 @@ THIRD = "R7"
 STEP, MOST = 0.02, 0.9
 """Step of the table in each damage, and its end."""
 REFINEMENT = 0.5
-"""Of the mesh: between 0.5 and 1 the sound wing's capability moves by 2 %."""
+"""Of the mesh: at 1 the sound wing bears 1 % less, with mu1 = 80 % 9 % less, as strain peaks at the region's edge."""
 GUST = 0.04
 """Standard deviation of a manoeuvre's greatest load factor over the one flown: turns and gusts vary. Assumed."""
 

@@ -23,8 +23,9 @@ Z = 1.959964
 def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KINDS) -> list[dict[str, object]]:
     """Return one row for every kind of mission and policy, n missions each, the same histories for all policies."""
     read = tuple(aircraft.gauges.index(gauge) for gauge in aircraft.selector.gauges_read)
-    brain, watch = Brain.of(aircraft, CELLS), aircraft.watch()
-    signature = example_signature(aircraft.gauges)
+    brain = Brain.of(aircraft, CELLS)
+    watch = aircraft.watch() if set(kinds) & set(WATCHED) else None
+    signature = example_signature(aircraft.gauges) if "outside" in kinds else None
     rows = []
     for kind in kinds:
         for policy in POLICIES:
@@ -37,6 +38,7 @@ def policy_rows(aircraft: Aircraft, n: int, seed: int, kinds: Sequence[str] = KI
                 pilot = Pilot(policy, aircraft, histories.n, brain, watch, histories.rates)
                 flights.append(fly(aircraft, histories, pilot, rng, signature))
             rows.append(_row(kind, policy, flights, seed))
+            print(f"{kind}, {policy.name}: {rows[-1]['lost %']} % lost, cost {rows[-1]['cost in steps']}", flush=True)
     return rows
 
 

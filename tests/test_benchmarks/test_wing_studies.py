@@ -1,0 +1,73 @@
+"""Studies of the wing: what moves with the parameters of a design, and how the uncertainty of a capability is drawn."""
+
+import numpy as np
+import pytest
+
+from benchmarks.wing.buildable import PARAMETERS, SKINS, WOOD, buildable_design
+from benchmarks.wing.design import WingDesign
+from benchmarks.wing.envelope import N_DRAWS, SHARED, drawn
+from benchmarks.wing.regions import LEVELS, bayes, labels
+from benchmarks.wing.regions import drawn as drawn_readings
+
+
+@pytest.fixture(scope="module")
+def design() -> WingDesign:
+    if not (SHARED / "uav").exists():
+        pytest.skip(f"{SHARED} is not there")
+    return buildable_design(0.3)
+
+
+def values(design: WingDesign) -> dict[str, float]:
+    starts = {p.name: p.start for p in PARAMETERS}
+    return {**design.fixed, **starts, "r1_in": 0.213, "r1_out": 0.351, "r1_fore": 0.371, "r1_aft": 0.613}
+
+
+@pytest.mark.parametrize("name", ["r1_in", "r1_out", "r1_fore", "r1_aft"])
+def test_a_region_grows_with_its_edges_as_the_derivatives_say(design, name):
+    v, step = values(design), 1e-6
+    state = "mu1 80 %"
+    up, down = (design.design({**v, name: v[name] + s}).states[state].value for s in (step, -step))
+    slope = design.design(v).states[state].slopes[name]
+    np.testing.assert_allclose(slope, (up - down) / (2 * step), atol=1e-6 * np.abs(slope).max())
+    assert slope.any()
+
+
+@pytest.mark.parametrize("name", ["skin", "rise", "step", "web", "rib"])
+def test_stiffness_has_the_derivatives_that_it_says(design, name):
+    v, step = {**values(design), "step": 0.7, "rise": -0.2}, 1e-6
+    up, down = (design.design({**v, name: v[name] + s}).stiffness.value for s in (step, -step))
+    slope = design.design(v).stiffness.slopes[name]
+    np.testing.assert_allclose(slope, (up - down) / (2 * step), atol=1e-6 * np.abs(slope).max())
+
+
+def test_tilted_lift_has_the_same_sum_and_more_moment(design):
+    v = values(design)
+    flat, tilted = (design.design({**v, "tilt": tilt}).loads["lift"].value.reshape(-1, 6)[:, 2] for tilt in (0.0, 0.3))
+    y = design.shells.mesh.nodes[:, 1]
+    assert tilted.sum() == pytest.approx(flat.sum(), rel=1e-3)
+    assert y @ tilted > 1.05 * (y @ flat)
+
+
+def test_every_skin_but_the_free_one_only_steps_down_or_is_pulled_to_smoothness():
+    free, prior, *others = SKINS.values()
+    assert all(p.prior_sd is None for p in free)
+    assert all(p.prior_sd == 0.3 for p in prior)
+    assert all(p.upper == (1.0 if p.name == "step" else 0.0) for own in others for p in own)
+    assert pytest.approx((4 / 3.25, 9 / 3.25)) == WOOD
+
+
+def test_drawn_capabilities_scatter_by_strength_and_modulus_where_each_counts(design):
+    limits = np.array([[3.0, 9.0, 9.0], [9.0, 3.0, 9.0]])
+    by_ply, by_buckling = np.log(drawn(limits)).T
+    assert len(by_ply) == N_DRAWS
+    assert by_ply.std() == pytest.approx(0.08, abs=0.004)
+    assert by_buckling.std() == pytest.approx(0.0095, abs=0.002)
+
+
+def test_bayes_names_regions_that_are_far_apart_and_the_labels_are_those_of_the_states():
+    region, level = labels()
+    assert len(region) == 1 + 28 * len(LEVELS)
+    assert (np.bincount(region) == [1, *[len(LEVELS)] * 28]).all()
+    means = 1000.0 * np.eye(29)[region] * (1 + level)[:, None]
+    readings, state = drawn_readings(means, 3, 0)
+    assert (bayes(means, readings) == region[state]).all()
