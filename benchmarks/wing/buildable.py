@@ -1,6 +1,6 @@
 """What it costs in fit that the wing's skin is one that a person would build.
 
-    python -m benchmarks.wing.buildable [--refinement 0.35] [--table FILE.csv] [--picture FILE.png]
+    python -m benchmarks.wing.buildable [--refinement 0.3] [--jobs N] [--table FILE.csv] [--picture FILE.png]
 
 Each row is a calibration of `built_wing`'s layout to the published data (`benchmarks.wing.published`) with another
 freedom of the skin along the span: any exponential and any step (the saw-tooth of `uav_wing`), the same with a prior of
@@ -10,9 +10,11 @@ stays within 4 to 9 GPa, faces and core are those of `built_materials`. Gauge ro
 
 import argparse
 from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -26,6 +28,7 @@ from femlib.wing import uav_wing
 from femlib.wing.built import ROOT, built_materials
 from femlib.wing.structure import MIDDLE
 from octmip.formats.files import write_bytes
+from octmip.interfaces.report.markdown import markdown_table
 
 Floats = NDArray[np.float64]
 WOOD = (4.0 / 3.25, 9.0 / 3.25)
@@ -71,23 +74,26 @@ SKINS: Mapping[str, tuple[Parameter, ...]] = {
 def main() -> None:
     """Fit each skin, print, write."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.buildable", description=__doc__)
-    parser.add_argument("--refinement", type=float, default=0.35)
+    parser.add_argument("--refinement", type=float, default=0.3)
+    parser.add_argument("--jobs", type=int, help="processes, one skin each; as many as there are cores if not given")
     parser.add_argument("--table", help="CSV file to write")
     parser.add_argument("--picture", help="PNG file to write")
     options = parser.parse_args()
-    table = published_strains(SHARED / "uav" / "strains.csv")
-    design, seen = buildable_design(options.refinement), observations(table)
-    fits, rows = {}, []
-    for name, skin in SKINS.items():
-        fits[name] = calibrate(design, (*PARAMETERS, *skin), seen, UNSEEN)
-        rows.append(row(name, fits[name], table))
-        print(rows[-1], flush=True)
-    print("\n".join(values(fits["one step down (built_wing)"])))
+    with ProcessPoolExecutor(options.jobs) as pool:
+        fits = list(pool.map(fitted, SKINS, [options.refinement] * len(SKINS)))
+    rows = [row for row, _, _ in fits]
+    print(markdown_table(rows), "\n\n" + "\n".join(fits[2][2]))
     if options.table:
-        lines = [",".join(rows[0]), *(",".join(str(value) for value in own.values()) for own in rows)]
-        write_bytes(options.table, ("\n".join(lines) + "\n").encode())
+        write_bytes(options.table, pd.DataFrame(rows).to_csv(index=False).encode())
     if options.picture:
-        picture(fits, rows).savefig(options.picture, dpi=110)
+        picture([found for _, found, _ in fits], rows).savefig(options.picture, dpi=110)
+
+
+def fitted(name: str, refinement: float) -> tuple[dict[str, object], dict[str, float], list[str]]:
+    """Return the row, the fitted values and the report of one skin."""
+    table = published_strains(SHARED / "uav" / "strains.csv")
+    fit = calibrate(buildable_design(refinement), (*PARAMETERS, *SKINS[name]), observations(table), UNSEEN)
+    return row(name, fit, table), fit.by_name, list(values(fit))
 
 
 def buildable_design(refinement: float) -> WingDesign:
@@ -104,7 +110,7 @@ def buildable_design(refinement: float) -> WingDesign:
 
 def row(name: str, fit: Calibration, table: MeanStrains) -> dict[str, object]:
     """Return what a fit misses: pristine in percent, increments in percent of the largest of the 20 gauges."""
-    skin = skin_of(fit, np.linspace(0.0, 1.0, 201))
+    skin = skin_of(fit.by_name, np.linspace(0.0, 1.0, 201))
     found: dict[str, object] = {"skin": name, "parameters": len(fit.parameters)}
     found["greatest over least modulus"] = round(float(skin.max() / skin.min()), 2)
     found["greatest rise outboard"] = round(float((skin / np.minimum.accumulate(skin)).max()), 2)
@@ -120,20 +126,20 @@ def row(name: str, fit: Calibration, table: MeanStrains) -> dict[str, object]:
     return found | {"effective mass kg": round(fit["mass"], 2), "at a limit": " ".join(fit.limits) or "none"}
 
 
-def skin_of(fit: Calibration, eta: Floats) -> Floats:
+def skin_of(fitted_values: Mapping[str, float], eta: Floats) -> Floats:
     """Return the skin's modulus (n,) at span fractions [GPa], of the layer that stands for the sandwich."""
-    v = {**FIXED, **fit.by_name}
+    v = {**FIXED, **fitted_values}
     along = np.exp(v["rise"] * (eta - MIDDLE)) * np.where(eta > MIDDLE, v["step"], 1.0)
     return np.asarray(0.4884 * v["skin"] * along)
 
 
-def picture(fits: Mapping[str, Calibration], rows: list[dict[str, object]]) -> Figure:
+def picture(fits: list[dict[str, float]], rows: list[dict[str, object]]) -> Figure:
     """Return the skins along the span, and what each misses."""
     figure = Figure(figsize=(11, 4.2), layout="constrained")
     left, right = figure.subplots(1, 2)
     eta = np.linspace(0.0, 1.0, 401)
-    for name, fit in fits.items():
-        left.plot(eta, skin_of(fit, eta), label=name)
+    for own, fit in zip(rows, fits, strict=True):
+        left.plot(eta, skin_of(fit, eta), label=str(own["skin"]))
     left.set(xlabel="span fraction", ylabel="modulus of the equivalent skin layer [GPa]", ylim=(0.0, None))
     left.set_title("skin along the span (root layup left out)", fontsize=10)
     left.legend(fontsize=7.5)

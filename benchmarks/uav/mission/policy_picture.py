@@ -1,0 +1,56 @@
+"""Tables of policies joined, as a CSV file and a picture.
+
+    python -m benchmarks.uav.mission.policy_picture POLICIES.json ... --table FILE.csv --picture FILE.png
+
+The files are those that `python -m benchmarks.uav.mission --tables policies` writes as policies.json.
+"""
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from benchmarks.main_program import run_main
+from octmip.formats.files import write_bytes
+
+LEAST = 0.01
+"""Loss that is drawn for none of 10,000 [%]."""
+
+
+def main() -> None:
+    """Join and draw."""
+    parser = argparse.ArgumentParser(prog="benchmarks.uav.mission.policy_picture", description=__doc__)
+    parser.add_argument("files", nargs="+")
+    parser.add_argument("--table", required=True)
+    parser.add_argument("--picture", required=True)
+    options = parser.parse_args()
+    rows = [row for name in options.files for row in json.loads(Path(name).read_text(encoding="utf-8"))]
+    write_bytes(options.table, pd.DataFrame(rows).to_csv(index=False).encode())
+    picture(rows).savefig(options.picture, dpi=110)
+
+
+def picture(rows: Sequence[dict[str, object]]) -> Figure:
+    """Return steps to the goal and losses of every policy, a panel a kind of mission."""
+    kinds = list(dict.fromkeys(str(row["mission"]) for row in rows))
+    figure = Figure(figsize=(3.6 * len(kinds) + 1.5, 3.8), layout="constrained")
+    axes = figure.subplots(1, len(kinds), sharey=True, squeeze=False)[0]
+    for axis, kind in zip(axes, kinds, strict=True):
+        own = [row for row in rows if row["mission"] == kind]
+        for k, row in enumerate(own):
+            steps, lost = row["steps to the goal"], max(LEAST, float(str(row["lost %"])))
+            if steps is not None:
+                axis.plot(float(str(steps)), lost, "o", color=f"C{k}")
+            axis.plot([], [], "o", color=f"C{k}", label=str(row["policy"]))
+        axis.set_yscale("log")
+        axis.set(xlabel="steps to the goal of those that arrive", title=kind, ylim=(LEAST / 1.5, 150.0))
+        axis.grid(alpha=0.3)
+    axes[0].set_ylabel(f"aircraft lost [%], at least {LEAST:g} drawn")
+    axes[-1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+if __name__ == "__main__":
+    run_main(main)
