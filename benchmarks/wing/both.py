@@ -1,4 +1,4 @@
-"""Both wings beside the published table: figures as Markdown, and a picture gauge by gauge.
+"""All wings beside the published table: figures as Markdown, and a picture gauge by gauge.
 
 python -m benchmarks.wing.both [--refinement R] [--picture FILE]
 """
@@ -16,10 +16,11 @@ from benchmarks.main_program import run_main
 from benchmarks.wing.against_published import SEEDS, frequencies, least_errors
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import Wing, tapered_wing, uav_wing
+from femlib.wing.built import built_wing
 
 Floats = NDArray[np.float64]
 LEVELS = (20, 40, 60, 80)
-STYLES = {"published table": "ko", "uav_wing": "C0-", "tapered_wing": "C1--"}
+STYLES = {"published table": "ko", "uav_wing": "C0-", "built_wing": "C2-.", "tapered_wing": "C1--"}
 
 
 def main() -> None:
@@ -31,6 +32,7 @@ def main() -> None:
     table = published_strains(SHARED / "uav" / "strains.csv")
     wings = {
         "uav_wing": uav_wing(refinement=options.refinement),
+        "built_wing": built_wing(refinement=options.refinement),
         "tapered_wing": tapered_wing(refinement=options.refinement),
     }
     means = {"published table": table, **{name: simulated_strains(wing) for name, wing in wings.items()}}
@@ -42,7 +44,7 @@ def main() -> None:
 def figures(means: Mapping[str, MeanStrains], wings: Mapping[str, Wing]) -> Iterator[str]:
     """Yield the lines of the table."""
     table, usable = means["published table"], means["published table"].is_usable
-    yield "| figure, 20 gauges | " + " | ".join(wings) + " |\n|---|---|---|"
+    yield "| figure, 20 gauges | " + " | ".join(wings) + " |\n|---|" + "---|" * len(wings)
     pristine = [100.0 * (change(means[name], 0, 0) / change(table, 0, 0) - 1.0)[usable] for name in wings]
     yield _row("pristine strain", [f"{_rms(e):.1f} % rms, {np.abs(e).max():.1f} % at most" for e in pristine])
     for number, name in enumerate(("mu1", "mu2")):

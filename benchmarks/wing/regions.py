@@ -194,7 +194,7 @@ def picture(rows: list[dict[str, object]]) -> Figure:
     axes[0].set(ylabel="d of 80 % lost, one reading", yscale="log")
     axes[0].axhline(3.0, color="#222222", lw=0.8, ls="--")
     axes[1].set(ylabel="named by Bayes's rule [%]", ylim=(0, 100))
-    axes[1].set_xticks(places, [f"{row['region']}\n{row['surface']}" for row in rows], fontsize=7)
+    axes[1].set_xticks(places, [f"{row['region']}\n{str(row['surface'])[:3]}" for row in rows], fontsize=7)
     axes[0].legend(fontsize=8)
     return figure
 

@@ -32,7 +32,7 @@ def flight_page(aircraft: Aircraft, flight: Flight) -> str:
         course=_course(),
         regions=regions,
         title="A self-aware aircraft",
-        about=f"{KINDS[flight.kind]}; policy: {POLICY.name}; seed {flight.seed}",
+        about=f"{KINDS[flight.kind]}; policy: {POLICY.name}; seed {flight.seed}. {flight.outcome}",
         data=aircraft.source,
     )
 
