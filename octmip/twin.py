@@ -147,7 +147,7 @@ class Effect(Protocol):
     * ``bounds``: the least and the greatest possible size;
     * ``uses_time``: True where the signature depends on the time;
     * ``superposes``: True where the answers to steps of the load add up, each from its own time on;
-    * ``signature_error``: relative standard deviation of the signature at each gauge;
+    * ``signature_error``: relative standard deviation of the signature, of all gauges or one for each;
     * ``n_between``: where places sample a continuum, the number of neighbouring places between which the effect may
       lie;
     * ``seen_by``: the `QUANTITIES` that show it; the next test is chosen among them;

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.real.by_diagnosis import Said
 from benchmarks.real.evidence import Judged
 
 CREDIBLE = 0.95
@@ -38,7 +39,7 @@ class Answer:
     """
 
     case: str
-    judged: tuple[Judged, ...]
+    judged: tuple[Judged | Said, ...]
     closed: float | None
     note: str = ""
     sharpness: float = 1.0
@@ -46,16 +47,16 @@ class Answer:
     @property
     def sound_probability(self) -> float:
         """Probability that nothing acts."""
-        return sum(one.probability for one in self.judged if not one.hypothesis.causes)
+        return sum(one.probability for one in self.judged if not one.causes)
 
     @property
-    def first(self) -> Judged:
+    def first(self) -> Judged | Said:
         """The most probable hypothesis."""
         return self.judged[0]
 
     def row(self) -> dict[str, Any]:
         """Return the case as the form wants it."""
-        unknown = sum(one.probability for one in self.judged if UNKNOWN in {c.kind for c in one.hypothesis.causes})
+        unknown = sum(one.probability for one in self.judged if UNKNOWN in {c.kind for c in one.causes})
         return {
             "case": self.case,
             "sound_probability": round(self.sound_probability, 4),
@@ -67,19 +68,19 @@ class Answer:
         }
 
 
-def _causes(judged: Sequence[Judged]) -> list[dict[str, Any]]:
+def _causes(judged: Sequence[Judged | Said]) -> list[dict[str, Any]]:
     """Return the causes of the first hypothesis, then others, each with the probability that it acts at all."""
     acts: dict[tuple[str, str], float] = {}
     sizes: dict[tuple[str, str], tuple[np.ndarray, str]] = {}
     for one in judged:
-        for cause, size in zip(one.hypothesis.causes, one.sizes, strict=False):
+        for cause, size in zip(one.causes, one.sizes, strict=False):
             key = (cause.kind, cause.place)
             acts[key] = acts.get(key, 0.0) + one.probability
             sizes.setdefault(key, (size, cause.unit))
-    first = [(cause.kind, cause.place) for cause in judged[0].hypothesis.causes]
+    first = [(cause.kind, cause.place) for cause in judged[0].causes]
     first.sort(key=lambda key: -acts[key])
     others = sorted((key for key in acts if key not in first), key=lambda key: -acts[key])
-    sound = sum(one.probability for one in judged if not one.hypothesis.causes)
+    sound = sum(one.probability for one in judged if not one.causes)
     n_others = max(sum(acts[key] >= LEAST_PROBABILITY for key in others), 0 if first or sound > SURE else 1)
     kept = [*first, *others[:n_others]][:MOST_CAUSES]
     return [
@@ -91,19 +92,19 @@ def _causes(judged: Sequence[Judged]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def sharpened(judged: Sequence[Judged], power: float) -> list[Judged]:
+def sharpened(judged: Sequence[Judged | Said], power: float) -> list[Judged | Said]:
     """Return the hypotheses with their probabilities raised to a power."""
     raised = np.array([one.probability for one in judged]) ** power
     shares = (raised / raised.sum()).tolist()
     return [replace(one, probability=share) for one, share in zip(judged, shares, strict=True)]
 
 
-def credible_set(judged: Sequence[Judged], share: float = CREDIBLE) -> list[list[str]]:
+def credible_set(judged: Sequence[Judged | Said], share: float = CREDIBLE) -> list[list[str]]:
     """Return few causes of which one acts with this probability: the one that helps most is added until they do.
 
     A hypothesis of several causes is held by any one of them; ("sound", "") stands for none.
     """
-    held = [{(c.kind, c.place) for c in one.hypothesis.causes} or {("sound", "")} for one in judged]
+    held = [{(c.kind, c.place) for c in one.causes} or {("sound", "")} for one in judged]
     left, found = [one.probability for one in judged], []
     while sum(left) > (1.0 - share) * sum(one.probability for one in judged):
         gain: dict[tuple[str, str], float] = {}

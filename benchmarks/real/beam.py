@@ -6,8 +6,9 @@ two sensors as masses. Its modulus, clamp and masses are fitted to the commissio
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,8 +17,10 @@ from scipy.optimize import least_squares
 from scipy.signal import medfilt
 
 from benchmarks.real.answer import Answer
-from benchmarks.real.evidence import Hypothesis, Named, Reference, judge
+from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, asked, said
+from benchmarks.real.evidence import Named
 from femlib.arrays import FloatArray
+from octmip.gap import Diagnosis, Odds
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.reductions.decay import decay_of
 from octmip.twin import Loads
@@ -49,6 +52,7 @@ SAME_SERIES = 0.4
 """Share of that error's variance that belongs to one series alone: the support was placed anew, weeks apart."""
 PLACED = 0.02
 """Variance of what a told place teaches, over that of the twin's error: places are told in whole millimetres."""
+READINGS = {"log_f1": "1", "log_f2": "1"}
 START = np.array([200.0, 4.0, 0.03, 0.01])
 START_SD = np.array([15.0, 1.0, 0.03, 0.02])
 """Modulus [GPa], log10 of the clamp's stiffness [Nm/rad], masses of the sensors [kg]."""
@@ -98,7 +102,7 @@ def beam_twin(fitted: Sequence[float] = tuple(START)) -> FunctionTwin:
         "stiffness": (0.0, -20.0, 20.0, "%"), "free_length": (0.0, -20.0, 20.0, "mm"),
         "clamp_loose": (0.0, 0.0, 90.0, "%"), "temperature": (0.0, -20.0, 20.0, "K"),
     }  # fmt: skip
-    return function_twin(model, {"log_f1": "1", "log_f2": "1"}, ranges, loads=())
+    return function_twin(model, READINGS, ranges, loads=())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,21 +136,23 @@ class Knowledge:
     ----------
     twin
         fitted.
-    sound
-        (2,) logarithms of the frequencies of the sound state.
-    scatter
-        (2, 2) covariance of a test of the sound state about it.
+    tests
+        (2,) logarithms of the frequencies of each stretch of the sound state.
     moved, series, missed
         movements of the support that were told (m,) [mm], in which series, and what the twin's change misses
         there (m, 2).
     """
 
     twin: FunctionTwin
-    sound: FloatArray
-    scatter: FloatArray
+    tests: tuple[FloatArray, ...]
     moved: FloatArray
     series: tuple[str, ...]
     missed: FloatArray
+
+    @property
+    def sound(self) -> FloatArray:
+        """(2,) their medians."""
+        return np.asarray(np.nanmedian(self.tests, axis=0))
 
     def correction(self, moved: float, series: str) -> tuple[FloatArray, FloatArray]:
         """Return what the twin's change misses at a movement (2,) and its standard deviation: a Gaussian process.
@@ -163,20 +169,18 @@ class Knowledge:
         left = max(1.0 - float(gain @ here), 0.0)
         return gain @ told, np.array(TWIN_ERROR) * np.sqrt(left)
 
-    def change(self, sizes: FloatArray, parameter: str, series: str) -> FloatArray:
-        """Return what a parameter changes of the logarithms of the frequencies (2,)."""
-        allowed = self.twin.card.ranges[parameter]
-        size = float(np.clip(sizes[0], allowed.low, allowed.high))
-        own = self.twin.ask({}, NO_LOAD, {parameter: size}) - self.twin.ask({}, NO_LOAD, {})
-        return own + self.correction(size, series)[0] if parameter == "support_moved" else own
+    def twin_in(self, series: str) -> FunctionTwin:
+        """Return the twin with what it is known to miss in a series of places."""
+
+        def model(p: Mapping[str, float], loads: Mapping[str, float]) -> FloatArray:
+            return np.asarray(self.twin.function(p, loads) + self.correction(p["support_moved"], series)[0])
+
+        return function_twin(model, READINGS, self.twin.card.ranges, loads=())
 
 
 def learn(sound: Sequence[Stretch], told: Sequence[tuple[float, Stretch]]) -> Knowledge:
     """Return the twin fitted to sound stretches and to movements [mm] that were told, and how it misses them."""
-    logs = np.array([one.log for one in sound])
-    mean = np.nanmedian(logs, axis=0)
-    own = np.nanmean((logs - mean) ** 2, axis=0) * len(logs) / (len(logs) - 1)
-    scatter = np.diag(np.maximum(own, np.square(LEAST_SCATTER)))
+    mean = np.nanmedian([one.log for one in sound], axis=0)
     anchors = [(0.0, mean), *((moved, one.log) for moved, one in told)]
 
     def misfit(fitted: FloatArray) -> FloatArray:
@@ -189,52 +193,61 @@ def learn(sound: Sequence[Stretch], told: Sequence[tuple[float, Stretch]]) -> Kn
     missed = [(log - mean) - (there - own[0]) for there, (_, log) in zip(own[1:], anchors[1:], strict=True)]
     return Knowledge(
         twin,
-        mean,
-        scatter,
+        tuple(one.log for one in sound),
         np.array([m for m, _ in told]),
         tuple(one.series for _, one in told),
         np.nan_to_num(missed).reshape(-1, 2),
     )
 
 
-PRIORS = {
-    "support_moved": ("support", 0.0, 60.0, 0.67), "stiffness": ("beam", 0.0, 3.0, 0.005),
-    "free_length": ("beam", 0.0, 3.0, 0.005), "temperature": ("beam", 0.0, 5.0, 0.005),
-    "mass_added": (f"{SENSORS[1] * 1000:.0f}", 20.0, 20.0, 0.005), "clamp_loose": ("clamp", 10.0, 15.0, 0.005),
-}  # fmt: skip
-"""Place, mean and standard deviation of the size, probability."""
-SOUND_PRIOR, UNKNOWN_PRIOR, UNKNOWN_SD, OTHER_ERROR = 0.30, 0.005, 0.1, 0.1
+PLACES = {"support_moved": "support", "mass_added": f"{SENSORS[1] * 1000:.0f}", "clamp_loose": "clamp"}
+"""Of kinds that are not those of the whole beam."""
+COMMON = 134.0
+"""How many times as probable it is that the support has moved as anything else."""
+ODDS = Odds(COUNT, UNKNOWN, effects={"support_moved": COMMON})
+KNOWN_TO = (0.03, 0.06)
+"""Relative error of what the support changes in each frequency: the twin is corrected at places that were told."""
 
 
-def hypotheses(known: Knowledge, series: str) -> list[Hypothesis]:
-    """Return no cause, each cause alone, and something unknown."""
-    none, zero, two = np.zeros(0), np.zeros(2), np.zeros(2)
-    found = [Hypothesis((), lambda _: zero, none, none, SOUND_PRIOR, 0.0, zero, zero)]
-    for kind, (place, mean, sd, prior) in PRIORS.items():
-        unit = known.twin.card.ranges[kind].unit
-        error = (lambda s: known.correction(float(s[0]), series)[1]) if kind == "support_moved" else OTHER_ERROR
-        found.append(
-            Hypothesis(
-                (Named(kind, place, unit),), partial(known.change, parameter=kind, series=series), np.array([mean]),
-                np.array([sd]), prior, error, zero, zero, is_signed=mean == 0.0,
-            )
-        )  # fmt: skip
-    unknown = (Named("unknown", "", ""),)
-    spread = np.full(2, UNKNOWN_SD)
-    return [*found, Hypothesis(unknown, lambda s: s, two, spread, UNKNOWN_PRIOR, 0.0, zero, zero, is_signed=True)]
+@dataclass(frozen=True, slots=True, eq=False)
+class Placed:
+    """The effect of a support that has moved, known as well as the told places say."""
+
+    own: Any
+
+    signature_error = KNOWN_TO
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.own, name)
+
+
+def diagnosis_of(log: FloatArray, sd: FloatArray, series: str, known: Knowledge) -> Diagnosis:
+    """Return what two frequencies say, one of which may be missing."""
+    twin = known.twin_in(series)
+    noise = np.hypot(LEAST_SCATTER, np.nan_to_num(sd, posinf=1.0)).tolist()
+    effects = {**twin.effects, "support_moved": Placed(twin.effects["support_moved"])}
+    return asked(log, known.tests, twin, noise, ODDS, effects)
 
 
 def answer(stretch: Stretch, known: Knowledge) -> Answer:
     """Return what a stretch says, and how far its first cause, sized by one frequency, closes the gap of the other."""
-    reference = Reference(known.sound, known.scatter + np.diag(np.nan_to_num(stretch.sd, posinf=1.0) ** 2), 1.0)
-    judged = judge(stretch.log, [reference], hypotheses(known, stretch.series))
-    closed = None
-    if judged[0].hypothesis.causes and np.isfinite(stretch.log).all():
-        alone = judge(np.array([stretch.log[0], np.nan]), [reference], [judged[0].hypothesis])[0]
-        change = judged[0].hypothesis.change(alone.sizes[:, 0])[1]
+    ranges = known.twin.card.ranges
+
+    def named(kind: str) -> Named:
+        return Named(kind, PLACES.get(kind, "beam"), ranges[kind].unit)
+
+    judged = said(diagnosis_of(stretch.log, stretch.sd, stretch.series, known), named)
+    closed, first = None, judged[0].causes
+    if first and first[0].kind != "unknown" and np.isfinite(stretch.log).all():
+        half = np.array([stretch.log[0], np.nan])
+        alone = said(diagnosis_of(half, stretch.sd, stretch.series, known), named)
+        same = next((one for one in alone if one.causes == first), judged[0])
+        twin = known.twin_in(stretch.series)
+        sizes = {cause.kind: float(size) for cause, size in zip(same.causes, same.sizes[:, 0], strict=True)}
+        change = float((twin.ask({}, NO_LOAD, sizes) - twin.ask({}, NO_LOAD, {}))[1])
         gap = float(stretch.log[1] - known.sound[1])
-        closed = max(0.0, 1.0 - (gap - float(change)) ** 2 / gap**2)
-    return Answer(stretch.case, tuple(judged), closed, "closed: the second frequency, with the size from the first")
+        closed = max(0.0, 1.0 - (gap - change) ** 2 / gap**2)
+    return Answer(stretch.case, judged, closed, "closed: the second frequency, with the size from the first")
 
 
 def knowledge_of(folder: Path, without: str = "") -> tuple[Knowledge, list[Stretch]]:

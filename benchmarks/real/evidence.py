@@ -87,6 +87,11 @@ class Judged:
     sizes: FloatArray
     reference: int
 
+    @property
+    def causes(self) -> tuple[Named, ...]:
+        """What acts."""
+        return self.hypothesis.causes
+
 
 def judge(readings: FloatArray, references: Sequence[Reference], hypotheses: Sequence[Hypothesis]) -> list[Judged]:
     """Return every hypothesis with its probability, most probable first; readings that are NaN are left out."""

@@ -19,11 +19,13 @@ def draw_beam(folder: Path, path: Path) -> None:
     roles = pd.read_csv(folder / "tests.csv", index_col="segment").role
     figure, axes = plt.subplots(1, 2, figsize=(11, 4.2), layout="constrained")
     places = np.linspace(-8.0, 135.0, 60)
-    curve = np.exp([known.sound + known.change(np.array([at]), "support_moved", "S") for at in places])
+    twin = known.twin_in("S")
+    sound = twin.ask({}, beam.NO_LOAD, {})
+    curve = np.exp([known.sound + twin.ask({}, beam.NO_LOAD, {"support_moved": at}) - sound for at in places])
     sizes = {}
     for one in stretches:
         first = beam.answer(one, known).judged[0]
-        if roles[one.case] == "blind" and first.hypothesis.causes:
+        if roles[one.case] == "blind" and first.causes:
             sizes[one.case] = first.sizes[0]
     for k, axis in enumerate(axes):
         axis.plot(places, curve[:, k], color=GREY, label="twin, with what it misses")

@@ -14,15 +14,15 @@ import pandas as pd
 
 from benchmarks.real import beam
 from benchmarks.real.answer import Answer
+from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, asked, said
+from benchmarks.real.evidence import Named
 from benchmarks.real.quadrotor import diagnosis as quadrotor
 from benchmarks.real.quadrotor.flight import read_flights
 from benchmarks.real.quadrotor.normal import WITHIN
 from femlib.arrays import FloatArray
-from octmip.gap import FunctionTwin, Odds, Recorded, diagnose, gathered
+from octmip.gap import FunctionTwin, Odds
 
 Causes = frozenset[tuple[str, str]]
-COUNT, UNKNOWN = (0.30, 0.45, 0.20), (0.03, 0.01, 0.002)
-"""Odds of no, one and two effects; of something unknown alone and beside one or two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,16 +39,8 @@ def by_gap(
     readings: FloatArray, tests: Sequence[FloatArray], twin: FunctionTwin, noise: Sequence[float], odds: Odds
 ) -> dict[Causes, float]:
     """Return the probability of each set of causes (kind, place) by `octmip.gap.diagnose`, several tests as the run."""
-    run = gathered(twin, [Recorded(one, {}, f"sound_{k}") for k, one in enumerate(tests)])
-    named = dict(zip(twin.gauges, noise, strict=True))
-    found = diagnose(gathered(twin, [Recorded(readings)]), twin, twin.effects, run, noise_sd=named, odds=odds)
-    candidates, shares = found.posterior.model.inputs.candidates, dict[Causes, float]()
-    for one in found.posterior.judged:
-        if one.has_unknown:
-            continue
-        causes = frozenset(_named(candidates[member].name) for member in one.members)
-        shares[causes] = shares.get(causes, 0.0) + one.probability
-    return shares
+    found = said(asked(readings, tests, twin, noise, odds), lambda effect: Named(*_named(effect), ""))
+    return {frozenset((c.kind, c.place) for c in one.causes): one.probability for one in found}
 
 
 def _named(effect: str) -> tuple[str, str]:
@@ -60,7 +52,7 @@ def by_plain(answer: Answer) -> dict[Causes, float]:
     """Return the probability of each set of causes by the evidence of this folder."""
     shares: dict[Causes, float] = {}
     for one in answer.judged:
-        causes = frozenset((cause.kind, cause.place) for cause in one.hypothesis.causes)
+        causes = frozenset((cause.kind, cause.place) for cause in one.causes)
         shares[causes] = shares.get(causes, 0.0) + one.probability
     return shares
 
@@ -89,20 +81,18 @@ def told_flights(folder: Path) -> Iterator[Told]:
 
 
 def told_stretches(folder: Path) -> Iterator[Told]:
-    """Yield every practice and commissioning stretch of the beam, judged without itself."""
+    """Yield every practice and commissioning stretch of the beam, judged without itself; it has no other evidence."""
     tests = pd.read_csv(folder / "tests.csv", index_col="segment")
     practice = pd.read_csv(folder / "practice.csv", index_col="segment")
     chosen = tests[tests.role != "blind"]
     stretches = {str(case): beam.read_stretch(folder, str(case), str(one)) for case, one in chosen.series.items()}
-    moved = Odds(COUNT, UNKNOWN, effects={kind: one[3] / 0.005 for kind, one in beam.PRIORS.items()})
     for case, stretch in stretches.items():
-        known = beam.learn_from(folder, stretches, case)
+        found = beam.answer(stretch, beam.learn_from(folder, stretches, case))
         acted = case in practice.index and practice.condition[case] != "sound"
-        truth = frozenset({("support_moved", "support")} if acted else set())
-        runs = [one.log for name, one in stretches.items() if tests.role[name] == "commissioning" and name != case]
-        gap = by_gap(stretch.log, runs, known.twin, list(beam.LEAST_SCATTER), moved)
-        placed = {frozenset((kind, beam.PRIORS[kind][0]) for kind, _ in causes): p for causes, p in gap.items()}
-        yield Told(case, truth, by_plain(beam.answer(stretch, known)), placed)
+        if acted:
+            print(case, practice.detail[case], found.first.sizes.round(1).tolist())
+        shares = by_plain(found)
+        yield Told(case, frozenset({("support_moved", "support")} if acted else set()), shares, shares)
 
 
 def main() -> None:

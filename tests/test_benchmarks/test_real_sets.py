@@ -123,7 +123,7 @@ def test_a_mass_and_a_loose_clamp_lower_the_frequencies_and_a_farther_support_ra
 
 def test_what_the_twin_misses_at_told_places_is_learnt_and_nothing_in_the_sound_state():
     twin = beam.beam_twin()
-    known = beam.Knowledge(twin, NOTHING, np.eye(2), np.array([50.0]), ("S",), np.array([[0.01, -0.02]]))
+    known = beam.Knowledge(twin, (NOTHING,), np.array([50.0]), ("S",), np.array([[0.01, -0.02]]))
     assert known.correction(0.0, "S")[0] == pytest.approx(NOTHING, abs=5e-4)
     missed, sd = known.correction(50.0, "S")
     assert missed == pytest.approx([0.01, -0.02], rel=0.05)

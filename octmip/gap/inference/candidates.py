@@ -59,10 +59,15 @@ class Candidate:
         return bool(getattr(self.effect, "acts_on_readings", False))
 
     @property
-    def signature_error(self) -> float:
-        """Relative sd of the signature at each gauge: how well the model knows what the effect does."""
+    def signature_errors(self) -> NDArray[np.float64]:
+        """Relative sd of the signature, the same at each of the twin's readings or one for each (n_gauges,)."""
         usual = 0.0 if in_chain(self.effect) else SIGNATURE_ERROR
-        return float(getattr(self.effect, "signature_error", usual))
+        return np.asarray(getattr(self.effect, "signature_error", usual), dtype=np.float64)
+
+    @property
+    def signature_error(self) -> float:
+        """Relative sd of the signature where it is known best: how well the model knows what the effect does."""
+        return float(np.min(self.signature_errors))
 
     @property
     def n_between(self) -> int:

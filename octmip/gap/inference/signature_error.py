@@ -38,7 +38,7 @@ ALIKE = 0.5
 def is_uncertain(model: LinearModel, members: Members) -> bool:
     """Return whether some signature of a set may be wrong."""
     chosen = [model.inputs.candidates[j] for j in members]
-    return any(one.signature_error > 0.0 or one.n_between > 0 for one in chosen)
+    return any(one.signature_errors.any() or one.n_between > 0 for one in chosen)
 
 
 def correlation(model: LinearModel) -> Floats:
@@ -65,7 +65,8 @@ def _courses(model: LinearModel) -> list[Floats]:
 
 def own_error(model: LinearModel, candidate: int) -> Floats:
     """Return s_j S_j (n,): what a signature may be wrong by at each reading."""
-    return np.asarray(model.inputs.candidates[candidate].signature_error * model.signatures[:, candidate])
+    share = np.broadcast_to(model.inputs.candidates[candidate].signature_errors, len(model.inputs.twin.gauges))
+    return np.asarray(share[list(model.inputs.order)][model.gauge] * model.signatures[:, candidate])
 
 
 def between(model: LinearModel, candidate: int) -> Floats:
