@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 SEPARABLE = 3.0
 """d' below which two effects are one group."""
-VISIBLE = 4.0
+VISIBLE = 4.5
 """d' from its own absence below which an effect is not named: the greatest of some hundred places in sound readings."""
 ABSURD = 9.0
 """Sizes beyond this many prior sd are no explanation (three times the widest of the scale mixture)."""

@@ -136,7 +136,7 @@ class Inference:
         return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
 
     def identifiable(self, members: Members) -> Members:
-        """Return the members that stand d' = 4 above the noise, the faintest removed one at a time."""
+        """Return the members that stand d' = 4.5 above the noise, the faintest removed one at a time."""
         if members not in self._identifiable:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]

@@ -1,0 +1,79 @@
+"""A cause closes the gap of readings to which its size was not fitted, or it is none."""
+
+import math
+
+import numpy as np
+import pytest
+
+from octmip.gap import CHAIN, diagnose
+from octmip.gap.causes import _closes
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
+from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
+from tests.test_octmip.beam_twin import Beam, Field, measured
+
+RUN = measured(1000)
+SHAPE = np.linspace(-4.0, -1.0, 20)
+
+
+def closing(closed: float, chi2_before: float) -> Shrinkage:
+    """Return a closing of readings whose chi-squared falls to 1 per reading."""
+    return Shrinkage(100.0, 10.0, 0.0, closed, closed, closed, (), chi2_before, 1.0, 0.5)
+
+
+def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half_of_it_nearly_all():
+    clear = 1.0 + 40.0**2 / 80  # d' = 40 in 80 readings
+    assert _closes(closing(1.0, clear), 80) == 1.0
+    assert _closes(closing(1.1, clear), 80) == 1.0
+    spread = math.hypot(0.04, 1.5 / 40.0)
+    expected = math.exp(-0.5 * (0.3 / spread) ** 2) / (spread * math.sqrt(2.0 * math.pi))
+    assert _closes(closing(0.7, clear), 80) == pytest.approx(expected)
+    assert expected < 1e-4
+
+
+def test_a_faint_gap_says_little_of_how_far_it_closes_and_one_that_is_not_clear_nothing():
+    assert _closes(closing(0.7, 1.0 + 4.0**2 / 80), 80) > 0.5
+    assert _closes(closing(math.nan, 3.0), 80) == 1.0
+    assert _closes(None, 80) == 1.0
+
+
+class AtTheTop(Field):
+    """A field that is there at the greatest load alone."""
+
+    def signature(self, twin, state, load_factor, place="", time=0.0):
+        return self.shape * (load_factor > 2.5)
+
+
+def test_a_load_without_which_nothing_says_how_large_an_effect_is_is_not_held_out():
+    effect = AtTheTop("stop", SHAPE, None, 10.0)
+    campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * (load > 2.5))
+    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "stop": effect}, RUN)
+    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
+    j = next(k for k, c in enumerate(inputs.candidates) if c.name == "stop")
+    held = [part.name for part in measure_shrinkage(inference, (j,)).held_out]
+    assert held == ["load factor 0", "load factor 1", "load factor 2"]
+
+
+def test_an_effect_whose_course_over_the_load_is_another_is_called_unexplained():
+    """A size that is fitted to some loads does not fit the others, though the best of the library is far ahead."""
+    late = lambda state, load, time: 10.0 * SHAPE * load**3 / 9.0  # noqa: E731
+    library = {"soak": Field("soak", SHAPE, 1, 10.0)}
+    assert "unknown" in diagnose(measured(3, late), Beam(), library, commissioning=RUN).which[0].effects
+
+
+class KnownInPart(Field):
+    """A field that is known well at the first half of the gauges alone."""
+
+    signature_error = np.repeat([0.0, 0.5], 10)
+
+
+def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
+    effect = KnownInPart("soak", SHAPE, 1, 10.0)
+    campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * load)
+    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "soak": effect}, RUN)
+    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
+    j = next(k for k, c in enumerate(inputs.candidates) if c.name == "soak")
+    error = np.diag(inference._errors((j,), np.array([12.0]), 1.0))
+    assert not error[inference.model.gauge < 10].any()
+    assert (error[(inference.model.gauge >= 10) & (inference.model.load_factors > 0.0)] > 0.0).all()
