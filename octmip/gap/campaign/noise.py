@@ -203,7 +203,7 @@ class Noise:
         for k, (part, load) in enumerate(zip(averages, loads, strict=True)):
             here = np.flatnonzero(average == k)
             total[np.ix_(here, here)] += self.of_mean(part.count, load)[np.ix_(gauge[here], gauge[here])]
-        return total
+        return np.asarray(total)
 
     def across(self, averages: Sequence[AveragedCell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
         """Return the covariance (n, n) that averages share beyond `of_mean`; (n,) indices of average and gauge."""

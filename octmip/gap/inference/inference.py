@@ -80,15 +80,15 @@ class Inference:
         shift -= float(np.log(np.diag(factor)).sum() - np.log(np.diag(model.factor)).sum())
         return columns.T @ columns, columns.T @ left, shift
 
-    def _errors(self, members: Members, size: Floats, level: float) -> Floats:
-        """Return the covariance (n, n) of the errors of some signatures at these sizes."""
+    def _errors(self, members: Members, size: Floats, level: float) -> Floats | None:
+        """Return the covariance (n, n) of the errors of some signatures at these sizes; None of none."""
         model, n = self.model, self.model.n
-        own = [theta * own_error(model, j) for j, theta in zip(members, size.tolist(), strict=True)]
-        parts = np.array(own).reshape(-1, n).T
-        found = level**2 * (parts @ parts.T) * self._correlation
-        beside = [theta * self._beside(j) for j, theta in zip(members, size.tolist(), strict=True)]
-        root = np.hstack([np.zeros((n, 0)), *beside])
-        return np.asarray(found + root @ root.T if root.shape[1] else found)
+        sized = list(zip(members, size.tolist(), strict=True))
+        root = np.hstack([np.zeros((n, 0)), *(theta * self._beside(j) for j, theta in sized)])
+        if not level and not root.shape[1]:
+            return None
+        parts = np.array([theta * own_error(model, j) for j, theta in sized]).reshape(-1, n).T
+        return np.asarray(level**2 * (parts @ parts.T) * self._correlation + root @ root.T)
 
     def _beside(self, candidate: int) -> Floats:
         if candidate not in self._between:
@@ -136,7 +136,7 @@ class Inference:
         return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
 
     def identifiable(self, members: Members) -> Members:
-        """Return the members that stand d' = 4.5 above the noise, the faintest removed one at a time."""
+        """Return the members that stand d' = 4.2 above the noise, the faintest removed one at a time."""
         if members not in self._identifiable:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]

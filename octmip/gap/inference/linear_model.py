@@ -237,8 +237,18 @@ def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel
 
 def assembled(columns: Columns, noise: Noise, level: float) -> LinearModel:
     """Return the linear model of some columns under a noise and a level of the difference."""
-    inputs, means = replace(columns.inputs, noise=noise), columns.means
+    inputs, means = columns.inputs, columns.means
     own = noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
+    return _assembled(columns, noise, own, level)
+
+
+def again(columns: Columns, model: LinearModel, level: float | None = None) -> LinearModel:
+    """Return the model of other columns under a model's noise, which no state changes, at its level or another one."""
+    return _assembled(columns, model.inputs.noise, model.noise, model.level if level is None else level)
+
+
+def _assembled(columns: Columns, noise: Noise, own: Floats, level: float) -> LinearModel:
+    inputs, means = replace(columns.inputs, noise=noise), columns.means
     given = _given_run(inputs, level, means.rows)
     covariance = given.covariance + own + OPEN_STATE**2 * columns.tangents @ columns.tangents.T
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)

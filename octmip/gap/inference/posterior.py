@@ -133,9 +133,9 @@ Key = tuple[Members, bool, str]
 """What a hypothesis says: its candidates, whether the unknown acts, the test whose state it doubts."""
 
 
-def attribute(inputs: Inputs, *, is_quick: bool = False) -> Posterior:
-    """Return the posterior over sets of effects; a quick one under the best difference between models only."""
-    found = {"": weighed_hypotheses(inputs, starting_states(inputs), is_quick=is_quick)}
+def attribute(inputs: Inputs) -> Posterior:
+    """Return the posterior over sets of effects."""
+    found = {"": weighed_hypotheses(inputs, starting_states(inputs))}
     together = one_state(inputs)
     same_state = None
     if together is not None:
@@ -143,7 +143,7 @@ def attribute(inputs: Inputs, *, is_quick: bool = False) -> Posterior:
         same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
         found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
-        found |= _with_doubts(inputs, found[""], is_quick=is_quick)
+        found |= _with_doubts(inputs, found[""])
     return _normalised(found, same_state)
 
 
@@ -156,12 +156,11 @@ def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
     return is_sought and known and sound - log_total(weighed) < np.log(SOUND_ENOUGH)
 
 
-def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed], *, is_quick: bool) -> dict[str, list[Weighed]]:
+def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed]) -> dict[str, list[Weighed]]:
     """Return what explains the readings where the stated state of one test is taken as unknown, by test.
 
     Tests are left out whose other state explains the readings too badly, beside all that the stated states allow: with
-    nothing else wrong, or beside one effect where no effect of the library explains them at the stated states. A quick
-    look is at the other state with nothing else wrong.
+    nothing else wrong, or beside one effect where no effect of the library explains them at the stated states.
     """
     log_stated = log_total(weighed)
     outside = log_total([w for w in weighed if w.has_unknown])
@@ -173,9 +172,6 @@ def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed], *, is_quick: bool) 
         doubted = doubted_state(inputs, test)
         states = starting_states(doubted)
         alone = nothing_else(doubted, states[0])
-        if is_quick:
-            found[test] = [alone.times(prior)]
-            continue
         value = promise(doubted, states[0]) if is_open else alone.log_weight
         if value + prior > log_stated - HOPELESS:
             others = weighed_hypotheses(doubted, states[:1], is_quick=True)

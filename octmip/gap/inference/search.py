@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import Columns, LinearModel, assembled, columns_of
+from octmip.gap.inference.linear_model import Columns, LinearModel, again, assembled, columns_of
 from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -101,10 +101,10 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
     lead, first = variants[0]
     if not inputs.groups:
         columns = [_with_secants(columns[0], first)]
-    inferences = [Inference(_again(columns[0], first))]
+    inferences = [Inference(again(columns[0], first))]
     for assignment in states[1:]:
         other = columns_of(inputs, assignment)
-        model = _again(other, first)
+        model = again(other, first)
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
             columns, inferences = [*columns, other], [*inferences, Inference(model)]
     found: dict[Members, float] = {}
@@ -116,7 +116,7 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
     columns, weighed = _settled(columns, inferences, exact)
     result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
     for log_share, model in variants[1:]:
-        own = _weigh([Inference(_again(one, model)) for one in columns], exact)
+        own = _weigh([Inference(again(one, model)) for one in columns], exact)
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
 
@@ -130,7 +130,8 @@ def promise(inputs: Inputs, states: Floats) -> float:
 def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
     """Return what it weighs that no effect acts, about some states, at the level that bears it best."""
     columns = columns_of(inputs, states)
-    models = [assembled(columns, inputs.noise, level) for level in LEVELS]
+    usual = assembled(columns, inputs.noise, 1.0)
+    models = [again(columns, usual, level) for level in LEVELS]
     best = max(models, key=lambda model: model.log_none + log(LEVELS[model.level]))
     return _weigh([Inference(best)], [()])[0].times(log(LEVELS[best.level]))
 
@@ -148,17 +149,12 @@ def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
     walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
     found: list[tuple[float, LinearModel]] = []
     for share, usual in [*still, *walks[:1]]:
-        levels = [usual if level == 1.0 else assembled(columns, usual.inputs.noise, level) for level in LEVELS]
+        levels = [usual if level == 1.0 else again(columns, usual, level) for level in LEVELS]
         scored = sorted(((log(LEVELS[m.level]), m) for m in levels), key=lambda pair: -pair[0] - _best_single(pair[1]))
         best = scored[0][0] + _best_single(scored[0][1])
         near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
         found += [(share + log_level, model) for log_level, model in near[:MOST_LEVELS]]
     return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
-
-
-def _again(columns: Columns, model: LinearModel) -> LinearModel:
-    """Return the model of other columns under the same noise, at the same level."""
-    return assembled(columns, model.inputs.noise, model.level)
 
 
 def _best_single(model: LinearModel) -> float:
@@ -265,7 +261,7 @@ def _settled(
             break
         own = [columns_of(columns[0].inputs, states) for states in new]
         columns = [*columns, *own]
-        inferences = [*inferences, *(Inference(_again(one, inferences[0].model)) for one in own)]
+        inferences = [*inferences, *(Inference(again(one, inferences[0].model)) for one in own)]
         weighed = _weigh(inferences, sets)
     return columns, weighed
 
