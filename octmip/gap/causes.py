@@ -34,9 +34,10 @@ MISFIT = 1e-3
 """Chance of the remaining chi-squared below which the best cause does not explain the readings."""
 EXPLAINED = 0.8
 """Share of the held-out gap up to which a misfit counts in full; it counts the less, the more of the gap closes."""
-CLOSES_WITHIN, PER_D_PRIME = 0.04, 1.5
-"""Standard deviation of the share of a held-out gap that a right cause closes, about 1: of a signature that is a fifth
-off, and of noise for a gap that stands d' = 1 above it, that many times less for a larger one."""
+CLOSES_WITHIN, PER_SQUARE, PER_D_PRIME = 0.04, 4.0, 1.5
+"""Standard deviation of the share of a held-out gap that a right cause closes, about 1: at least; for each square of the
+relative error of its signature; and of noise, for a gap that stands d' = 1 above it, that many times less for a larger
+one."""
 CLEAR = 5.0
 """d' of an effect from which its name is clear; below it a set of causes is said, not a name."""
 ENOUGH = 0.8
@@ -197,7 +198,8 @@ def with_misfit(
     chance = closing.p_after if closing is not None else chance_of_rest(best.judged.model, best.judged.fit)
     closed = closing.closed if closing is not None and np.isfinite(closing.closed) else 0.0
     kept = min(1.0, chance / MISFIT) ** float(np.clip((1.0 - closed) / (1.0 - EXPLAINED), 0.0, 1.0))
-    kept *= _closes(closing, best.judged.model.n)
+    errors = [best.judged.model.inputs.candidates[j].signature_error for j in best.judged.members]
+    kept *= _closes(closing, best.judged.model.n, max(errors, default=0.0))
     inputs = best.judged.model.inputs
     kept *= 1.0 - moves_together(inputs.noise, inputs.averages)
     unknown = 1.0 - (1.0 - unknown_probability) * kept
@@ -210,15 +212,15 @@ def with_misfit(
     return tuple(sorted([*known, outside], key=lambda cause: -cause.probability)), unknown
 
 
-def _closes(closing: Shrinkage | None, n: int) -> float:
+def _closes(closing: Shrinkage | None, n: int, error: float = 0.0) -> float:
     """Return how much less probable a cause is that closes too little of the gap on held-out readings, at most 1.
 
-    A right cause closes all of it but for noise and the errors of its signature; what is none closes any share.
+    A right cause closes all of it but for noise and the relative error of its signature; another one any share.
     """
     if closing is None or not np.isfinite(closing.closed):
         return 1.0
     d_prime = np.sqrt(max(1.0, n * (closing.chi2_before - closing.chi2_after)))
-    spread = float(np.hypot(CLOSES_WITHIN, PER_D_PRIME / d_prime))
+    spread = float(np.hypot(max(CLOSES_WITHIN, PER_SQUARE * error**2), PER_D_PRIME / d_prime))
     missing = max(0.0, 1.0 - closing.closed) / spread
     return min(1.0, float(np.exp(-0.5 * missing**2)) / (spread * float(np.sqrt(2.0 * np.pi))))
 
