@@ -35,9 +35,9 @@ MISFIT = 1e-3
 EXPLAINED = 0.8
 """Share of the held-out gap up to which a misfit counts in full; it counts the less, the more of the gap closes."""
 CLOSES_WITHIN, PER_SQUARE, PER_D_PRIME = 0.04, 4.0, 1.5
-"""Standard deviation of the share of a held-out gap that a right cause closes, about 1: at least; for each square of the
-relative error of its signature; and of noise, for a gap that stands d' = 1 above it, that many times less for a larger
-one."""
+"""Standard deviation of the share of a held-out gap that a right cause closes, about 1.
+
+At least; for each square of the relative error of its signature; of noise, for a gap that stands d' = 1 above it."""
 CLEAR = 5.0
 """d' of an effect from which its name is clear; below it a set of causes is said, not a name."""
 ENOUGH = 0.8
