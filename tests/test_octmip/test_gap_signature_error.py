@@ -77,6 +77,8 @@ def test_levels_of_errors_are_summed_like_the_density_at_every_level():
     logs, weights = [], []
     for level, share in LEVELS.items():
         error = inference._errors((j,), size, level)
+        assert (error is None) == (level == 0.0)
+        error = np.zeros((model.n, model.n)) if error is None else error
         for scale in SCALES:
             covariance = model.covariance + error + (scale * sd) ** 2 * np.outer(column, column)
             logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
