@@ -4,8 +4,6 @@
 //! left children grow with k and those of right ones shrink, whatever the loss: so both ends of a run of cuts bound all
 //! cuts between, and a run is searched by halves. How a bound is found is each loss's own.
 
-use std::ops::Add;
-
 /// Cuts `low..=high` between the solved cuts `a` and `b` are open.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Interval {
@@ -32,35 +30,34 @@ impl Interval {
         [(low < k).then(|| Self { low, high: k - 1, a, b: k }), (high > k).then(|| Self { low: k + 1, high, a: k, b })]
     }
 
-    /// The open cut nearest to `middle` whose children's bounds add up to less than `target`.
+    /// The open cut nearest to `middle` that is bounded by less than `target`; `least` bounds the cuts from one to
+    /// another.
     #[inline]
-    pub(crate) fn nearest<C: Cost>(self, middle: usize, target: C, bounds: impl Fn(usize) -> (C, C)) -> Option<usize> {
-        let (left, right) = bounds(middle);
-        if left + right < target {
+    pub(crate) fn nearest<C: PartialOrd + Copy>(
+        self,
+        middle: usize,
+        target: C,
+        least: impl Fn(usize, usize) -> C,
+    ) -> Option<usize> {
+        if least(middle, middle) < target {
             return Some(middle);
         }
-        let right = survivor((middle, self.high), target, false, &bounds);
+        let right = survivor((middle, self.high), target, false, &least);
         // Only what is nearer to the middle than that.
         let nearest = right.map_or(self.low, |k| (2 * middle + 1).saturating_sub(k).max(self.low));
-        let left = (nearest < middle).then(|| survivor((nearest, middle - 1), target, true, &bounds)).flatten();
+        let left = (nearest < middle).then(|| survivor((nearest, middle - 1), target, true, &least)).flatten();
         left.or(right)
     }
 }
 
-/// Whole numbers of classes, numbers of float64.
-pub(crate) trait Cost: Copy + PartialOrd + Add<Output = Self> {}
-
-impl Cost for i64 {}
-impl Cost for f64 {}
-
-/// The first cut of `first..=last` (or the last one) whose children's bounds stay below `target`.
-fn survivor<C: Cost>(
+/// The first cut of `first..=last` (or the last one) whose bound stays below `target`.
+fn survivor<C: PartialOrd + Copy>(
     (first, last): (usize, usize),
     target: C,
     from_end: bool,
-    bounds: &impl Fn(usize) -> (C, C),
+    least: &impl Fn(usize, usize) -> C,
 ) -> Option<usize> {
-    if bounds(first).0 + bounds(last).1 >= target {
+    if least(first, last) >= target {
         return None;
     }
     if first == last {
@@ -69,7 +66,7 @@ fn survivor<C: Cost>(
     let middle = first + (last - first) / 2;
     let halves = [(first, middle), (middle + 1, last)];
     let order = if from_end { [1, 0] } else { [0, 1] };
-    order.iter().find_map(|&half| survivor(halves[half], target, from_end, bounds))
+    order.iter().find_map(|&half| survivor(halves[half], target, from_end, least))
 }
 
 /// An open interval of the root: the least bound comes first, then the first feature, then the first cut.
@@ -127,10 +124,10 @@ mod tests {
             right.reverse();
             let interval = Interval::between(0, n + 1).expect("cuts");
             let (middle, target) = (rng.usize(1..=n), rng.i64(0..20));
-            let bounds = |k: usize| (left[k - 1], right[k]);
+            let least = |first: usize, last: usize| left[first - 1] + right[last];
             let is_open = |k: &usize| left[*k - 1] + right[*k] < target;
             let expected = (1..=n).filter(is_open).map(|k| k.abs_diff(middle)).min();
-            assert_eq!(interval.nearest(middle, target, bounds).map(|k| k.abs_diff(middle)), expected, "seed {seed}");
+            assert_eq!(interval.nearest(middle, target, least).map(|k| k.abs_diff(middle)), expected, "seed {seed}");
         }
     }
 

@@ -4,6 +4,7 @@ pub(crate) mod axis;
 mod depth_two;
 pub(crate) mod log;
 pub(crate) mod plan;
+pub(crate) mod price;
 pub(crate) mod result;
 pub(crate) mod search;
 mod within;

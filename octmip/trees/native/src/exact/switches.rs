@@ -11,6 +11,8 @@ crate::switches::switches! {
     set_range,
     /// As many labels as leaves, for a whole node.
     label_count,
+    /// Trees of many levels pay for as many splits, and a side of a cut is a leaf or pays for a split.
+    price,
     /// Solve one level shallower first.
     shallower_first,
     /// Show the bound that follows from trees of one level fewer.
@@ -38,6 +40,6 @@ crate::switches::switches! {
 impl Switches {
     /// Without the prunes that the checker of a log does not know.
     pub(crate) fn of_logs(self) -> Self {
-        Self { set_range: false, cancelling: false, ..self }
+        Self { set_range: false, cancelling: false, price: false, ..self }
     }
 }

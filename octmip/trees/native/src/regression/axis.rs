@@ -260,9 +260,10 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, samples: &Samples, interval: &Interval, target: f64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        interval.nearest(middle, target, |k| {
-            let [bounds, _] = self.bounds(samples, interval, k);
-            (bounds.left, bounds.right)
+        let bounds = |k: usize| self.bounds(samples, interval, k)[0];
+        interval.nearest(middle, target, |first, last| {
+            let left = bounds(first);
+            left.left + if first == last { left.right } else { bounds(last).right }
         })
     }
 

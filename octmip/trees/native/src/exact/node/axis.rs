@@ -11,7 +11,10 @@
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
 //! * set range: the three together for one set of labels at a time, each sample at its most expensive label of the set
 //!   in place of its cost range: `Axis::by_sets`. Needs all of them. A log has no line for it.
+//! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
+//!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
 
+use crate::exact::node::price::least_by_labels;
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
 use crate::exact::samples::label_sets::WIDTH;
@@ -72,6 +75,12 @@ pub(crate) struct Axis {
     spread: Vec<i64>,
     /// Whether that is counted: one label gains two thirds of the range, or more.
     is_spread: bool,
+    /// Least cost of the left child by price and labels; empty where a split costs nothing.
+    by_price: [Vec<i64>; 2],
+    /// Whether that is counted.
+    is_priced: bool,
+    /// Least cost of one of the children, where only trees of all levels are wanted; 0 where others are.
+    of_all_levels: i64,
     width: usize,
     n_cuts: usize,
     n_leaves: usize,
@@ -112,6 +121,11 @@ impl Axis {
         let smallest = samples.leaf_size.max(1);
         let best = (0..samples.n_labels).max_by_key(|&label| view.totals[label]).unwrap_or(0);
         self.is_spread = view.total_range < LARGE && 3 * view.leaf() < view.total_range;
+        self.of_all_levels = 0;
+        self.is_priced = samples.penalty > 0 && switches.price;
+        if self.is_priced {
+            self.lay_prices(samples, view, f);
+        }
         let mut spread = 0;
         let mut total_range = 0;
         let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
@@ -146,6 +160,40 @@ impl Axis {
         (self.evaluated[0], self.evaluated[last]) = (0, 1);
         (self.left[0], self.right[0]) = (0, whole);
         (self.left[last], self.right[last]) = (whole, 0);
+    }
+
+    /// The same bounds for trees of `levels` levels in one child or the other: those of fewer are known.
+    pub(crate) fn want_levels(&mut self, samples: &Samples, levels: usize) {
+        if self.is_priced {
+            self.of_all_levels = samples.penalty.saturating_mul(levels as i64);
+        }
+    }
+
+    /// What each side of every cut costs at least by price and labels.
+    fn lay_prices(&mut self, samples: &Samples, view: &View, f: usize) {
+        let (ranks, list, n_leaves) = (samples.ranks_of(f), view.list(f), self.n_leaves);
+        let smallest = samples.leaf_size.max(1);
+        let (mut gains, mut total_range) = (vec![0; samples.n_labels], 0);
+        let mut sorted = vec![0; samples.n_labels];
+        let [left, right] = &mut self.by_price;
+        left.clear();
+        right.clear();
+        let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
+        for k in 0..=list.len() {
+            let next = list.get(k).map_or(u32::MAX, |&i| ranks[i as usize]);
+            let is_cut = next != rank && k >= smallest && view.len - k >= smallest;
+            if k == 0 || k == list.len() || is_cut {
+                sorted.copy_from_slice(&gains);
+                left.push(least_by_labels(samples, total_range, &mut sorted, n_leaves));
+                sorted.iter_mut().zip(&view.totals).zip(&gains).for_each(|((rest, all), left)| *rest = all - left);
+                right.push(least_by_labels(samples, view.total_range - total_range, &mut sorted, n_leaves));
+            }
+            rank = next;
+            if let Some(&i) = list.get(k) {
+                samples.count(i, 1, &mut gains);
+                total_range += samples.ranges[i as usize];
+            }
+        }
     }
 
     /// Lists are only ever grown: what lies past the last cut, or belongs to cuts not solved, is never read.
@@ -237,8 +285,24 @@ impl Axis {
         (interval.low <= interval.high).then_some(interval)
     }
 
-    /// Lower bounds of both children of cut `k`, from the solved cuts around it.
+    /// Lower bounds of both children of cut `k`, from the solved cuts around it and from prices.
     pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
+        let (left, right) = self.by_neighbours(interval, k);
+        match self.is_priced {
+            true => (left.max(self.by_price[0][k]), right.max(self.by_price[1][k])),
+            false => (left, right),
+        }
+    }
+
+    /// What both children cost together at least in a wanted tree, from what each of them costs.
+    #[inline(always)]
+    fn together(&self, (left, right): (i64, i64)) -> i64 {
+        let all = self.of_all_levels;
+        (left + right).max((left.max(all) + right).min(left + right.max(all)))
+    }
+
+    #[inline]
+    fn by_neighbours(&self, interval: &Interval, k: usize) -> (i64, i64) {
         let Interval { a, b, .. } = *interval;
         if self.counted == Counted::Ranges {
             let last = self.last();
@@ -288,8 +352,8 @@ impl Axis {
 
     /// Lower bound of the children of any cut of an interval.
     pub(crate) fn least(&self, interval: &Interval) -> i64 {
-        let bounds = (interval.low..=interval.high).map(|k| self.bounds(interval, k));
-        bounds.map(|(left, right)| left + right).min().unwrap_or(i64::MAX)
+        let bounds = (interval.low..=interval.high).map(|k| self.together(self.bounds(interval, k)));
+        bounds.min().unwrap_or(i64::MAX)
     }
 
     /// The middle of an interval: of its cuts, or of what they are uncertain by, where one label prevails.
@@ -307,10 +371,13 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = self.middle(interval);
-        if self.counted == Counted::Nothing {
+        if self.counted == Counted::Nothing && !self.is_priced {
             return Some(middle);
         }
-        interval.nearest(middle, target, |k| self.bounds(interval, k))
+        interval.nearest(middle, target, |first, last| match first == last {
+            true => self.together(self.bounds(interval, first)),
+            false => self.together((self.bounds(interval, first).0, self.bounds(interval, last).1)),
+        })
     }
 
     /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.

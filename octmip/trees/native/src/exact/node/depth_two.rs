@@ -54,6 +54,7 @@ impl Search<'_> {
         let mut axis = std::mem::take(&mut self.axis);
         let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);
+        axis.want_levels(samples, 1);
         let mut is_fresh = true;
         let mut counted = Vec::new();
         let mut open: Vec<Interval> = axis.whole().into_iter().collect();

@@ -6,6 +6,7 @@ use crate::effort::Control;
 use crate::exact::node::axis::Axis;
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
+use crate::exact::node::price::{least_by_labels, levels_below};
 use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::samples::Samples;
 use crate::exact::stumps::place::StumpSolver;
@@ -117,6 +118,11 @@ impl<'a> Search<'a> {
         if upper <= floor {
             return NodeResult::none(floor);
         }
+        let asked = depth;
+        let depth = levels_below(upper, self.price(), asked);
+        if asked > 2 && depth <= 2 {
+            self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
+        }
         if self.is_leaf_best(view, depth, floor) {
             return NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
         }
@@ -130,10 +136,21 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The price that bounds are allowed to see; 0 where a split costs nothing.
+    fn price(&self) -> i64 {
+        if self.switches.price { self.samples.penalty } else { 0 }
+    }
+
     /// A tree of this depth predicts at most `2^depth` labels: the samples of all others are lost.
     fn label_bound(&self, view: &View, depth: usize) -> i64 {
         let n_leaves = 1usize << depth.min(20);
-        if !self.switches.label_count || !self.samples.is_single || self.samples.n_labels <= n_leaves {
+        if !self.switches.label_count || !self.samples.is_single {
+            return 0;
+        }
+        if self.price() > 0 {
+            return least_by_labels(self.samples, view.total_range, &mut view.totals.clone(), n_leaves);
+        }
+        if self.samples.n_labels <= n_leaves {
             return 0;
         }
         let mut totals = view.totals.clone();
@@ -174,6 +191,10 @@ impl<'a> Search<'a> {
                 let incumbents = std::mem::take(&mut self.incumbents);
                 order = self.features_by(|f| incumbents[f].cost);
             }
+            // Trees of fewer levels are known, and those of all of them pay for as many splits.
+            if self.price() > 0 && best.cost(upper) <= self.price().saturating_mul(depth as i64) {
+                return best.closed(upper);
+            }
         }
         let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
         for f in order {
@@ -204,6 +225,9 @@ impl<'a> Search<'a> {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
+        if self.switches.shallower_first {
+            level.axis.want_levels(samples, depth - 1);
+        }
         level.queue.clear();
         level.queue.extend(level.axis.whole());
         let mut best = NodeResult::none(upper);

@@ -96,6 +96,7 @@ impl<'a> Frontier<'a> {
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
+            axis.want_levels(samples, depth - 1);
             let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
             if !cuts.is_empty() {
                 heap.extend(

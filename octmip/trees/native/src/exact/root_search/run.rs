@@ -132,7 +132,7 @@ impl Run<'_, '_> {
         self.relax(depth, keep_going);
         for level in first..=depth {
             self.bound = self.bound.max(self.deeper(whole, level - 1, depth));
-            if self.supervision.reason().is_some() {
+            if self.supervision.reason().is_some() || self.bound >= self.best.0 {
                 return;
             }
             (whole, incumbents) = self.deep(level, depth, &incumbents, whole, keep_going);
@@ -178,7 +178,12 @@ impl Run<'_, '_> {
             return 0;
         }
         let next = |bound, level| one_level_deeper(bound, level, self.view.total_range, self.samples.penalty);
-        (level..depth).fold(bound, next).max(0)
+        let by_halves = (level..depth).fold(bound, next).max(0);
+        if !self.options.switches.price {
+            return by_halves;
+        }
+        // Deeper trees pay for as many splits as they have levels.
+        by_halves.max(bound.min(self.samples.penalty.saturating_mul(level as i64 + 1)))
     }
 
     /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
