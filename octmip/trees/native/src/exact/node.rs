@@ -2,6 +2,7 @@
 
 pub(crate) mod axis;
 mod depth_two;
+pub(crate) mod kept;
 pub(crate) mod log;
 pub(crate) mod plan;
 pub(crate) mod price;

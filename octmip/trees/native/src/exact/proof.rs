@@ -83,7 +83,7 @@ fn record(
     if control.is_stopped() || view.leaf().min(shallower.cost(i64::MAX)) < upper {
         return None; // a tree of fewer levels costs less
     }
-    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, whole, upper, None)
+    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, whole, upper, None, &[])
         .by_windows_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
     match helpers {
         Helpers::Threads(n_threads) => std::thread::scope(|scope| {

@@ -1,7 +1,7 @@
 //! The best tree of at most two levels: bisection over the cuts of the root, both children solved by best stumps.
 
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::{FeatureIncumbent, NodeResult};
+use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::node::search::Search;
 use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
 use crate::exact::view::View;
@@ -25,6 +25,7 @@ impl Search<'_> {
         let scores = solver.scores().to_vec();
         let mut best = NodeResult::cheapest(stump.value, Plan::Stump, upper);
         self.incumbents.clear();
+        self.solved.clear();
         self.incumbents.resize(self.samples.p, FeatureIncumbent::NOTHING);
         for f in self.features_by(|f| -scores[f]) {
             let current = best.cost(upper);
@@ -87,6 +88,9 @@ impl Search<'_> {
             axis.evaluated[k] = solver.last_evaluated() as u32;
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
+            if samples.penalty > 0 {
+                self.solved.push(Solved { feature: f, position: k_left, bounds: [left.lower, right.lower] });
+            }
             let cost = left.value + right.value + samples.penalty;
             self.incumbents[f].see(cost, k_left);
             if cost < current {

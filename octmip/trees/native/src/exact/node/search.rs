@@ -4,10 +4,11 @@ use std::collections::VecDeque;
 
 use crate::effort::Control;
 use crate::exact::node::axis::Axis;
+use crate::exact::node::kept::{Kept, key};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::price::{least_by_labels, levels_below};
-use crate::exact::node::result::{FeatureIncumbent, NodeResult};
+use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::stumps::place::StumpSolver;
 use crate::exact::stumps::{solver, width};
@@ -60,6 +61,9 @@ pub(crate) struct Search<'a> {
     pub(crate) n_evaluated: u64,
     /// Incumbent of each feature at the root of the last search (`p`).
     pub(crate) incumbents: Vec<FeatureIncumbent>,
+    /// The cuts solved at the root of the last search of two levels or more, feature after feature, where a split has a
+    /// price.
+    pub(crate) solved: Vec<Solved>,
     /// Whether any tree below the budget will do: the search ends with the first one at its root.
     pub(crate) takes_first: bool,
     /// The records of what is proven, when a proof is written.
@@ -70,6 +74,7 @@ pub(crate) struct Search<'a> {
     levels: Vec<Level>,
     solvers: [Option<Box<dyn StumpSolver>>; 3],
     marks: Vec<bool>,
+    kept: Kept,
 }
 
 impl<'a> Search<'a> {
@@ -80,6 +85,7 @@ impl<'a> Search<'a> {
             switches,
             n_evaluated: 0,
             incumbents: Vec::new(),
+            solved: Vec::new(),
             takes_first: false,
             log: None,
             axis: Axis::default(),
@@ -88,6 +94,7 @@ impl<'a> Search<'a> {
             levels: (0..=depth).map(|_| Level::default()).collect(),
             solvers: [None, None, None],
             marks: vec![false; samples.n],
+            kept: Kept::default(),
         }
     }
 
@@ -129,11 +136,27 @@ impl<'a> Search<'a> {
         if self.label_bound(view, depth) >= upper {
             return NodeResult::none(upper);
         }
-        match depth {
-            1 => self.depth_one(view, upper),
-            2 => self.depth_two(view, upper, floor),
-            _ => self.deep(view, depth, upper, floor),
+        if depth == 1 {
+            return self.depth_one(view, upper);
         }
+        if self.price() == 0 || std::env::var("KEPT_OFF").is_ok() {
+            return self.searched(view, depth, upper, floor);
+        }
+        let key = key(self.samples, view, depth);
+        if let Some((result, incumbents)) = self.kept.find(&key, upper) {
+            self.incumbents = incumbents;
+            self.solved.clear();
+            return result;
+        }
+        let result = self.searched(view, depth, upper, floor);
+        if !self.is_stopped() {
+            self.kept.keep(key, &result, &self.incumbents);
+        }
+        result
+    }
+
+    fn searched(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        if depth == 2 { self.depth_two(view, upper, floor) } else { self.deep(view, depth, upper, floor) }
     }
 
     /// The price that bounds are allowed to see; 0 where a split costs nothing.
@@ -174,6 +197,7 @@ impl<'a> Search<'a> {
         // the features are taken in the order of their incumbents.
         let mut best = NodeResult::cheapest(leaf, Plan::Leaf, upper);
         let mut whole = 0;
+        let mut fewer = Vec::new();
         let mut order: Vec<usize> = (0..self.samples.p).collect();
         if depth == 3 {
             self.prepare(view);
@@ -181,6 +205,7 @@ impl<'a> Search<'a> {
         if self.switches.shallower_first {
             let result = self.solve(view, depth - 1, leaf + 1, floor);
             whole = result.lower;
+            fewer = std::mem::take(&mut self.solved);
             if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
                 log.shallower();
             }
@@ -193,22 +218,25 @@ impl<'a> Search<'a> {
             }
             // Trees of fewer levels are known, and those of all of them pay for as many splits.
             if self.price() > 0 && best.cost(upper) <= self.price().saturating_mul(depth as i64) {
+                self.solved = fewer; // as good as solved at this level
                 return best.closed(upper);
             }
         }
         let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
+        let mut solved = Vec::new();
         for f in order {
             let is_done = takes_first && best.best.is_some();
             if best.cost(upper) <= floor || is_done || self.is_stopped() {
                 break;
             }
             let before = best.cost(upper);
-            let result = self.deep_feature(view, depth, f, whole, before, &mut incumbents[f]);
+            let result = self.deep_feature(view, depth, (f, &fewer, whole), before, &mut incumbents[f], &mut solved);
             if result.cost(i64::MAX) < before {
                 best = result;
             }
         }
         self.incumbents = incumbents;
+        self.solved = solved;
         best.closed(upper)
     }
 
@@ -217,16 +245,17 @@ impl<'a> Search<'a> {
         &mut self,
         view: &View,
         depth: usize,
-        f: usize,
-        whole: i64,
+        (f, fewer, whole): (usize, &[Solved], i64),
         upper: i64,
         seen: &mut FeatureIncumbent,
+        solved: &mut Vec<Solved>,
     ) -> NodeResult {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
         if self.switches.shallower_first {
             level.axis.want_levels(samples, depth - 1);
+            level.axis.take_up_fewer(f, fewer);
         }
         level.queue.clear();
         level.queue.extend(level.axis.whole());
@@ -252,6 +281,9 @@ impl<'a> Search<'a> {
                 break;
             }
             [level.axis.left[k], level.axis.right[k]] = children.bounds;
+            if samples.penalty > 0 {
+                solved.push(Solved { feature: f, position: cut.position, bounds: children.bounds });
+            }
             if let Some((cost, plan)) = children.tree {
                 seen.see(cost, cut.position);
                 if cost < best.cost(upper) {
@@ -306,6 +338,9 @@ impl<'a> Search<'a> {
 
     /// The same, with the lines of the log where one is written: a cut of the root by itself.
     pub(crate) fn root_children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+        if std::env::var("KEPT_CUT").is_ok() {
+            self.kept.clear();
+        }
         let children = self.children(view, depth, cut, sides);
         let record = self.log.as_mut().map_or_else(String::new, Log::take_lines);
         self.report_effort();

@@ -76,7 +76,7 @@ struct Task {
 
 impl<'a> Frontier<'a> {
     /// All cuts of all features; trees below `upper` are wanted, and `incumbents` are those of one level fewer.
-    /// `known`: what an earlier search of this level has proven.
+    /// `known`: what an earlier search of this level has proven; `fewer`: the cuts solved for one level fewer.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn new(
         samples: &'a Samples,
@@ -88,6 +88,7 @@ impl<'a> Frontier<'a> {
         whole: i64,
         upper: i64,
         known: Option<&Known>,
+        fewer: &[Solved],
     ) -> Self {
         let mut features: Vec<usize> = (0..samples.p).collect();
         features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
@@ -97,6 +98,7 @@ impl<'a> Frontier<'a> {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
             axis.want_levels(samples, depth - 1);
+            axis.take_up_fewer(f, fewer);
             let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
             if !cuts.is_empty() {
                 heap.extend(

@@ -3,7 +3,7 @@
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::effort::Control;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::result::FeatureIncumbent;
+use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Search;
 use crate::exact::root_search::elsewhere::Elsewhere;
 use crate::exact::root_search::frontier::Frontier;
@@ -42,6 +42,9 @@ pub(crate) enum Best {
     /// An earlier search, or the one over sensor sets.
     Tree(Tree),
 }
+
+/// Of the trees of one level fewer: a bound, each feature's incumbent at the root, the cuts that were solved.
+type Below = (i64, Vec<FeatureIncumbent>, Vec<Solved>);
 
 /// State of a search.
 pub(crate) struct Run<'a, 's> {
@@ -117,8 +120,8 @@ impl Run<'_, '_> {
             self.bound = self.best.0;
             return;
         }
-        let ((mut whole, mut incumbents), first) = match &self.known {
-            Some(known) => ((known.whole, known.order.clone()), known.level),
+        let ((mut whole, mut incumbents, mut fewer), first) = match &self.known {
+            Some(known) => ((known.whole, known.order.clone(), Vec::new()), known.level),
             None => (self.shallow(depth.min(2), keep_going), 3),
         };
         if depth <= 2 {
@@ -135,7 +138,7 @@ impl Run<'_, '_> {
             if self.supervision.reason().is_some() || self.bound >= self.best.0 {
                 return;
             }
-            (whole, incumbents) = self.deep(level, depth, &incumbents, whole, keep_going);
+            (whole, incumbents, fewer) = self.deep(level, depth, &incumbents, (whole, &fewer), keep_going);
             self.known = None;
         }
     }
@@ -187,14 +190,14 @@ impl Run<'_, '_> {
     }
 
     /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
-    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> (i64, Vec<FeatureIncumbent>) {
+    fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> Below {
         let upper = self.view.leaf() + 1;
         let work = || {
             let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
             let result = search.solve(self.view, depth, upper, 0);
-            (result, search.incumbents)
+            (result, search.incumbents, search.solved)
         };
-        let (result, incumbents) = self.supervision.run(work, || {
+        let (result, incumbents, solved) = self.supervision.run(work, || {
             self.poll(keep_going, self.progress(self.best.0, 0), self.tables);
         });
         if let Some((cost, plan)) = result.best
@@ -202,7 +205,7 @@ impl Run<'_, '_> {
         {
             self.best = (cost, Best::Plan(plan));
         }
-        (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents)
+        (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents, solved)
     }
 
     /// Depth three or more, by all threads.
@@ -211,16 +214,16 @@ impl Run<'_, '_> {
         depth: usize,
         last: usize,
         incumbents: &[FeatureIncumbent],
-        whole: i64,
+        (whole, fewer): (i64, &[Solved]),
         keep_going: KeepGoing<'_>,
-    ) -> (i64, Vec<FeatureIncumbent>) {
+    ) -> Below {
         let is_last = depth == last;
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
         let known = self.known.take();
         let frontier =
-            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref())
+            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref(), fewer)
                 .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (tables, before, control) = (self.tables, self.tree(), &self.control);
         let state_now = || {
@@ -272,7 +275,7 @@ impl Run<'_, '_> {
         if let Some((cost, plan)) = frontier.best() {
             self.best = (cost, Best::Plan(plan));
         }
-        (bound.min(cost), frontier.incumbents())
+        (bound.min(cost), frontier.incumbents(), frontier.solved())
     }
 
     /// Progress with an objective and a bound above the base, the evaluated cuts counted so far.
