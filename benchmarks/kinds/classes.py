@@ -7,12 +7,15 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import with_gaps
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
+from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import NO_OPTIONS, ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
@@ -125,6 +128,35 @@ def _few_leaves(rng: Generator) -> Problem:
     return replace(problem, depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
 
 
+def _grid(rng: Generator) -> Problem:
+    """Return more samples on a coarse grid: trees of many levels, and nodes that are met by several ways."""
+    n, n_features, n_classes = int(rng.integers(8, 17)), int(rng.integers(1, 4)), int(rng.integers(2, 5))
+    features = rng.integers(0, 6 if n_features < 3 else 4, (n, n_features)).astype(float)
+    targets = rng.integers(0, n_classes, n)
+    targets[:n_classes] = np.arange(n_classes)
+    costs = rng.integers(0, 6, (n_classes, n_classes)) if rng.random() < 0.3 else 1.0 - np.eye(n_classes)
+    weights = rng.integers(1, 4, n).astype(float) if rng.random() < 0.4 else None
+    size = 1 if rng.random() < 0.7 else 2
+    return Problem(features, targets, depth=1, loss=ClassCosts(costs), weights=weights, leaf_size=size)
+
+
+def _sparse(rng: Generator) -> Problem:
+    problem = wide_problem(rng, split="axis") if rng.random() < 0.5 else _grid(rng)
+    share = float(rng.choice((0.02, 0.05, 0.1, 0.2, 0.5)))
+    price = share * problem.baseline if rng.random() < 0.7 else float(math.ceil(share * problem.baseline))
+    most = int(rng.integers(0, 6)) if rng.random() < 0.2 else None
+    budget = problem.sensor_budget if most is None else None
+    return replace(problem, depth=None, leaf_penalty=price or 1.0, max_splits=most, sensor_budget=budget)
+
+
+class AnyDepthClasses(Classes):
+    """The same for trees of any depth: those of as many levels as samples are all that there are."""
+
+    def truth(self, problem: Problem) -> Fraction:
+        """Return the least cost of any tree."""
+        return least_cost(replace(problem, depth=max(1, problem.n_samples - 1)))
+
+
 AXIS = {"exact": 1.0, "search": 0.6, "cart": 0.3, "oct": 0.12, "flow": 0.12, "benders": 0.3}
 HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
 """Share of the problems that each solver is asked: those on HiGHS take a hundred times as long as the others."""
@@ -135,4 +167,5 @@ GAPS_KIND = Classes(7, _gaps, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow":
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())
+SPARSE_KIND = AnyDepthClasses(23, _sparse, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())
 FEW_LEAVES_KIND = Classes(19, _few_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())

@@ -152,6 +152,7 @@ def record_tree(
     if solution.tree is None:
         raise TreeError(f"{solution.solver} found no tree (stop: {solution.stop}); there is nothing to write")
     settings = {name: getattr(problem, name) for name in SETTINGS}
+    settings["depth"] = None if problem.any_depth else problem.depth
     settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
     settings["monotone"] = None if problem.monotone is None else [SIGNS[way] for way in problem.directions]
     settings["loss"] = problem.loss.to_json()

@@ -95,7 +95,7 @@ _PARAMETERS: dict[str, dict[str, Kind]] = {
 }
 _LOSSES = {name: Record({"name": Choice((name,)), **kinds}, closed=True) for name, kinds in _PARAMETERS.items()}
 SETTINGS: dict[str, Kind] = {
-    "depth": Whole(1, MAX_DEPTH),
+    "depth": maybe(Whole(1, MAX_DEPTH)),
     "loss": LossKind(),
     "split": Choice(("axis", "hyperplane")),
     "split_size": maybe(COUNT),

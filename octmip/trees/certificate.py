@@ -148,7 +148,7 @@ def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
 
 
 def _check_tree(problem: Problem, tree: Node) -> None:
-    if depth(tree) > problem.depth:
+    if depth(tree) > problem.depth and not problem.any_depth:
         raise CertificateError(f"the tree has depth {depth(tree)} but the problem allows {problem.depth}")
     if problem.max_splits is not None and complexity(tree) > problem.max_splits:
         counted = "splits" if problem.split == "axis" else "features in its splits"

@@ -1,7 +1,7 @@
 """Problem: everything that says which tree is wanted, checked once, here.
 
 minimise   sum_i weights_i * loss(target_i, predicted_i) + leaf_penalty * complexity(tree)
-over       trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples,
+over       trees of at most `depth` levels of splits (or of any), every leaf with at least `leaf_size` samples,
            at most `split_size` features per split, total sensor cost at most `sensor_budget`;
            where readings are missing, each split sends them to one side, of its own choice
 """
@@ -28,7 +28,7 @@ from octmip.trees.problem_values import (
     numbers_of,
     words_of,
 )
-from octmip.trees.shape import Shape, set_field
+from octmip.trees.shape import MAX_DEPTH, AnyDepth, Shape, set_field
 from octmip.trees.tree import (
     HyperplaneSplit,
     Leaf,
@@ -108,8 +108,21 @@ class Problem(Shape):
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
         if self.monotone is not None and self.gaps:
             raise ProblemError("monotone is given but readings may be missing, which have no order; fill them in")
+        if self.any_depth:
+            set_field(self, "depth", AnyDepth(self._levels_that_pay()))
         prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
         self.loss.check_range(self.weights, self.codes, prices)
+
+    def _levels_that_pay(self) -> int:
+        """Return levels of which no tree of more costs less than the best leaf, MAX_DEPTH at most.
+
+        A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
+        sample in each of its leaves.
+        """
+        most = min(MAX_DEPTH, max(1, self.n_samples - 1))
+        if self.max_splits is not None:
+            most = min(most, max(1, self.max_splits))
+        return most if self.baseline >= most * self.leaf_penalty else math.floor(self.baseline / self.leaf_penalty) + 1
 
     def _set_samples(self) -> None:
         given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)
@@ -177,7 +190,7 @@ class Problem(Shape):
     def __repr__(self) -> str:
         words = [f"{self.n_samples} samples", f"{self.n_features} features"]
         words += [f"{self.n_classes} classes"] if self.class_names else [f"loss={self.loss!r}"]
-        words += [f"depth={self.depth}", f"split={self.split!r}"]
+        words += [f"depth={'any' if self.any_depth else self.depth}", f"split={self.split!r}"]
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]

@@ -79,6 +79,8 @@ SHAPED = replace(
     EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
 )
 """The exact core where `Shape.max_splits` or `Shape.monotone` rule trees out."""
+SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
+"""The exact core for trees of any depth: a log has no line for the bounds that end them."""
 TWO_FEATURE = Registration(
     "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone")
 )
@@ -87,23 +89,23 @@ OCT = Registration(
     "solve_oct",
     proves=True,
     is_mixed_integer=True,
-    cannot=("monotone",),
+    cannot=("any_depth", "monotone"),
     without=("cluster", "mu"),
 )
 OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone",))
 FLOW_OF_PLANES = Registration(
-    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("monotone",)
+    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("any_depth", "monotone")
 )
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
 BENDERS = Registration(
-    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("max_splits", "monotone")
+    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("any_depth", "max_splits", "monotone")
 )
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
     "exact_regression",
     proves=True,
     alone_to_depth=MAX_DEPTH,
-    cannot=("gaps", "leaf_model", "max_splits", "monotone"),
+    cannot=("any_depth", "gaps", "leaf_model", "max_splits", "monotone"),
     without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
@@ -162,8 +164,10 @@ def refuse_shape(problem: Problem, asked: str) -> None:
     Raises
     ------
     ProblemError
-        it limits the number of splits, or asks for an order.
+        it limits the number of splits, asks for an order, or has no depth.
     """
+    if asked in NOT_OF_SHAPES and problem.any_depth:
+        raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
     if asked in NOT_OF_SHAPES and problem.is_shaped:
         name = "max_splits" if problem.monotone is None else "monotone"
         raise ProblemError(
@@ -231,12 +235,15 @@ def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Opt
 def _taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
     """Return a method in words, with what of the problem keeps options from it, and the options it does not take."""
     solver = solvers_of(problem)[method]
-    kept = " of a problem with max_splits or monotone" if solver is SHAPED else ""
+    kept = {SHAPED: " of a problem with max_splits or monotone", SPARSE: " of a problem without a depth"}.get(
+        solver, ""
+    )
     return f"method {method!r}{kept}", solver.without
 
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     """Return the solvers that answer a problem's loss, split and shape, by method."""
     known = REGISTRY[problem.loss.name, problem.split]
-    is_shaped = problem.is_shaped and known.get("exact") is EXACT
-    return {**known, "exact": SHAPED} if is_shaped else known
+    if known.get("exact") is not EXACT or not (problem.is_shaped or problem.any_depth):
+        return known
+    return {**known, "exact": SHAPED if problem.is_shaped else SPARSE}

@@ -7,7 +7,7 @@ per split, total sensor cost at most `sensor_budget`.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,11 @@ from octmip.trees.problem_values import directions_of, number_of, sensor_costs_o
 from octmip.trees.tree import HyperplaneSplit, Node, features_used
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
+_DERIVED: Any = None  # a field that is filled in when it is left out
+
+
+class AnyDepth(int):
+    """The depth of a Problem that was asked for none: so many levels that no tree of more costs less, or MAX_DEPTH."""
 
 
 def set_field(noun: object, name: str, value: object) -> None:
@@ -51,7 +56,8 @@ class Shape:
     Attributes
     ----------
     depth
-        levels of splits, 1 or more.
+        levels of splits, 1 or more; None: trees of any depth, where splits have a price (`leaf_penalty`) or are counted
+        (`max_splits`). It is then an `AnyDepth`: enough levels for every tree that may be the best.
     split
         "axis" (one feature and a threshold) or "hyperplane".
     split_size
@@ -89,7 +95,7 @@ class Shape:
         sensor_costs: (n_sensors,) float64.
     """
 
-    depth: int
+    depth: int = _DERIVED
     split: Literal["axis", "hyperplane"] = "axis"
     split_size: int | None = None
     leaf_size: int = 1
@@ -132,7 +138,6 @@ class Shape:
             set_field(self, "sensor_budget", number_of(self.sensor_budget, "sensor_budget"))
 
     def _check_sizes(self, n_samples: int) -> None:
-        set_field(self, "depth", whole_of(self.depth, "depth", 1, MAX_DEPTH))
         set_field(self, "leaf_size", whole_of(self.leaf_size, "leaf_size", 1, n_samples))
         set_field(self, "leaf_penalty", number_of(self.leaf_penalty, "leaf_penalty"))
         set_field(self, "ridge", number_of(self.ridge, "ridge"))
@@ -147,6 +152,20 @@ class Shape:
             set_field(self, "integer_normals", whole_of(self.integer_normals, "integer_normals", 1, 2**53))
         if self.max_splits is not None:
             set_field(self, "max_splits", whole_of(self.max_splits, "max_splits", 0, None))
+        self._set_depth()
+
+    def _set_depth(self) -> None:
+        if self.depth is not None and not self.any_depth:
+            set_field(self, "depth", whole_of(self.depth, "depth", 1, MAX_DEPTH))
+            return
+        if self.split != "axis":
+            raise ProblemError(f"depth is None but split is {self.split!r}; give a depth, such as 2, or split='axis'")
+        if self.leaf_penalty == 0 and self.max_splits is None:
+            raise ProblemError(
+                "depth is None and leaf_penalty 0, so the largest tree would be the best; expected a price of a split "
+                "or a number of levels; give leaf_penalty, such as a hundredth of the samples, or depth, such as 3"
+            )
+        set_field(self, "depth", AnyDepth(MAX_DEPTH))
 
     def _set_monotone(self, feature_names: tuple[str, ...]) -> None:
         set_field(self, "monotone", directions_of(self.monotone, feature_names, "monotone"))
@@ -175,6 +194,11 @@ class Shape:
     def n_features(self) -> int:
         """Number of features."""
         return len(self.sensor_index)
+
+    @property
+    def any_depth(self) -> bool:
+        """Whether trees may be as deep as they like."""
+        return isinstance(self.depth, AnyDepth)
 
     @property
     def limited_splits(self) -> int | None:

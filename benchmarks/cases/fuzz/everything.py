@@ -42,6 +42,7 @@ from benchmarks.kinds.classes import (
     LINES_KIND,
     MIXED_INTEGER,
     SIZED_KIND,
+    SPARSE_KIND,
 )
 from benchmarks.kinds.kind import Kind, Question
 from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
@@ -63,6 +64,7 @@ KINDS: dict[str, Kind] = {
     "lines": LINES_KIND,
     "few_splits": FEW_SPLITS_KIND,
     "few_leaves": FEW_LEAVES_KIND,
+    "sparse": SPARSE_KIND,
     "monotone": MONOTONE_KIND,
     "monotone_few": MONOTONE_FEW_KIND,
     "numbers": Numbers(),

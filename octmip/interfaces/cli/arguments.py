@@ -142,7 +142,8 @@ def add_everyday_arguments(
     A command that `chooses` a tree where no depth is given needs none; one `of_folder` reads all tables of a folder.
     """
     add_label_arguments(group_of(parser, DATA), is_required=not has_target, of_folder=of_folder)
-    levels = "levels of splits" + (" (default: chosen by cross-validation, for new rows)" if chooses else "")
+    without = " (default: chosen by cross-validation, for new rows; any beside --leaf-penalty)" if chooses else ""
+    levels = f"levels of splits{without}"
     group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=not chooses, help=levels)
     if not has_target:
         group_of(parser, DATA).add_argument("--target", type=_only_classes, help=argparse.SUPPRESS)
@@ -177,7 +178,11 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         "--sensor-cost", metavar="FILE", help="table with columns [feature,]sensor,cost (default: each column costs 1)"
     )
     price = group.add_argument(
-        "--leaf-penalty", metavar="P", type=float, default=0.0, help="price of one feature in one split (default 0)"
+        "--leaf-penalty",
+        metavar="P",
+        type=float,
+        default=0.0,
+        help="price of one feature in one split (default 0); solve without --depth proves the best tree of any depth",
     )
     kind = group.add_argument(
         "--split", choices=("axis", "hyperplane"), help="kind of split (default axis; hyperplane with --split-size > 1)"

@@ -49,7 +49,6 @@ from octmip.trees.tree import Node
 MOST_SECONDS = 60.0
 """Of a choice, where no --seconds are given."""
 OF_A_DEPTH: dict[str, object] = {
-    "leaf_penalty": 0.0,
     "max_leaves": None,
     "monotone": None,
     "method": "auto",
@@ -61,7 +60,7 @@ OF_A_DEPTH: dict[str, object] = {
     "write_problem": None,
     "read_solution": None,
 }
-"""Options of a problem whose depth is given, and what they are when they are not."""
+"""Options of a problem whose depth or price of a split is given, and what they are when they are not."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -69,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
     limits = limits_of(arguments)
     if arguments.read_solution is None:
         refuse_alone(arguments)
-    if arguments.depth is None:
+    if arguments.depth is None and not arguments.leaf_penalty:
         return _choose(arguments, limits)
     asked = read_problem(arguments)
     if arguments.proof:
@@ -108,7 +107,7 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
         option = f"--{given[0].replace('_', '-')}"
         raise DataError(
             f"{option} is given without --depth, where cross-validation chooses kind, depth and penalty of the tree; "
-            f"expected --depth D beside it; add it, or leave {option} out"
+            f"expected --depth D or --leaf-penalty P beside it; add one, or leave {option} out"
         )
     asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)

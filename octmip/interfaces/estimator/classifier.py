@@ -30,7 +30,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     max_depth
         "auto" chooses kind, depth and leaf penalty by cross-validation (`octmip.trees.tradeoff.default`): the tree
         that holds on new samples. A number, 1 to 30, is at most so many splits on a path from the root to a leaf: the
-        tree of least training cost.
+        tree of least training cost. None is any depth, beside a `leaf_penalty` (or `max_leaf_nodes`): the tree of least
+        training cost and prices.
     split
         "axis" (one feature and a threshold) or "hyperplane".
     split_size
@@ -38,10 +39,10 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
     max_leaf_nodes
-        at most so many leaves, beside a `max_depth` that is a number; None: no limit.
+        at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst
         for each column of X 1 where the prediction never falls as it rises, -1 where it never rises, 0 elsewhere, or
-        a mapping from columns, beside a `max_depth` that is a number; as in scikit-learn, of any number of classes.
+        a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes.
     leaf_penalty
         price of one feature in one split, in units of weight times cost; "auto" chooses its own.
     costs
@@ -68,7 +69,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         `seconds` at most (`octmip.trees.tradeoff.leaf_shares`). A number instead: so much training weight is added, in
         equal parts to every class; 0 leaves the shares of the training rows.
     method
-        of `octmip.solve`, for a `max_depth` that is a number: "auto" proves for splits on one feature, and searches
+        of `octmip.solve`, where `max_depth` is not "auto": "auto" proves for splits on one feature, and searches
         without a proof for hyperplanes.
     options
         of the method, for instance ``SearchOptions(restarts=20)`` (`octmip.trees.methods.options`); None: the defaults.

@@ -23,7 +23,8 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
     Parameters
     ----------
     max_depth
-        "auto", or at most so many splits on a path from the root to a leaf; as in `OptimalTreeClassifier`.
+        "auto", or at most so many splits on a path from the root to a leaf; as in `OptimalTreeClassifier`. None, beside
+        a `leaf_penalty`, is searched and not proven.
     loss
         "squared" or "absolute" error, a quantile as in "quantile:0.9", or a loss such as ``QuantileError(0.9)``.
     split, split_size
@@ -33,10 +34,10 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
     min_samples_leaf
         at least so many samples in every leaf; a number below 1 is a share of all samples.
     max_leaf_nodes
-        at most so many leaves, beside a `max_depth` that is a number; None: no limit.
+        at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst
         for each column of X 1 where the prediction never falls as it rises, -1 where it never rises, 0 elsewhere, or
-        a mapping from columns, beside a `max_depth` that is a number; as in scikit-learn, of any number of classes.
+        a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes.
     leaf_penalty
         price of one feature in one split, in units of weight times error; "auto" chooses its own.
     sensor_of_feature, sensor_cost, sensor_budget, categories, missing

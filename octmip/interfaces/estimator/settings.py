@@ -32,7 +32,7 @@ class Settings:
     writes.
     """
 
-    max_depth: int | Literal["auto"] = field(default="auto", kw_only=False)
+    max_depth: int | Literal["auto"] | None = field(default="auto", kw_only=False)
     split: Literal["axis", "hyperplane"] = "axis"
     split_size: int | None = None
     min_samples_leaf: float = 1
@@ -51,14 +51,16 @@ class Settings:
     random_state: RandomState = 0
 
 
-def depth_of(settings: Settings) -> int:
-    """Return the depth of the problem; 1 for "auto", whose choice replaces it.
+def depth_of(settings: Settings) -> Any:
+    """Return the depth of the problem, None where any will do; 1 for "auto", whose choice replaces it.
 
     Raises
     ------
     ProblemError
-        it is neither "auto" nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself.
+        it is neither "auto" nor None nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself.
     """
+    if settings.max_depth is None:
+        return None
     if settings.max_depth != AUTO:
         return whole_of(settings.max_depth, "max_depth", 1, MAX_DEPTH)
     chosen = {"leaf_penalty": 0, "method": AUTO, "options": None, "max_leaf_nodes": None, "monotonic_cst": None}

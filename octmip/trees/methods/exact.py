@@ -45,6 +45,7 @@ from octmip.trees.methods.shared_work import submitter
 from octmip.trees.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.trees.problem import Problem
 from octmip.trees.proof import log_header
+from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
 from octmip.trees.tree import Node, centred
 
@@ -178,7 +179,7 @@ class _Search:
             version=_native.__version__,
             seed=seed,
             tolerance=self.tolerance,
-            details={"ties_broken": ties} | self.resumed_from,
+            details={"ties_broken": ties} | self.resumed_from | self.scope,
         )
 
     def _resume(self) -> None:
@@ -206,6 +207,12 @@ class _Search:
             "max_splits": 2**self.problem.depth - 1 if most is None else most,
             "directions": [directions[self.ranks.feature(column)] for column in range(self.ranks.n_columns)],
         }
+
+    @property
+    def scope(self) -> dict[str, object]:
+        """Which trees the bound holds for, where it does not hold for all: deeper ones pay for as many splits."""
+        holds = not self.problem.any_depth or self.bound <= (MAX_DEPTH + 1) * self.problem.leaf_penalty
+        return {} if holds or self.problem.depth < MAX_DEPTH else {"scope": f"trees of depth {MAX_DEPTH} or less"}
 
     @property
     def resumed_from(self) -> dict[str, object]:

@@ -1,7 +1,8 @@
 """Find the best tree for a table within the limits, and the bound that proves how good it is.
 
 Without --depth it is the best tree for new rows, as cross-validation tells: its kind, depth and leaf penalty are chosen
-for them. With --depth it is the tree of least cost on the rows of the table.
+for them. With --depth it is the tree of least cost on the rows of the table, with --leaf-penalty and no --depth the one
+of least cost and prices of splits among trees of any depth.
 
 The result is certified (recomputed from tree and data alone) before it is shown. Reaching a limit is no error, nor is
 Ctrl-C: the best tree so far and its bound are shown and written.
@@ -27,6 +28,7 @@ from octmip.interfaces.cli.samples.options import add_held_out_arguments
 EXAMPLES = """\
   octmip solve iris.csv --label species
   octmip solve iris.csv --label species --depth 2
+  octmip solve iris.csv --label species --leaf-penalty 1.5
   octmip solve iris.csv --label species --depth 3 --holdout 0.25 --out tree.json
   octmip solve survey.csv.gz --label answer --depth 3 --index person --drop remarks,"name, first"
   octmip solve machines.parquet --label state --depth 4 --seconds 60 --sensor-cost sensors.csv --budget 10

@@ -254,7 +254,7 @@ def _problem(
         features,
         labels,
         weights=weights,
-        depth=1 if arguments.depth is None else arguments.depth,  # None: it is chosen
+        depth=_depth(arguments),
         split=_kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
@@ -266,6 +266,11 @@ def _problem(
         feature_names=columns.feature_names,
         **settings,
     )
+
+
+def _depth(arguments: argparse.Namespace) -> Any:
+    """Return the depth that is asked for; without one any (None) where splits have a price, else it is chosen (1)."""
+    return 1 if arguments.depth is None and not arguments.leaf_penalty else arguments.depth
 
 
 def _sensor_settings(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:

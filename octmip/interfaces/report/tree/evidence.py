@@ -19,7 +19,7 @@ from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.folds import part_of
 from octmip.trees.tradeoff.frontier import frontier_run
 from octmip.trees.tradeoff.held_out import Samples, held_out_rows, strata_of
-from octmip.trees.tree import Node
+from octmip.trees.tree import Node, depth
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,14 +132,14 @@ def gather(
     out = Evidence(problem, certify(problem, file.solution), greedy, certify(problem, greedy))
     if seconds <= 0:
         return out
-    each = seconds / max(1, problem.depth - 1)
+    each = seconds / max(1, _levels(file, problem) - 1)
     run = Run(limits=Limits(seconds=each), seed=file.solution.seed, n_jobs=n_jobs, progress=progress)
     return replace(out, depths=_depths(file, problem, greedy, run), seconds=each)
 
 
 def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tuple[DepthPoint, ...]:
     """Return a point for each depth; the deepest is the tree of the file, and its bound holds for the others too."""
-    shallower = range(1, problem.depth)
+    shallower = range(1, _levels(file, problem))
     points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
     bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
@@ -149,8 +149,13 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
         proven = solution.objective if solution.is_optimal else max(solution.bound, bound)
         found.append(DepthPoint(one.depth, solution.objective, proven, other))
     own = file.solution
-    last = DepthPoint(problem.depth, own.objective, own.objective if own.is_optimal else own.bound, greedy.objective)
-    return (*found, last)
+    proven = own.objective if own.is_optimal else own.bound
+    return (*found, DepthPoint(_levels(file, problem), own.objective, proven, greedy.objective))
+
+
+def _levels(file: TreeFile, problem: Problem) -> int:
+    """Return the depth that was asked for, of any depth that of the tree."""
+    return max(1, depth(file.tree)) if problem.any_depth else problem.depth
 
 
 def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str) -> Evidence:

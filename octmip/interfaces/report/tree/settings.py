@@ -83,7 +83,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
     asked, solution = file.settings, file.solution
     kinds = {"axis": "one feature in each split", "hyperplane": "weighted sums of features"}
     rows: list[tuple[str, str | None]] = [
-        ("depth", f"at most {asked['depth']}"),
+        ("depth", "any" if asked["depth"] is None else f"at most {asked['depth']}"),
         ("kind of split", kinds[asked["split"]]),
         ("features in one split", _at_most(asked["split_size"]) if asked["split"] == "hyperplane" else None),
         ("samples in a leaf", f"at least {asked['leaf_size']:,}"),

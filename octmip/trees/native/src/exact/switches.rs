@@ -13,6 +13,8 @@ crate::switches::switches! {
     label_count,
     /// Trees of many levels pay for as many splits, and a side of a cut is a leaf or pays for a split.
     price,
+    /// Keep the results of nodes that are met again.
+    kept,
     /// Solve one level shallower first.
     shallower_first,
     /// Show the bound that follows from trees of one level fewer.
@@ -40,6 +42,6 @@ crate::switches::switches! {
 impl Switches {
     /// Without the prunes that the checker of a log does not know.
     pub(crate) fn of_logs(self) -> Self {
-        Self { set_range: false, cancelling: false, price: false, ..self }
+        Self { set_range: false, cancelling: false, price: false, kept: false, ..self }
     }
 }

@@ -1,5 +1,5 @@
-//! Results of nodes by their samples: where a split has a price, trees of many levels meet the same samples again and
-//! again, by the same cuts in another order, and at every number of levels.
+//! Results of nodes by their samples: where a split has a price, trees of many levels meet the same samples again, by
+//! the same cuts in another order and at every number of levels.
 
 use std::collections::HashMap;
 
@@ -7,15 +7,23 @@ use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 
+/// Bytes of the results that one thread keeps; once they are full nothing more is kept.
+pub(crate) const MOST_BYTES: usize = 1 << 24;
+
+/// Bytes of a plan, a key's frame and a place in the table, about.
+const FRAME: usize = 256;
+
 /// Samples as bits, and the levels of the trees.
 pub(crate) type Key = (Box<[u64]>, usize);
 
-/// Results of nodes, and the order of their features.
+/// A result and the incumbents of the features at the node's root.
+pub(crate) type Found = (NodeResult, Vec<FeatureIncumbent>);
+
+/// Results of nodes.
 #[derive(Debug, Default)]
 pub(crate) struct Kept {
-    found: HashMap<Key, (NodeResult, Vec<FeatureIncumbent>)>,
-    pub(crate) hits: [u64; 32],
-    pub(crate) misses: [u64; 32],
+    found: HashMap<Key, Found>,
+    bytes: usize,
 }
 
 /// The key of a node.
@@ -28,37 +36,28 @@ pub(crate) fn key(samples: &Samples, view: &View, depth: usize) -> Key {
 }
 
 impl Kept {
-    /// What is known of a node if it answers for trees below `upper`.
-    pub(crate) fn find(&mut self, key: &Key, upper: i64) -> Option<(NodeResult, Vec<FeatureIncumbent>)> {
-        let found = self.found.get(key).and_then(|(result, incumbents)| {
-            let answer = match &result.best {
-                Some((cost, _)) if *cost < upper => Some(result.clone()),
-                _ if result.lower >= upper => Some(NodeResult::none(result.lower)),
-                _ => None,
-            };
-            answer.map(|answer| (answer, incumbents.clone()))
-        });
-        if found.is_some() { self.hits[key.1] += 1 } else { self.misses[key.1] += 1 }
-        found
+    /// What is known of a node, if it says which tree is the best below `upper`, or that none is.
+    pub(crate) fn find(&self, key: &Key, upper: i64) -> Option<Found> {
+        let (result, incumbents) = self.found.get(key)?;
+        let answer = match &result.best {
+            Some((cost, _)) if *cost < upper => result.clone(),
+            _ if result.lower >= upper => NodeResult::none(result.lower),
+            _ => return None,
+        };
+        Some((answer, incumbents.clone()))
     }
 
-    pub(crate) fn clear(&mut self) {
-        self.found.clear();
-    }
-
+    /// Keep the result of a search to its end.
     pub(crate) fn keep(&mut self, key: Key, result: &NodeResult, incumbents: &[FeatureIncumbent]) {
-        self.found.insert(key, (result.clone(), incumbents.to_vec()));
-    }
-}
-
-impl Drop for Kept {
-    fn drop(&mut self) {
-        if std::env::var("KEPT_SHOW").is_ok() {
-            for d in 0..32 {
-                if self.hits[d] + self.misses[d] > 0 {
-                    eprintln!("depth {d}: hits {} misses {}", self.hits[d], self.misses[d]);
-                }
-            }
+        let bytes = size_of_val(&*key.0) + size_of_val(incumbents) + FRAME;
+        if self.bytes + bytes <= MOST_BYTES {
+            self.bytes += bytes;
+            self.found.insert(key, (result.clone(), incumbents.to_vec()));
         }
+    }
+
+    /// Forget everything.
+    pub(crate) fn clear(&mut self) {
+        *self = Self::default();
     }
 }

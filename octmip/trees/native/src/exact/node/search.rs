@@ -74,6 +74,8 @@ pub(crate) struct Search<'a> {
     levels: Vec<Level>,
     solvers: [Option<Box<dyn StumpSolver>>; 3],
     marks: Vec<bool>,
+    /// Whether results are kept: where nodes are met again, for trees of four levels or more that pay for splits.
+    keeps: bool,
     kept: Kept,
 }
 
@@ -94,6 +96,7 @@ impl<'a> Search<'a> {
             levels: (0..=depth).map(|_| Level::default()).collect(),
             solvers: [None, None, None],
             marks: vec![false; samples.n],
+            keeps: switches.kept && samples.penalty > 0 && switches.price && depth > 3,
             kept: Kept::default(),
         }
     }
@@ -126,7 +129,7 @@ impl<'a> Search<'a> {
             return NodeResult::none(floor);
         }
         let asked = depth;
-        let depth = levels_below(upper, self.price(), asked);
+        let depth = levels_below(upper.min(view.leaf()), self.price(), asked);
         if asked > 2 && depth <= 2 {
             self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
         }
@@ -139,7 +142,7 @@ impl<'a> Search<'a> {
         if depth == 1 {
             return self.depth_one(view, upper);
         }
-        if self.price() == 0 || std::env::var("KEPT_OFF").is_ok() {
+        if !self.keeps {
             return self.searched(view, depth, upper, floor);
         }
         let key = key(self.samples, view, depth);
@@ -338,9 +341,8 @@ impl<'a> Search<'a> {
 
     /// The same, with the lines of the log where one is written: a cut of the root by itself.
     pub(crate) fn root_children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
-        if std::env::var("KEPT_CUT").is_ok() {
-            self.kept.clear();
-        }
+        // What a cut of the root shows does not depend on the cuts that this thread has solved before it.
+        self.kept.clear();
         let children = self.children(view, depth, cut, sides);
         let record = self.log.as_mut().map_or_else(String::new, Log::take_lines);
         self.report_effort();

@@ -3,6 +3,7 @@
 //! Every list is reckoned at the longest that it can become. `n` samples, `p` features, `4 n p` bytes a set of lists.
 
 use crate::costs::ClassCosts;
+use crate::exact::node::kept::MOST_BYTES;
 use crate::exact::samples::label_sets::{WIDTH, most_width};
 use crate::exact::samples::unit::unit;
 use crate::exact::stumps::width;
@@ -35,7 +36,8 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     let (n, p, depth) = (problem.n as f64, problem.p as f64, problem.depth as f64);
     let sides = (depth - 2.0).max(0.0) * 8.0 * n * p;
     let axes = (depth - 1.0).max(1.0) * axis(problem, 2);
-    sides + axes + 8.0 * n + stumps(problem, switches)
+    let kept = if problem.penalty > 0 && problem.depth > 3 { MOST_BYTES as f64 } else { 0.0 };
+    sides + axes + 8.0 * n + stumps(problem, switches) + kept
 }
 
 /// The cuts of a feature: position, total range, spread, bounds of both sides, evaluated cut; and eight at a time,
@@ -45,7 +47,8 @@ fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
-    problem.n as f64 * (40.0 + 32.0 * labels.max(2 * sets) as f64)
+    let prices = if problem.penalty > 0 { 16.0 } else { 0.0 };
+    problem.n as f64 * (40.0 + prices + 32.0 * labels.max(2 * sets) as f64)
 }
 
 /// Tables of offsets into histograms, histograms, and what each group may reach by evaluated cut.

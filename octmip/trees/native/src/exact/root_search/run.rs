@@ -222,9 +222,19 @@ impl Run<'_, '_> {
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
         let known = self.known.take();
-        let frontier =
-            Frontier::new(samples, switches, &self.control, view, depth, incumbents, whole, upper, known.as_ref(), fewer)
-                .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
+        let frontier = Frontier::new(
+            samples,
+            switches,
+            &self.control,
+            view,
+            depth,
+            incumbents,
+            whole,
+            upper,
+            known.as_ref(),
+            fewer,
+        )
+        .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (tables, before, control) = (self.tables, self.tree(), &self.control);
         let state_now = || {
             let (_, bound) = frontier.progress();
