@@ -18,6 +18,7 @@ FAMILIES = {
     "exact_flat": "benchmarks.cases.exact.flat",
     "exact_growth": "benchmarks.cases.exact.growth",
     "exact_large": "benchmarks.cases.exact.large",
+    "sparse": "benchmarks.cases.exact.sparse",
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "exact_cluster": "benchmarks.cases.exact.cluster",
     "held_out_tables": "benchmarks.cases.held_out_tables",

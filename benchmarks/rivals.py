@@ -178,6 +178,26 @@ def _flow(fix: int) -> Callable[[Problem], Fit]:
     return prepare
 
 
+def _fast_small_tree(problem: Problem) -> Fit:
+    import warnings
+
+    from imodels import FastSmallTreeClassifier
+
+    FastSmallTreeClassifier(0.1).fit(np.array([[0.0], [1.0], [2.0]]), np.array([0, 1, 1]))  # compiled before the clock
+    n, price = problem.n_samples, problem.leaf_penalty / problem.n_samples
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = FastSmallTreeClassifier(price, time_limit=seconds)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # that it was stopped shows in its bound
+            model.fit(problem.features, problem.codes)
+        # It charges leaves, of which there is one more than splits.
+        cost, bound = (round(n * (share - price), 9) for share in (model.upperbound_, model.lowerbound_))
+        return Answer(cost, cost if model.optimal_ else bound, f"regularization={price:g}")
+
+    return fit
+
+
 def can_be_binary(features: NDArray[np.float64]) -> bool:
     """Return whether one binary feature for each threshold is few enough for the binary solvers."""
     return sum(len(np.unique(column)) - 1 for column in features.T) <= MOST_BINARY_FEATURES
@@ -189,6 +209,7 @@ RIVALS = {
     "pycontree": Rival(_pycontree, "pycontree"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
+    "fastsmalltree": Rival(_fast_small_tree, "imodels"),
     "odtlearn": Rival(_odtlearn("FlowOCT"), "odtlearn"),
     "odtlearn-benders": Rival(_odtlearn("BendersOCT"), "odtlearn"),
     "octmip-benders": Rival(_benders, "octmip"),

@@ -1,0 +1,123 @@
+"""Trees of any depth where splits have a price: exact, kept by every door and file, refused where unknown."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.kinds.classes import SPARSE_KIND, complaint
+from octmip import Leaf, Problem, Split, Stop, certify, solve
+from octmip.errors import ProblemError
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.interfaces.estimator import OptimalTreeClassifier
+from octmip.trees.losses import SquaredError
+from octmip.trees.methods import native_call
+from octmip.trees.methods.options import ExactOptions
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.tree import depth
+
+N_PROBLEMS, BLOCK = 100, 20
+RNG = np.random.default_rng(5)
+FEATURES, LABELS = RNG.normal(size=(30, 2)), RNG.integers(0, 3, 30)
+
+
+def drawn(seed: int) -> Problem:
+    return SPARSE_KIND.draw(np.random.default_rng([77, seed]))
+
+
+def priced(price: float, **more: object) -> Problem:
+    return Problem(FEATURES, LABELS, leaf_penalty=price, **more)
+
+
+@pytest.mark.parametrize("first", range(0, N_PROBLEMS, BLOCK))
+def test_it_finds_what_enumeration_of_all_trees_finds(first):
+    for seed in range(first, first + BLOCK):
+        problem = drawn(seed)
+        solution = solve(problem, "exact")
+        assert complaint(problem, solution, SPARSE_KIND.truth(problem)) == "", seed
+        assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
+
+
+@pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])
+def test_no_bound_costs_the_optimum(prune):
+    for seed in range(40):
+        problem = drawn(1000 + seed)
+        if problem.is_shaped:
+            continue
+        with native_call.without(prune):
+            found = solve(problem, "exact").objective
+        assert found == solve(problem, "exact").objective, seed
+
+
+@pytest.mark.parametrize("price", [2.0, 3.0, 6.0])
+def test_it_is_the_best_of_all_depths(price):
+    costs = [solve(priced(price, depth=levels), "exact").objective for levels in (1, 2, 3, 4, 5)]
+    solution = solve(priced(price), "exact")
+    assert solution.is_optimal
+    assert solution.objective == costs[max(0, depth(solution.tree) - 1)] <= min(costs)
+
+
+def test_threads_change_nothing():
+    one, two = (solve(priced(2.0), "exact", n_jobs=n) for n in (1, 2))
+    assert (one.tree, one.bound, one.n_nodes) == (two.tree, two.bound, two.n_nodes)
+
+
+def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
+    problem = priced(2.0)
+    assert problem.any_depth
+    assert "depth=any" in repr(problem)
+    assert problem.depth * 2.0 >= problem.baseline
+    assert replace(problem, leaf_penalty=20.0).depth < problem.depth
+    fixed = replace(problem, depth=3)
+    assert not fixed.any_depth
+    assert fixed.depth == 3
+    assert priced(0.0, max_splits=4).depth == 4
+
+
+def test_what_has_no_price_or_is_not_known_is_refused():
+    with pytest.raises(ProblemError, match=r"depth is None and leaf_penalty 0.* give leaf_penalty"):
+        priced(0.0)
+    with pytest.raises(ProblemError, match="depth is None but split is 'hyperplane'; give a depth"):
+        priced(1.0, split="hyperplane")
+    with pytest.raises(ProblemError, match="does not know the problem's any_depth"):
+        solve(priced(1.0), "flow")
+    with pytest.raises(ProblemError, match="of a problem without a depth"):
+        solve(priced(1.0), "exact", options=ExactOptions(proof="proof.log"))
+    with pytest.raises(ProblemError, match="near_optimal goes through trees level by level and depth is None"):
+        near_optimal(priced(1.0), 0.1)
+    with pytest.raises(ProblemError, match="does not know the problem's any_depth"):
+        solve(Problem(FEATURES, FEATURES[:, 0], loss=SquaredError(), leaf_penalty=1.0), "exact")
+
+
+def test_a_tree_deeper_than_any_that_pays_is_one_of_the_problem():
+    problem, tree = priced(15.0), Leaf(0)
+    for cut in np.sort(FEATURES[:, 0])[1:6]:
+        tree = Split(0, float(cut), tree, Leaf(1))
+    assert depth(tree) > problem.depth
+    assert solve(problem, "exact", incumbent=tree).is_optimal
+
+
+def test_deeper_trees_than_the_core_knows_are_named():
+    labels = np.arange(80) % 2
+    problem = Problem(np.arange(80.0)[:, None], labels, leaf_penalty=0.75)
+    solution = solve(problem, "exact")
+    assert problem.depth == MAX_DEPTH
+    assert solution.details["scope"] == "trees of depth 30 or less"
+
+
+def test_a_tree_file_keeps_that_any_depth_will_do(tmp_path):
+    problem = priced(2.0)
+    write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
+    file = read_tree_file(tmp_path / "tree.json")
+    assert file.settings["depth"] is None
+    again = file.problem(FEATURES, LABELS, np.ones(30))
+    assert again.any_depth
+    certify(again, file.solution)
+
+
+def test_an_estimator_takes_no_depth():
+    model = OptimalTreeClassifier(max_depth=None, leaf_penalty=2.0).fit(FEATURES, LABELS)
+    assert model.objective_ == solve(priced(2.0)).objective
+    with pytest.raises(ProblemError, match="depth is None"):
+        OptimalTreeClassifier(max_depth=None).fit(FEATURES, LABELS)
