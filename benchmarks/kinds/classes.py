@@ -135,7 +135,7 @@ def _grid(rng: Generator) -> Problem:
     targets = rng.integers(0, n_classes, n)
     targets[:n_classes] = np.arange(n_classes)
     costs = rng.integers(0, 6, (n_classes, n_classes)) if rng.random() < 0.3 else 1.0 - np.eye(n_classes)
-    weights = rng.integers(1, 4, n).astype(float) if rng.random() < 0.4 else None
+    weights = rng.integers(1, 4, n).astype(float) if rng.random() < 0.4 else np.ones(n)
     size = 1 if rng.random() < 0.7 else 2
     return Problem(features, targets, depth=1, loss=ClassCosts(costs), weights=weights, leaf_size=size)
 
@@ -146,7 +146,8 @@ def _sparse(rng: Generator) -> Problem:
     price = share * problem.baseline if rng.random() < 0.7 else float(math.ceil(share * problem.baseline))
     most = int(rng.integers(0, 6)) if rng.random() < 0.2 else None
     budget = problem.sensor_budget if most is None else None
-    return replace(problem, depth=None, leaf_penalty=price or 1.0, max_splits=most, sensor_budget=budget)
+    any_depth: dict[str, Any] = {"depth": None, "max_splits": most, "sensor_budget": budget}
+    return replace(problem, leaf_penalty=price or 1.0, **any_depth)
 
 
 class AnyDepthClasses(Classes):

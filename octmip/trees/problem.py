@@ -28,7 +28,7 @@ from octmip.trees.problem_values import (
     numbers_of,
     words_of,
 )
-from octmip.trees.shape import MAX_DEPTH, AnyDepth, Shape, set_field
+from octmip.trees.shape import Shape, set_field
 from octmip.trees.tree import (
     HyperplaneSplit,
     Leaf,
@@ -103,26 +103,13 @@ class Problem(Shape):
         else:
             self._set_numbers()
         self._set_weights()
-        self._settle(self.feature_names, self.n_samples)
+        self._settle(self.feature_names, self.n_samples, lambda: self.baseline)
         if self.leaf_model == "linear" and self.loss.predicts == "class":
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
         if self.monotone is not None and self.gaps:
             raise ProblemError("monotone is given but readings may be missing, which have no order; fill them in")
-        if self.any_depth:
-            set_field(self, "depth", AnyDepth(self._levels_that_pay()))
         prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
         self.loss.check_range(self.weights, self.codes, prices)
-
-    def _levels_that_pay(self) -> int:
-        """Return levels of which no tree of more costs less than the best leaf, MAX_DEPTH at most.
-
-        A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
-        sample in each of its leaves.
-        """
-        most = min(MAX_DEPTH, max(1, self.n_samples - 1))
-        if self.max_splits is not None:
-            most = min(most, max(1, self.max_splits))
-        return most if self.baseline >= most * self.leaf_penalty else math.floor(self.baseline / self.leaf_penalty) + 1
 
     def _set_samples(self) -> None:
         given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)

@@ -5,7 +5,7 @@ per split, total sensor cost at most `sensor_budget`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -113,12 +113,17 @@ class Shape:
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
     sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
 
-    def _settle(self, feature_names: tuple[str, ...], n_samples: int) -> None:
-        """Check what was given, for samples of so many rows and these columns, and fill in what is derived."""
+    def _settle(self, feature_names: tuple[str, ...], n_samples: int, of_leaf: Callable[[], float]) -> None:
+        """Check what was given, for samples of so many rows and these columns, and fill in what is derived.
+
+        `of_leaf` returns what the best tree without a split costs.
+        """
         self._set_sensors(feature_names)
         self._check_sizes(n_samples)
         self._set_allowed_splits(feature_names)
         self._set_monotone(feature_names)
+        if self.any_depth:
+            self._end_depth(of_leaf(), n_samples)
 
     def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
         names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
@@ -166,6 +171,19 @@ class Shape:
                 "or a number of levels; give leaf_penalty, such as a hundredth of the samples, or depth, such as 3"
             )
         set_field(self, "depth", AnyDepth(MAX_DEPTH))
+
+    def _end_depth(self, of_leaf: float, n_samples: int) -> None:
+        """Set any depth to levels of which no tree of more costs less than the best leaf, MAX_DEPTH at most.
+
+        A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
+        sample in each of its leaves.
+        """
+        most = min(MAX_DEPTH, max(1, n_samples - 1))
+        if self.max_splits is not None:
+            most = min(most, max(1, self.max_splits))
+        if of_leaf < most * self.leaf_penalty:
+            most = math.floor(of_leaf / self.leaf_penalty) + 1
+        set_field(self, "depth", AnyDepth(most))
 
     def _set_monotone(self, feature_names: tuple[str, ...]) -> None:
         set_field(self, "monotone", directions_of(self.monotone, feature_names, "monotone"))

@@ -11,10 +11,9 @@ from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.trees.losses import SquaredError
-from octmip.trees.methods import native_call
+from octmip.trees.methods import exact, native_call
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import near_optimal
-from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tree import depth
 
 N_PROBLEMS, BLOCK = 100, 20
@@ -98,12 +97,12 @@ def test_a_tree_deeper_than_any_that_pays_is_one_of_the_problem():
     assert solve(problem, "exact", incumbent=tree).is_optimal
 
 
-def test_deeper_trees_than_the_core_knows_are_named():
-    labels = np.arange(80) % 2
-    problem = Problem(np.arange(80.0)[:, None], labels, leaf_penalty=0.75)
-    solution = solve(problem, "exact")
-    assert problem.depth == MAX_DEPTH
-    assert solution.details["scope"] == "trees of depth 30 or less"
+def test_where_deeper_trees_might_pay_the_bound_says_for_which_it_holds(monkeypatch):
+    assert "scope" not in solve(priced(2.0), "exact").details
+    monkeypatch.setattr(exact, "MAX_DEPTH", 2)
+    solution = solve(priced(2.0), "exact")
+    assert solution.bound > 3 * 2.0
+    assert solution.details["scope"] == "trees of depth 2 or less"
 
 
 def test_a_tree_file_keeps_that_any_depth_will_do(tmp_path):
