@@ -37,7 +37,8 @@ axis = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01)
 hyperplane = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01, split="hyperplane", split_size=2)
 # Without time CART's prunings alone are chosen among, which is the same for every run.
 chosen = OptimalTreeClassifier(split="hyperplane", split_size=2, seconds=0.0)
-estimators = axis, hyperplane, chosen, OptimalTreeClassifier()
+sparse = OptimalTreeClassifier(max_depth=None, leaf_penalty=1.0, seconds=5.0)
+estimators = axis, hyperplane, sparse, chosen, OptimalTreeClassifier()
 results = [check_estimator(estimator, on_skip=None, on_fail=None) for estimator in estimators]
 print(json.dumps([[(found["check_name"], found["status"], repr(found["exception"])) for found in r] for r in results]))
 """
