@@ -63,8 +63,8 @@ CLAIMS = (
     ),
     Mutant(
         "octmip/trees/certificate.py",
-        "if depth(tree) > problem.depth:",
-        "if depth(tree) > problem.depth + 1:",
+        "if depth(tree) > problem.depth and",
+        "if depth(tree) > problem.depth + 1 and",
         CERTIFICATE,
     ),
     Mutant(

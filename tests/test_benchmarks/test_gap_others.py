@@ -1,4 +1,4 @@
-"""Three twins that are no wing: each in under 20 lines of its page, and what is drawn blindly is named."""
+"""Two twins that are no wing: each in under 20 lines of its page, and what is drawn blindly is named."""
 
 import re
 

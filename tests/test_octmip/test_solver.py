@@ -174,7 +174,7 @@ def test_an_option_that_the_solver_does_not_take_is_refused():
 
 
 def test_an_option_that_a_mixed_integer_method_does_not_take_is_refused_with_those_that_it_takes():
-    takes = "assist, highs, log, solves, start, write"
+    takes = "assist, highs, log, root_rows, solves, start, write"
     with pytest.raises(ProblemError, match=f"method 'oct' takes no option 'mu'; expected some of: {takes}; leave it"):
         solve(STRIPES, "oct", options=MipOptions(mu=0.1))
 

@@ -1,4 +1,4 @@
-"""Three twins that are no wing, each from its page of the documentation: how often what is drawn blindly is named.
+"""Two twins that are no wing, each from its page of the documentation: how often what is drawn blindly is named.
 
 The draw takes one effect that the twin lacks (one of its own, or an offset or a gain of one instrument), a size between
 half and twice its prior scale, within its bounds and of either sign, and a noise between half and twice `NOISE` of each
@@ -25,7 +25,6 @@ Floats = NDArray[np.float64]
 
 PAGES = Path(__file__).resolve().parents[3] / "docs" / "examples" / "twins"
 LOADS: dict[str, tuple[dict[str, float], ...]] = {
-    "frame": ({},),
     "joint": ({"amplitude": 0.3}, {"amplitude": 0.45}, {"amplitude": 0.6}),
     "rod": ({"power": 5.0, "air": 20.0}, {"power": 10.0, "air": 21.0}, {"power": 20.0, "air": 23.0}),
 }

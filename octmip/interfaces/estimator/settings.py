@@ -57,9 +57,15 @@ def depth_of(settings: Settings) -> Any:
     Raises
     ------
     ProblemError
-        it is neither "auto" nor None nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself.
+        it is neither "auto" nor None nor a whole number from 1 to 30, or "auto" stands beside what it chooses itself,
+        or None beside nothing that ends a tree.
     """
     if settings.max_depth is None:
+        if settings.leaf_penalty == 0 and settings.max_leaf_nodes is None:
+            raise ProblemError(
+                "max_depth is None and leaf_penalty 0, so the largest tree would be the best; expected a price of a "
+                "split, a number of leaves or of levels; give leaf_penalty, max_leaf_nodes, or a max_depth, such as 3"
+            )
         return None
     if settings.max_depth != AUTO:
         return whole_of(settings.max_depth, "max_depth", 1, MAX_DEPTH)

@@ -16,13 +16,14 @@ Source: Breiman, Friedman, Olshen & Stone (1984), Classification and Regression 
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, n_splits, simplify
+from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, simplify
 
 SMALL = 24
 """Prunings of fewer splits are all kept."""
@@ -45,9 +46,14 @@ class _Links:
         """Return the price from which on each split is a leaf in the best pruning, -inf at leaves, shape (n_nodes,)."""
         found = np.full(len(self.leaves), -np.inf)
         link = self._links()
+        order = [(gain, node) for node, gain in enumerate(link.tolist()) if np.isfinite(gain)]
+        heapify(order)
         highest = 0.0
-        while (weakest := int(link.argmin())) >= 0 and np.isfinite(link[weakest]):
-            highest = max(highest, float(link[weakest]))
+        while order:
+            gain, weakest = heappop(order)
+            if gain != link[weakest]:  # it was another's descendant, or its link has changed
+                continue
+            highest = max(highest, gain)
             end = self._end(weakest)
             is_left = np.isfinite(link[weakest:end])
             found[weakest:end][is_left] = highest
@@ -58,6 +64,7 @@ class _Links:
                 self.n_splits[node] -= fewer
                 self.below[node] += increase
                 link[node] = (self.as_leaf[node] - self.below[node]) / max(1, self.n_splits[node])
+                heappush(order, (float(link[node]), node))
                 node = int(self.parent[node])
         return found
 
@@ -84,13 +91,13 @@ def priced_prunings(problem: Problem, tree: Node, *, by_impurity: bool = False) 
     """Yield what `prunings` yields with the price from which on each is best; by impurity, of a problem of classes."""
     links = _links_of(problem, tree, by_impurity)
     prices = links.prices()
+    rising = np.sort(prices[links.right >= 0])  # no split outlives those above it
     last = np.inf
-    for price in np.unique(prices[links.right >= 0]).tolist():
-        pruned = _pruned(tree, links, prices, price)
-        size = n_splits(pruned)
+    for price in np.unique(rising).tolist():
+        size = len(rising) - int(np.searchsorted(rising, price, side="right"))
         if size < SMALL or size * RATIO <= last:
             last = size
-            yield price, pruned
+            yield price, _pruned(tree, links, prices, price)
 
 
 def _impurity(problem: Problem, rows: NDArray[np.int64]) -> float:

@@ -5,6 +5,7 @@ import json
 import numpy as np
 
 from octmip import Solution, Stop
+from octmip.errors import SolverError
 from octmip.formats.tree_file import read_tree_file
 from octmip.trees import registry, solver
 
@@ -77,7 +78,7 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
         return Solution(leaf.tree, leaf.objective, 1.0, Stop.OPTIMAL, 0.0, 1, "exact", "1", 0)
 
     def fails(problem, **_):
-        raise solver.SolverError("out of luck")
+        raise SolverError("out of luck")
 
     load = registry.Registration.load
     replaced = {"octmip.trees.methods.exact": proves, "octmip.trees.mip.oct": fails}
