@@ -159,3 +159,14 @@ def test_of_numbers_it_is_scikit_learns_regressor_pruned_where_splits_do_not_pay
     assert found.objective == pytest.approx(loss.of_misses(targets - theirs).sum(), rel=1e-6)
     assert greedy_tree(replace(problem, leaf_penalty=1e6)).tree == problem.best_leaf()
     assert solve(problem, "exact").objective <= found.objective
+
+
+def test_a_limit_of_nodes_is_the_most_splits_and_changes_no_smaller_tree():
+    problem = replace(random_problem(4), depth=30)
+    whole = greedy_tree(problem)
+    size = n_splits(whole.tree)
+    assert greedy_tree(problem, limits=Limits(nodes=60)).tree == whole.tree  # 60 samples part in 59 splits at most
+    limited = greedy_tree(problem, limits=Limits(nodes=size // 2))
+    certify(problem, limited)
+    assert 0 < n_splits(limited.tree) <= size // 2
+    assert limited.objective >= whole.objective

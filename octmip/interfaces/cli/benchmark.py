@@ -108,6 +108,8 @@ def _found(arguments: argparse.Namespace, tables: Sequence[Path], limits: Limits
         try:
             found.append(_on_table(arguments, path, limits))
         except OctmipError as error:
+            if is_heard() and not found:
+                raise KeyboardInterrupt from error
             if is_heard():
                 break
             if len(tables) == 1:

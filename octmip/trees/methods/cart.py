@@ -43,9 +43,9 @@ def greedy_tree(
 
     Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
     budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
-    addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits only `seconds` is looked at,
-    between the sensors of that choice; `incumbent`, `n_jobs`, `progress` and `options` are there because every
-    solver has them.
+    addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits `seconds` is looked at
+    between the sensors of that choice, and `nodes` are the most splits: a tree of more is grown again best first, up
+    to them. `incumbent`, `n_jobs`, `progress` and `options` are there because every solver has them.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def greedy_tree(
         from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
     """
     start = time.perf_counter()
-    builder = _GreedyBuilder(problem, rank_features(problem), seed)
+    builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes)
     tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
@@ -78,6 +78,7 @@ class _GreedyBuilder:
     problem: Problem
     ranks: Ranks
     seed: int
+    most_splits: float
 
     def usable_features(self) -> NDArray[np.int64]:
         """Return the features that may be split on at all: allowed, and not constant."""
@@ -115,6 +116,9 @@ class _GreedyBuilder:
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
             grower.fit(columns, problem.codes, sample_weight=problem.weights)
+            if grower.get_n_leaves() - 1 > self.most_splits:
+                grower.set_params(max_leaf_nodes=max(2, int(self.most_splits) + 1))
+                grower.fit(columns, problem.codes, sample_weight=problem.weights)
         return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(

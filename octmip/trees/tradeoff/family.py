@@ -25,6 +25,8 @@ SEARCHED_DEPTHS, SEARCHED_CUTS = (8, 12), 10
 CUTS_OF_NUMBERS = 10
 UNPROVEN_DEPTHS = (1, 2, 3)
 """Of hyperplanes and linear leaves."""
+SPLITS_OF_CART = 20
+"""So many may CART's tree have for each node that a search may take: a split is that much less work."""
 MOST_BOUND_SECONDS = 10.0
 """For the bound of a searched tree; without a limit its proof could take for ever."""
 
@@ -115,6 +117,8 @@ def trace_families(
             grids[n_cuts] = Coarse.of(problem, n_cuts)
         cut = free if n_cuts is None else replace(grids[n_cuts].problem, depth=family.depth)
         limits = replace(run.limits, seconds=max(0.0, min(run.limits.seconds, left)))
+        if family.method == "cart":
+            limits = replace(limits, nodes=SPLITS_OF_CART * limits.nodes)
         limited = family.run(replace(run, limits=limits))
         path = (
             trace_impurity(cut, limited)

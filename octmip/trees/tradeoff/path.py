@@ -20,6 +20,7 @@ start: so no point of the path is worse than CART.
 """
 
 import math
+import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -30,6 +31,7 @@ from octmip.trees.cluster import opened
 from octmip.trees.encoding.numbers import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.methods.pruning import ordered, priced_prunings, pruned, prunings
+from octmip.trees.prediction import predict, predict_values
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
@@ -189,17 +191,24 @@ def trace_impurity(problem: Problem, run: Run) -> PenaltyPath:
     SolverError
         the solver failed.
     """
-    free = replace(problem, leaf_penalty=0.0)
+    free, start = replace(problem, leaf_penalty=0.0), time.perf_counter()
     grown = solve_run(free, replace(run, method="cart"))
     assert grown.tree is not None
     found = [(0.0, grown.tree), *priced_prunings(free, grown.tree, by_impurity=True)]
     ends = [*(price for price, _ in found), math.inf]
-    trees = tuple(
-        PathTree(tree, free.objective(tree), complexity(tree), low, high, False)
-        for (_, tree), (low, high) in zip(found, pairwise(ends), strict=True)
-        if low < high
-    )
-    return PenaltyPath(free, trees, (), 1, True, grown.stop is Stop.INTERRUPTED)
+    trees = []
+    for (_, tree), (low, high) in zip(found, pairwise(ends), strict=True):
+        if low < high:
+            trees.append(PathTree(tree, _objective(free, tree), complexity(tree), low, high, False))
+        if time.perf_counter() > start + run.limits.seconds:
+            break
+    return PenaltyPath(free, tuple(trees), (), 1, len(trees) == len(found), grown.stop is Stop.INTERRUPTED)
+
+
+def _objective(problem: Problem, tree: Node) -> float:
+    """Return the objective of a tree, the samples routed by the native core: the same number, sooner for many rows."""
+    route = predict if problem.loss.predicts == "class" else predict_values
+    return problem.objective_of(tree, route(tree, problem.features))
 
 
 def trace_depths(
@@ -265,7 +274,7 @@ class _Tracer:
 
     def add(self, tree: Node) -> None:
         tree = ordered(self.free, tree)  # a pruning need not keep the order that its tree keeps
-        known = _Known(complexity(tree), self.free.objective(tree), tree)
+        known = _Known(complexity(tree), _objective(self.free, tree), tree)
         if known.complexity not in self.best or known.cost < self.best[known.complexity].cost:
             self.best[known.complexity] = known
 
@@ -307,13 +316,15 @@ class _Tracer:
             self.bounds[penalty] = rounded_down(min(at)) if len(at) == len(bounds) else -math.inf
         return True
 
-    def by_pruning(self, most_solves: int) -> bool:
-        """Add the prunings of one tree; there is no more to look at."""
-        assert most_solves >= 1
+    def by_pruning(self, _: int) -> bool:
+        """Add the prunings of one tree until the time is up; return whether all are there."""
+        start = time.perf_counter()
         grown = self._solve(self.free, self.free.best_leaf(), self.run.options).tree
         assert grown is not None
         for tree in prunings(self.free, grown):
             self.add(tree)
+            if time.perf_counter() > start + self.run.limits.seconds:
+                return False
         return not self.is_interrupted
 
     def _first_trees(self) -> bool:

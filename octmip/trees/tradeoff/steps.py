@@ -14,12 +14,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.prediction import predict, predict_values
 from octmip.trees.problem import Problem
 from octmip.trees.tradeoff.family import Family
 from octmip.trees.tradeoff.folds import Fold, Rows
 from octmip.trees.tradeoff.path import PenaltyPath, middle
 from octmip.trees.tradeoff.validation import Judged
-from octmip.trees.tree import predict, predict_values
 
 
 @dataclass(frozen=True, slots=True)
