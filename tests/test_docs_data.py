@@ -22,7 +22,7 @@ def sections(text: str) -> Iterator[str]:
     """Yield each section of a page after the texts of those around it: the page's first, then by level."""
     around: dict[int, str] = {}
     for part in re.split(r"^(?=#+ )", text, flags=re.MULTILINE):
-        level = len(re.match("#*", part)[0])  # type: ignore[index]
+        level = len(part) - len(part.lstrip("#"))
         around = {above: kept for above, kept in around.items() if above < level} | {level: part}
         yield "\n".join(around.values())
 

@@ -17,7 +17,7 @@ from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
 from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
-from octmip.trees.tree import ValueLeaf
+from octmip.trees.tree import Node, ValueLeaf
 from octmip.trees.uncertainty import CredibleSets
 
 
@@ -138,11 +138,11 @@ def test_a_count_that_left_one_cut_out_claims_no_whole_set(monkeypatch: pytest.M
     problem = five_values()
     true = near_optimal(problem, within=1)
 
-    def cut_short(*arguments: object) -> object:
-        whole = whole_problem(*arguments)  # type: ignore[arg-type]
+    def cut_short(problem: Problem, tree: Node, by_sets: bool) -> object:
+        whole = whole_problem(problem, tree, by_sets)
 
-        def count(*asked: object) -> object:
-            found = whole.native.count(*asked)  # type: ignore[arg-type]
+        def count(limit: int, limits: Limits, n_threads: int, progress: None) -> object:
+            found = whole.native.count(limit, limits, n_threads, progress)
             assert not found.open
             cuts = [*found.cuts[:-1], {**found.cuts[-1], "trees": None}]
             return SimpleNamespace(leaves=found.leaves, cuts=cuts, open=[], stop=Stop.TIME, n_nodes=found.n_nodes)
