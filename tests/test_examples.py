@@ -87,6 +87,15 @@ def test_a_page_that_says_something_else_fails(text):
         run_page(text, "page")
 
 
+def test_the_readme_shows_a_diagnosis_and_its_output_as_the_start_page_runs_them():
+    start = (DOCS / "index.md").read_text()
+    blocks = BLOCK.findall((DOCS.parent / "README.md").read_text())
+    (first,) = [k for k, (_, content) in enumerate(blocks) if "diagnose(" in content and "import" in content]
+    kinds = [kind for kind, _ in blocks[first : first + 2]]
+    assert kinds == ["python", "text"]
+    assert all(content in start for _, content in blocks[first : first + 2])
+
+
 def test_links_between_pages_lead_somewhere():
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
