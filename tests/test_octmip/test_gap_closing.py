@@ -31,9 +31,8 @@ def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half
     assert _closes(closing(0.7, clear), 80) == pytest.approx(expected)
     assert expected < 1e-4
     assert _closes(closing(0.7, clear), 80, error=0.1) == pytest.approx(expected)
-    assert (
-        _closes(closing(0.7, clear), 80, error=0.3) > 0.5
-    )  # a large deflection: the wing's other models differ so far
+    # a large deflection: the wing's other models differ so far
+    assert _closes(closing(0.7, clear), 80, error=0.3) > 0.5
 
 
 def test_a_faint_gap_says_little_of_how_far_it_closes_and_one_that_is_not_clear_nothing():

@@ -136,7 +136,7 @@ class Inference:
         return np.asarray(np.abs(size) * np.sqrt(np.maximum(left, 0.0)))
 
     def identifiable(self, members: Members) -> Members:
-        """Return the members that stand d' = 4.2 above the noise, the faintest removed one at a time."""
+        """Return the members at `VISIBLE` or more from their own absence, the faintest removed one at a time."""
         if members not in self._identifiable:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]
