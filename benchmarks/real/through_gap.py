@@ -1,7 +1,8 @@
 """The same flights and stretches through `octmip.gap.diagnose`: the other column of the tables in docs/gap.
 
-`python -m benchmarks.real.through_gap SET --data FOLDER` asks both about every practice and commissioning case, each
-left out of what it is judged by, and prints the probability that each gives to the truth.
+`python -m benchmarks.real.through_gap SET --data FOLDER` judges every practice and commissioning case, each left out of
+what it is judged by, and prints the probability of the truth: by the diagnosis, and by the folder's own evidence where
+the set has one (the beam has none).
 """
 
 import argparse
@@ -27,11 +28,19 @@ Causes = frozenset[tuple[str, str]]
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """A case whose truth is told: what acted, and the probabilities of sets of causes by both."""
+    """A case whose truth is told.
+
+    Attributes
+    ----------
+    case, truth
+        name, and what acted.
+    plain, gap
+        probabilities of sets of causes by the evidence of this folder, None where it has none, and by the diagnosis.
+    """
 
     case: str
     truth: Causes
-    plain: Mapping[Causes, float]
+    plain: Mapping[Causes, float] | None
     gap: Mapping[Causes, float]
 
 
@@ -48,8 +57,8 @@ def _named(effect: str) -> tuple[str, str]:
     return kind, place
 
 
-def by_plain(answer: Answer) -> dict[Causes, float]:
-    """Return the probability of each set of causes by the evidence of this folder."""
+def shares_of(answer: Answer) -> dict[Causes, float]:
+    """Return the probability of each set of causes in an answer."""
     shares: dict[Causes, float] = {}
     for one in answer.judged:
         causes = frozenset((cause.kind, cause.place) for cause in one.causes)
@@ -77,11 +86,11 @@ def told_flights(folder: Path) -> Iterator[Told]:
         tests = [*(one.readings[:n] for one in known.sound), *(one.steady for one in known.told)]
         gap = by_gap(flight.readings[:n], tests, known.twin, list(WITHIN.values()), odds)
         truth = frozenset((kind, place) for kind, place, _ in causes)
-        yield Told(name, truth, by_plain(quadrotor.answer(flight, known)), gap)
+        yield Told(name, truth, shares_of(quadrotor.answer(flight, known)), gap)
 
 
 def told_stretches(folder: Path) -> Iterator[Told]:
-    """Yield every practice and commissioning stretch of the beam, judged without itself; it has no other evidence."""
+    """Yield every practice and commissioning stretch of the beam, judged without itself."""
     tests = pd.read_csv(folder / "tests.csv", index_col="segment")
     practice = pd.read_csv(folder / "practice.csv", index_col="segment")
     chosen = tests[tests.role != "blind"]
@@ -91,8 +100,7 @@ def told_stretches(folder: Path) -> Iterator[Told]:
         acted = case in practice.index and practice.condition[case] != "sound"
         if acted:
             print(case, practice.detail[case], found.first.sizes.round(1).tolist())
-        shares = by_plain(found)
-        yield Told(case, frozenset({("support_moved", "support")} if acted else set()), shares, shares)
+        yield Told(case, frozenset({("support_moved", "support")} if acted else set()), None, shares_of(found))
 
 
 def main() -> None:
@@ -104,9 +112,14 @@ def main() -> None:
     told = list((told_stretches if given.set == "beam" else told_flights)(given.data))
     for one in told:
         acted = "; ".join(f"{kind} {place}" for kind, place in sorted(one.truth)) or "sound"
-        print(f"{one.case} {acted}: plain {one.plain.get(one.truth, 0.0):.3f}, gap {one.gap.get(one.truth, 0.0):.3f}")
-    for name in ("plain", "gap"):
-        print(f"{name}: {summary([(one.truth, getattr(one, name)) for one in told])}")
+        by = {name: shares.get(one.truth, 0.0) for name, shares in _evidence(one).items()}
+        print(f"{one.case} {acted}: {', '.join(f'{name} {share:.3f}' for name, share in by.items())}")
+    for name in _evidence(told[0]):
+        print(f"{name}: {summary([(one.truth, _evidence(one)[name]) for one in told])}")
+
+
+def _evidence(one: Told) -> dict[str, Mapping[Causes, float]]:
+    return ({} if one.plain is None else {"plain": one.plain}) | {"gap": one.gap}
 
 
 def summary(told: Sequence[tuple[Causes, Mapping[Causes, float]]]) -> str:
