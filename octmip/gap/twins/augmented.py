@@ -1,12 +1,12 @@
 """The augmented twin: a twin with what it lacked, itself a Twin, so that it can be diagnosed again."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import Effect, Load, State, Twin, channels_of, loads_of, state_limits_of, state_parameters, units_of
+from octmip.gap.twins.around import TwinAround
+from octmip.twin import Effect, Load, State, Twin, channels_of, units_of
 
 Floats = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ class Addition:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AugmentedTwin:
+class AugmentedTwin(TwinAround):
     """A twin with additions, applied in their order: what the structure does first, what the measuring chain does last.
 
     Attributes
@@ -56,26 +56,6 @@ class AugmentedTwin:
     calibration_load: Load = 1.0
 
     @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the gauges."""
-        return self.twin.gauges
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the state parameters."""
-        return state_parameters(self.twin)
-
-    @property
-    def state_limits(self) -> dict[str, float]:
-        """Up to which value each state parameter is looked for."""
-        return dict(zip(self.parameters, state_limits_of(self.twin), strict=True))
-
-    @property
-    def loads(self) -> tuple[str, ...]:
-        """Names of the loads and settings."""
-        return loads_of(self.twin)
-
-    @property
     def units(self) -> tuple[str, ...]:
         """Unit of every reading."""
         return units_of(self.twin)
@@ -84,11 +64,6 @@ class AugmentedTwin:
     def channels(self) -> tuple[str, ...]:
         """Instrument of every reading."""
         return channels_of(self.twin)
-
-    @property
-    def effects(self) -> Mapping[str, Effect]:
-        """The twin's own effects."""
-        return self.twin.effects
 
     @property
     def gauge_positions(self) -> Floats | None:

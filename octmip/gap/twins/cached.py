@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import OctmipError, TwinError
+from octmip.gap.twins.around import TwinAround
 from octmip.twin import (
     Effect,
     Load,
@@ -18,18 +19,15 @@ from octmip.twin import (
     Twin,
     channels_of,
     load_words,
-    loads_of,
     positions_of,
     predict_states,
-    state_limits_of,
-    state_parameters,
     units_of,
 )
 
 Key = tuple[tuple[tuple[str, float], ...], Load]
 
 
-class CachedTwin:
+class CachedTwin(TwinAround):
     """The twin with its predictions and signatures kept; itself a Twin.
 
     Attributes
@@ -66,31 +64,6 @@ class CachedTwin:
         stated = CachedTwin(self.twin)
         stated.units = tuple({**own, **units}[name] for name in self.gauges)
         return stated
-
-    @property
-    def gauges(self) -> tuple[str, ...]:
-        """Names of the gauges."""
-        return self.twin.gauges
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the state parameters."""
-        return state_parameters(self.twin)
-
-    @property
-    def state_limits(self) -> dict[str, float]:
-        """Up to which value each state parameter is looked for."""
-        return dict(zip(self.parameters, state_limits_of(self.twin), strict=True))
-
-    @property
-    def loads(self) -> tuple[str, ...]:
-        """Names of the loads and settings."""
-        return loads_of(self.twin)
-
-    @property
-    def effects(self) -> Mapping[str, Effect]:
-        """The twin's own effects."""
-        return self.twin.effects
 
     @property
     def gauge_positions(self) -> NDArray[np.float64] | None:
