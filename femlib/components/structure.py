@@ -130,6 +130,13 @@ class DamagedStructure:
         """The components condensed on their ports."""
         return self._condensed
 
+    def stiffness_left(self, damage: FloatArray) -> FloatArray:
+        """Return the share of its stiffness that each part (n_parts,) keeps at damages (n_parameters,) in [0, 1)."""
+        left = np.ones(self.shells.n_elements)
+        for mu, component in zip(damage, self.components, strict=True):
+            left[component.elements] = 1.0 - mu
+        return left
+
     def active(self, damage: FloatArray) -> tuple[int, ...]:
         """Return the components whose ports to keep: all if few, so that one factorisation serves every state."""
         everything = tuple(range(len(self.components)))

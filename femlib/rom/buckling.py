@@ -107,9 +107,7 @@ def _basis(structure: DamagedStructure, motion: FloatArray, solved: Sampled) -> 
     shells, supports = structure.shells, structure.supports
     sound, found = shells.stiffness(), []
     for number, (damage, part) in enumerate(zip(solved.states, solved.parts, strict=True)):
-        factor = np.ones(shells.n_elements)
-        for mu, component in zip(damage, structure.components, strict=True):
-            factor[component.elements] -= mu
+        factor = structure.stiffness_left(damage)
         stiffness = shells.stiffness(factor=factor)
         pressed = geometric_stiffness(shells, motion @ part, factor)
         modes = matrix_buckling(stiffness, pressed, supports, MODES_EACH * (3 if number == 0 else 1))

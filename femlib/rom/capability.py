@@ -179,9 +179,7 @@ def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, s
     moved = structure.solve(state[None], load)[0]
     blocks, strains = blocks_of(shells, limits.faces), corner_strains(shells, moved)
     ply = min(float(b.factors(b.strain(strains), limits.criterion).min()) for b in blocks)
-    left = np.ones(shells.n_elements)
-    for mu, component in zip(state, structure.components, strict=True):
-        left[component.elements] -= mu
+    left = structure.stiffness_left(state)
     modes = buckling_modes(shells, structure.supports, load, 1, left, limit=np.finfo(float).max, is_refined=False)
     factor = modes[0].factor if modes else float("inf")
     return np.array([ply, factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])

@@ -166,7 +166,8 @@ def reduce_modes(
     sampled = _sampled(len(structure.parameters), n_joint, seed)
     squares, shapes = [], []
     for damage in sampled:
-        modes = matrix_modes(_full_stiffness(structure, damage), mass, structure.supports, n_modes + 1)
+        stiffness = structure.shells.stiffness(factor=structure.stiffness_left(damage))
+        modes = matrix_modes(stiffness, mass, structure.supports, n_modes + 1)
         squares.append([(2.0 * np.pi * mode.frequency) ** 2 for mode in modes])
         shapes += [mode.shape[structure.supports.free] for mode in modes]
     return _projected(structure, mass, np.array(squares), np.array(shapes).T, sampled, n_modes, tolerance)
@@ -214,14 +215,6 @@ def _sampled(n: int, n_joint: int, seed: int) -> FloatArray:
     alike = np.repeat(np.array(LEVELS)[:, None], n, axis=1)
     joint = np.random.default_rng(seed).uniform(0.0, MOST_ALONE, (n_joint, n))
     return np.concatenate([np.zeros((1, n)), alone, alike, joint])
-
-
-def _full_stiffness(structure: DamagedStructure, damage: FloatArray) -> sparse.csc_array:
-    """Return K(mu) (n_dofs, n_dofs)."""
-    factor = np.ones(structure.shells.n_elements)
-    for mu, component in zip(damage, structure.components, strict=True):
-        factor[component.elements] = 1.0 - mu
-    return structure.shells.stiffness(factor=factor)
 
 
 def _orthonormal(shapes: FloatArray, stiffness: sparse.csc_array, tolerance: float) -> FloatArray:

@@ -324,10 +324,7 @@ class Structure:
     def stiffness_left(self, state: Mapping[str, float]) -> FloatArray:
         """Return the share of its stiffness that each part (n_parts,) keeps in a state."""
         damage = checked_damage(damage_row(state, self.parameters)[None, :], self.parameters)[0]
-        factor = np.ones(self.built.n_elements)
-        for mu, component in zip(damage, self.damaged.components, strict=True):
-            factor[component.elements] = 1.0 - mu
-        return factor
+        return self.damaged.stiffness_left(damage)
 
     def quality(self, state: Mapping[str, float], load: FloatArray) -> Quality:
         """Return what a solution is worth, however little: `solve` refuses it beyond 3 %."""

@@ -88,10 +88,7 @@ def bend(
 def stiffness_factor(wing: Wing, state: Mapping[str, float]) -> FloatArray:
     """Return the factor on each element's stiffness (n_elements,) in a state of named damage fractions."""
     damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    factor = np.ones(wing.structure.shells.mesh.n_elements)
-    for mu, component in zip(damage, wing.structure.components, strict=True):
-        factor[component.elements] = 1.0 - mu
-    return factor
+    return wing.structure.stiffness_left(damage)
 
 
 def gauge_strains(wing: Wing, deflection: Deflection) -> FloatArray:

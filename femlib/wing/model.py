@@ -111,11 +111,9 @@ class Wing:
     def _estimated(self) -> float:
         shells, errors = self.structure.shells, []
         for damage in (0.0, JUDGED_DAMAGE):
-            state = np.full((1, len(self.parameters)), damage)
-            factor = np.ones(shells.n_elements)
-            for component in self.structure.components:
-                factor[component.elements] -= damage
-            quality = solution_quality(shells, self.structure.solve(state, self.lift)[0], factor)
+            state = np.full(len(self.parameters), damage)
+            moved = self.structure.solve(state[None], self.lift)[0]
+            quality = solution_quality(shells, moved, self.structure.stiffness_left(state))
             errors.append(quality.displacement_error)
         return max(errors)
 
