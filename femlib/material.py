@@ -266,23 +266,6 @@ def _across(f: FloatArray) -> FloatArray:
     return np.array([[f[1, 1], f[2, 0]], [f[2, 1], f[0, 0]]])
 
 
-def isotropic_ply(
-    young: float,
-    poisson: float,
-    thickness: float,
-    density: float = 0.0,
-    expansion: float = 0.0,
-    strength: Strength | None = None,
-) -> Ply:
-    """Return a ply of isotropic material, moduli [Pa], thickness [m], density [kg/m^3], expansion [1/K]."""
-    if not is_number(young):
-        raise InputError(f"young is {young!r}; expected a positive number of Pa; correct the material card")
-    if not is_number(poisson) or not -1.0 < poisson < 0.5:
-        raise InputError(f"poisson is {poisson!r}; expected more than -1 and less than 0.5; correct the material card")
-    shear = young / (2.0 * (1.0 + poisson))
-    return Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion, strength)
-
-
 def isotropic_plate(
     young: float,
     poisson: float,
@@ -291,5 +274,17 @@ def isotropic_plate(
     expansion: float = 0.0,
     strength: Strength | None = None,
 ) -> Laminate:
-    """Return the laminate of one isotropic layer, arguments as `isotropic_ply`."""
-    return laminate([isotropic_ply(young, poisson, thickness, density, expansion, strength)])
+    """Return the laminate of one isotropic layer: modulus [Pa], thickness [m], density [kg/m^3], expansion [1/K].
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, or Poisson's ratio is not between -1 and 0.5.
+    """
+    if not is_number(young):
+        raise InputError(f"young is {young!r}; expected a positive number of Pa; correct the material card")
+    if not is_number(poisson) or not -1.0 < poisson < 0.5:
+        raise InputError(f"poisson is {poisson!r}; expected more than -1 and less than 0.5; correct the material card")
+    shear = young / (2.0 * (1.0 + poisson))
+    ply = Ply(young, young, poisson, shear, shear, shear, thickness, 0.0, density, expansion, expansion, strength)
+    return laminate([ply])

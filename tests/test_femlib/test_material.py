@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from femlib.errors import FemlibError, InputError
-from femlib.material import Ply, isotropic_plate, isotropic_ply, laminate
+from femlib.material import Ply, isotropic_plate, laminate
 
 CARBON = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 0.125e-3, expansion_1=-0.5e-6, expansion_2=30e-6, density=1600.0)
 
@@ -59,7 +59,7 @@ def test_free_expansion_of_an_isotropic_plate_is_its_coefficient() -> None:
 def test_a_bad_material_card_gets_a_sentence(change: dict[str, float], sentence: str) -> None:
     card = {"young": 1e9, "poisson": 0.3, "thickness": 1e-3, "density": 0.0} | change
     with pytest.raises(InputError, match=sentence):
-        isotropic_ply(**card)
+        isotropic_plate(**card)
 
 
 def test_an_empty_laminate_gets_a_sentence() -> None:
