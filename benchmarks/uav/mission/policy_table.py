@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.stats import binomtest
 
 from benchmarks.uav.mission.aircraft import Aircraft
 from benchmarks.uav.mission.histories import KINDS, draw
@@ -69,7 +70,5 @@ def _row(kind: str, policy: Policy, flights: Sequence[Flights], seed: int) -> di
 
 def wilson(successes: int, n: int) -> tuple[float, float]:
     """Return the 95 % interval of a share. Source: E. B. Wilson, J. Am. Stat. Assoc. 22 (1927) 209-212."""
-    share = successes / n
-    centre = (share + Z**2 / (2 * n)) / (1 + Z**2 / n)
-    half = Z / (1 + Z**2 / n) * np.sqrt(share * (1 - share) / n + Z**2 / (4 * n**2))
-    return max(0.0, float(centre - half)), min(1.0, float(centre + half))
+    found = binomtest(successes, n).proportion_ci(0.95, "wilson")
+    return float(found.low), float(found.high)
