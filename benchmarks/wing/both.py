@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from benchmarks.data import SHARED, tip_test, vibration_test
 from benchmarks.main_program import run_main
 from benchmarks.wing.against_published import SEEDS, frequencies, least_errors
+from benchmarks.wing.calculix import WINGS
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
-from femlib.wing import Wing, tapered_wing, uav_wing
-from femlib.wing.built import built_wing
+from femlib.wing import Wing
 
 Floats = NDArray[np.float64]
 LEVELS = (20, 40, 60, 80)
@@ -30,11 +30,7 @@ def main() -> None:
     parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
     table = published_strains(SHARED / "uav" / "strains.csv")
-    wings = {
-        "uav_wing": uav_wing(refinement=options.refinement),
-        "built_wing": built_wing(refinement=options.refinement),
-        "tapered_wing": tapered_wing(refinement=options.refinement),
-    }
+    wings = {name: make(refinement=options.refinement) for name, make in WINGS.items()}
     means = {"published table": table, **{name: simulated_strains(wing) for name, wing in wings.items()}}
     print("\n".join(figures(means, wings)))
     if options.picture is not None:

@@ -1,6 +1,6 @@
 """What damage does to the wing's buckling load, beside CalculiX.
 
-    python -m benchmarks.wing.buckling [--refinement R] [--calculix]
+    python -m benchmarks.wing.buckling [--wing built_wing] [--refinement R] [--sound] [--calculix]
 
 Prints Markdown: the least load factors at which the wing buckles, in states of damage. With --calculix (needs `ccx`)
 also those of quadratic shells on the same corners.
@@ -13,8 +13,8 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.main_program import run_main
-from benchmarks.wing.calculix import run_deck
-from femlib.wing import Wing, buckle, uav_wing
+from benchmarks.wing.calculix import WINGS, run_deck
+from femlib.wing import Wing, buckle
 from femlib.wing.export.calculix import write_deck
 
 N_MODES = 2
@@ -34,14 +34,16 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.buckling", description=__doc__)
     parser.add_argument("--refinement", type=float, default=1.0)
+    parser.add_argument("--wing", choices=WINGS, default="uav_wing")
+    parser.add_argument("--sound", action="store_true", help="the undamaged state alone")
     parser.add_argument("--calculix", action="store_true", help="solve the same states by CalculiX")
     options = parser.parse_args()
     if options.calculix and shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
-    wing = uav_wing(refinement=options.refinement)
+    wing = WINGS[options.wing](refinement=options.refinement)
     print("| state | load factors, femlib |" + (" CalculiX | first, difference |" if options.calculix else ""))
     print("|---|---|" + ("---|---|" if options.calculix else ""))
-    for state in STATES:
+    for state in STATES[: 1 if options.sound else None]:
         ours = [mode.factor for mode in buckle(wing, state, N_MODES, limit=ANY)]
         cells = [", ".join(f"{name} {100 * mu:.0f} %" for name, mu in state.items()) or "undamaged", _listed(ours)]
         if options.calculix:

@@ -1,7 +1,7 @@
 """The wing beside CalculiX: gauge strains, linear and with large deflection.
 
     python -m benchmarks.wing.calculix [--refinement R] [--calculix-refinement R] [--mu 0.8] [--lattice] [--large]
-    python -m benchmarks.wing.calculix [--tapered] [--refinement R] --states 10
+    python -m benchmarks.wing.calculix [--wing tapered_wing] [--refinement R] --states 10
     python -m benchmarks.wing.calculix [--refinement R] --frequencies
 
 needs `ccx` (Debian package calculix-ccx). Prints Markdown: how far femlib's strains are from CalculiX's at load factor
@@ -24,10 +24,12 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.main_program import run_main
 from femlib.assembly import matrix_modes
 from femlib.wing import Wing, bend, inertial_load, tapered_wing, uav_wing, vortex_lattice
+from femlib.wing.built import built_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
 
 LOAD_FACTOR = 3.0
 N_MODES = 4
+WINGS = {"uav_wing": uav_wing, "built_wing": built_wing, "tapered_wing": tapered_wing}
 Floats = NDArray[np.float64]
 
 
@@ -39,13 +41,13 @@ def main() -> None:
     parser.add_argument("--mu", type=float, default=0.0, help="damage of both regions")
     parser.add_argument("--lattice", action="store_true", help="vortex lattice and the wing's inertia, not the ellipse")
     parser.add_argument("--large", action="store_true", help="large deflection besides (CalculiX takes minutes)")
-    parser.add_argument("--tapered", action="store_true", help="tapered_wing instead of uav_wing")
+    parser.add_argument("--wing", choices=WINGS, default="uav_wing")
     parser.add_argument("--states", type=int, default=0, help="so many random states, up to 95 %% damaged, instead")
     parser.add_argument("--frequencies", action="store_true", help="the lowest natural frequencies instead")
     options = parser.parse_args()
     if shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
-    make = tapered_wing if options.tapered else uav_wing
+    make = WINGS[options.wing]
     wing = make(refinement=options.refinement)
     other = options.calculix_refinement
     deck_wing = wing if other in (None, options.refinement) else make(refinement=other)
