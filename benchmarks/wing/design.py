@@ -25,18 +25,15 @@ EDGES = {"mu1": ("r1_fore", "r1_aft"), "mu2": ("r2_fore", "r2_aft")}
 """Parameters of the regions' edges along the chord by damage parameter."""
 SPAN_EDGES = {"mu1": ("r1_in", "r1_out"), "mu2": ("r2_in", "r2_out")}
 """The same along the span; those of the wing's own regions if they are not given."""
-ELLIPSE_MIDDLE = 4.0 / (3.0 * np.pi)
-"""Span fraction at which elliptic lift has its resultant."""
 
 
 class WingDesign:
     """A wing with parameters.
 
     Stiffness: `skin` (all moduli; the skin's alone where wood is apart), `rise`, `step`, `rib`, `web` and `root` (1 if
-    not given) as in `WingMaterials`. Load: `mass` [kg], `tilt` (share of lift moved outboard, 0 if not given). Gauges:
-    those of `GAUGE_PARAMETERS`, fractions. Weight: `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and
-    `SPAN_EDGES`; an element that an edge cuts loses the share of its stiffness that lies inside, the price of a mesh
-    that stays.
+    not given) as in `WingMaterials`. Load: `mass` [kg]. Gauges: those of `GAUGE_PARAMETERS`, fractions. Weight:
+    `density`, a factor on `SKIN_DENSITY`. Regions: those of `EDGES` and `SPAN_EDGES`; an element that an edge cuts
+    loses the share of its stiffness that lies inside, the price of a mesh that stays.
 
     Parameters
     ----------
@@ -61,12 +58,8 @@ class WingDesign:
         is_wood_apart: bool = False,
     ) -> None:
         own = {n: e for r in wing.regions for n, e in zip(SPAN_EDGES[r.parameter], (r.eta_min, r.eta_max), strict=True)}
-        self.wing, self.states, self.fixed, self.is_wood_apart = (
-            wing,
-            states,
-            {"tilt": 0.0, "root": 1.0, **own, **fixed},
-            is_wood_apart,
-        )
+        self.wing, self.states, self.is_wood_apart = wing, states, is_wood_apart
+        self.fixed = {"root": 1.0, **own, **fixed}
         shells, cards, mesh = wing.structure.shells, wing.materials, wing.structure.shells.mesh
         ones = np.ones(mesh.n_elements)
         wood = shells.section == 1
@@ -79,7 +72,6 @@ class WingDesign:
         top = ("top", *(region.name for region in wing.regions))
         self.gauges = MovingGauges(mesh, wing.thickness, SPANWISE, top, side, unit=-1e6)
         self.lift = elliptic_lift(wing.grid, 1.0)
-        self.tilted = self.lift * np.repeat(mesh.nodes[:, 1] / wing.span / ELLIPSE_MIDDLE - 1.0, 6)
         self.ranges = _ranges(wing)
         rows = {eta: int(np.abs(wing.grid.eta - eta).argmin()) for eta in masses}
         at = {int(wing.grid.upper[rows[eta], wing.grid.spar_column]): masses[eta] for eta in masses}
@@ -89,17 +81,14 @@ class WingDesign:
         """Return the wing at parameter values; others have their fixed ones."""
         v = {**self.fixed, **values}
         up, aft = self._tip(2), self._tip(0)
-        lift, tilted = LOAD_FACTOR * (self.lift + v["tilt"] * self.tilted), LOAD_FACTOR * self.tilted
+        lift = LOAD_FACTOR * self.lift
         return Design(
             self.shells,
             self.wing.structure.supports,
             self._stiffness(v),
             self._mass(v),
             {name: self._state(v, *state) for name, state in self.states.items()},
-            {
-                "lift": Varying(v["mass"] * lift, {"mass": lift, "tilt": v["mass"] * tilted}),
-                "tip": Varying(up),
-            },
+            {"lift": Varying(v["mass"] * lift, {"mass": lift}), "tip": Varying(up)},
             {
                 "gauges": self.gauges.at(_places(v)),
                 "up": VaryingRows(sparse.csr_array(up[None])),

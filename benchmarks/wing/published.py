@@ -99,12 +99,21 @@ def main() -> None:
 
 def wing_design(refinement: float) -> WingDesign:
     """Return the wing's mesh with parameters and the states of one damaged region."""
-    states = {f"{name} {level} %": (name, level / 100.0) for name in EDGES for level in LEVELS}
     wing = uav_wing(refinement=refinement)
     edges = {n: e for r in wing.regions for n, e in zip(EDGES[r.parameter], (r.chord_min, r.chord_max), strict=True)}
+    return WingDesign(wing, one_region_states(), edges, measured_masses())
+
+
+def one_region_states() -> dict[str, tuple[str, float]]:
+    """Return damage parameter and loss of the published states of one damaged region, the undamaged one first."""
+    damaged = {f"{name} {level} %": (name, level / 100.0) for name in EDGES for level in LEVELS}
+    return {"sound": ("", 0.0), **damaged}
+
+
+def measured_masses() -> dict[float, float]:
+    """Return the published point masses [kg] by span fraction."""
     test = vibration_test()
-    masses = {eta: test.masses[name] for eta, name in MASSES.items()}
-    return WingDesign(wing, {"sound": ("", 0.0), **states}, edges, masses)
+    return {eta: test.masses[name] for eta, name in MASSES.items()}
 
 
 def observations(table: MeanStrains, pristine_sd: float = PRISTINE_SD) -> list[Observation]:

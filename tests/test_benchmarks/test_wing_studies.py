@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from benchmarks.wing.buildable import PARAMETERS, SKINS, WOOD, buildable_design
+from benchmarks.wing.buildable import PARAMETERS, SKINS, buildable_design
 from benchmarks.wing.design import WingDesign
 from benchmarks.wing.envelope import N_DRAWS, SHARED, drawn
 from benchmarks.wing.regions import LEVELS, bayes, labels
 from benchmarks.wing.regions import drawn as drawn_readings
+from femlib.wing.built import built_materials
 
 
 @pytest.fixture(scope="module")
@@ -40,20 +41,13 @@ def test_stiffness_has_the_derivatives_that_it_says(design, name):
     np.testing.assert_allclose(slope, (up - down) / (2 * step), atol=1e-6 * np.abs(slope).max())
 
 
-def test_tilted_lift_has_the_same_sum_and_more_moment(design):
-    v = values(design)
-    flat, tilted = (design.design({**v, "tilt": tilt}).loads["lift"].value.reshape(-1, 6)[:, 2] for tilt in (0.0, 0.3))
-    y = design.shells.mesh.nodes[:, 1]
-    assert tilted.sum() == pytest.approx(flat.sum(), rel=1e-3)
-    assert y @ tilted > 1.05 * (y @ flat)
-
-
-def test_every_skin_but_the_free_one_only_steps_down_or_is_pulled_to_smoothness():
-    free, prior, *others = SKINS.values()
-    assert all(p.prior_sd is None for p in free)
-    assert all(p.prior_sd == 0.3 for p in prior)
-    assert all(p.upper == (1.0 if p.name == "step" else 0.0) for own in others for p in own)
-    assert pytest.approx((4 / 3.25, 9 / 3.25)) == WOOD
+def test_the_built_skin_only_steps_down_and_wood_stays_plywood():
+    (step,) = SKINS["step"]
+    assert (step.name, step.upper) == ("step", 1.0)
+    for parameter in PARAMETERS:
+        if parameter.name in ("rib", "web"):
+            young = built_materials().wood_young * np.array([parameter.lower, parameter.upper])
+            np.testing.assert_allclose(young, [4e9, 9e9])
 
 
 def test_drawn_capabilities_scatter_by_strength_and_modulus_where_each_counts(design):
