@@ -288,9 +288,8 @@ class Structure:
     def reactions(self, state: Mapping[str, float], load: FloatArray, limit: float = MOST_ERROR) -> Judged:
         """Return the forces and moments (n_nodes, 6) [N, N m] of the supports, springs aside; raises as `solve`."""
         moved = self.solve(state, load, limit)
-        left = self.built.stiffness(factor=self.stiffness_left(state)) @ np.asarray(moved).ravel() - load
-        left[self.damaged.supports.free] = 0.0
-        return judged(left.reshape(-1, DOFS_PER_NODE), moved.error)
+        held = self.damaged.reactions(np.asarray(moved).ravel(), load, self.stiffness_left(state))
+        return judged(held, moved.error)
 
     def buckling_modes(
         self, state: Mapping[str, float], load: FloatArray, n_modes: int = 1, limit: float = MOST_ERROR

@@ -40,9 +40,8 @@ def wing_stresses(
 def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> Judged:
     """Return the forces and moments (n_nodes, 6) [N, N m] of the root on the nodes; arguments and errors as `solve`."""
     moved = wing.solve(state, load_factor, lift).ravel()
-    left = wing.structure.shells.stiffness(factor=stiffness_factor(wing, state)) @ moved - wing.load(load_factor, lift)
-    left[wing.structure.supports.free] = 0.0
-    return judged(left.reshape(-1, DOFS_PER_NODE), wing.mesh_error)
+    held = wing.structure.reactions(moved, wing.load(load_factor, lift), stiffness_factor(wing, state))
+    return judged(held, wing.mesh_error)
 
 
 def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max strain") -> Limits:
