@@ -19,10 +19,11 @@ from femlib.assembly.buckling import geometric_stiffness, slope_rows
 from femlib.assembly.integration import point_strains
 from femlib.components import DamagedStructure
 from femlib.mesh import DOFS_PER_NODE, dofs_of_nodes
+from femlib.rom.vibration import orthonormal
 
 MODES_EACH = 2
 """Buckling modes of a sampled state; of the undamaged structure three times as many."""
-SAME = 1e-4
+SAME = 1e-2
 """Share of the largest singular value below which sampled modes say nothing new."""
 MOST_FORCES = 24
 """Modes of the membrane forces."""
@@ -112,10 +113,7 @@ def _basis(structure: DamagedStructure, motion: FloatArray, solved: Sampled) -> 
         pressed = geometric_stiffness(shells, motion @ part, factor)
         modes = matrix_buckling(stiffness, pressed, supports, MODES_EACH * (3 if number == 0 else 1))
         found += [mode.shape / np.sqrt(mode.shape @ (sound @ mode.shape)) for mode in modes]
-    shapes = np.array(found).T
-    values, vectors = np.linalg.eigh(shapes.T @ (sound @ shapes))
-    kept = values > SAME * values[-1]
-    return np.asarray(shapes @ (vectors[:, kept] / np.sqrt(values[kept])))
+    return orthonormal(np.array(found).T, sound, SAME)
 
 
 def _slopes(shells: Shells, basis: FloatArray) -> tuple[FloatArray, IntArray]:

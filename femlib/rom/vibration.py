@@ -186,7 +186,7 @@ def _projected(
     supports = structure.supports
     whole, heavy = supports.reduce(structure.shells.stiffness()), supports.reduce(mass)
     parts = [supports.reduce(structure.shells.stiffness(part.elements)) for part in structure.components]
-    basis = _orthonormal(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, whole @ shapes)), whole, tolerance)
+    basis = orthonormal(shapes / np.sqrt(np.einsum("ij,ij->j", shapes, whole @ shapes)), whole, tolerance)
     n = basis.shape[1]
     blocks = [sparse.csc_array(matrix @ basis) for matrix in (heavy, whole, *parts)]
     images = sparse.csc_array(sparse.hstack(blocks))
@@ -217,8 +217,11 @@ def _sampled(n: int, n_joint: int, seed: int) -> FloatArray:
     return np.concatenate([np.zeros((1, n)), alone, alike, joint])
 
 
-def _orthonormal(shapes: FloatArray, stiffness: sparse.csc_array, tolerance: float) -> FloatArray:
-    """Return vectors (n_free, N) that span the leading part of `shapes`, orthonormal in the stiffness."""
+def orthonormal(shapes: FloatArray, stiffness: sparse.csc_array, tolerance: float) -> FloatArray:
+    """Return vectors (n, N) that span the leading part of `shapes` (n, m), orthonormal in the stiffness (n, n).
+
+    Left out is what has less than `tolerance` of the largest singular value in that product.
+    """
     for share in (tolerance, 0.5):  # the second time for the last digits
         values, vectors = np.linalg.eigh(shapes.T @ (stiffness @ shapes))
         kept = values > share**2 * values[-1]
