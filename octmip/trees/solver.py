@@ -47,6 +47,11 @@ from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, 
 from octmip.trees.tree import Node
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
+UNKNOWN = {
+    "any_depth": ("depth of None", ["give a depth, such as 3"]),
+    "gaps": ("gaps", ["fill missing readings, or let an estimator or the command encode them", "leave gaps out"]),
+}
+"""Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
 SEARCH_SHARE = 0.2
 # And it makes fewer restarts than a search by itself: after the first few a proof gains more from the time.
 FIRST_RESTARTS = 4
@@ -226,10 +231,10 @@ def chosen_method(problem: Problem, method: str) -> str:
     chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
     if (setting := known[chosen].refusal(problem)) is not None:
         others = [f"use method {' or '.join(map(repr, able))}"] if able else []
-        fill = ["fill missing readings, or let an estimator or the command encode them"] if setting == "gaps" else []
+        named, cures = UNKNOWN.get(setting, (setting, [f"leave {setting} out"]))
         raise ProblemError(
-            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {setting}; "
-            + " or ".join([*others, *fill, f"leave {setting} out"])
+            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {named}; "
+            + " or ".join([*others, *cures])
         )
     return chosen
 
