@@ -13,7 +13,9 @@ from typing import Any
 
 PACKAGES = {"HiGHS": "highspy", "SCIP": "pyscipopt", "GLPK": "swiglpk", "CBC": "pulp"}
 """The package of each solver."""
-TIGHT = {"mip_rel_gap": 0.0, "mip_abs_gap": 0.0}
+DUAL_TOLERANCE = 1e-9
+"""Given to each solver of `BY_PYOMO`: prices go to 10^6, and a bound is lowered by this times the sum of all ranges."""
+TIGHT = {"mip_rel_gap": 0.0, "mip_abs_gap": 0.0, "dual_feasibility_tolerance": DUAL_TOLERANCE}
 
 
 def is_installed(solver: str) -> bool:
@@ -32,7 +34,10 @@ def _highs(model: Any, seconds: float) -> Any:
 def _scip(model: Any, seconds: float) -> Any:
     from pyomo.contrib.solver.common.factory import SolverFactory
 
-    return SolverFactory("scip_direct").solve(model, rel_gap=0.0, abs_gap=0.0, time_limit=seconds)
+    options = {"numerics/dualfeastol": DUAL_TOLERANCE}
+    return SolverFactory("scip_direct").solve(
+        model, rel_gap=0.0, abs_gap=0.0, time_limit=seconds, solver_options=options
+    )
 
 
 def _cbc(model: Any, seconds: float) -> Any:
@@ -43,7 +48,7 @@ def _cbc(model: Any, seconds: float) -> Any:
         warnings.simplefilter("ignore", DeprecationWarning)  # PuLP 4 brings CBC as a package of its own
         program = pulp.apis.PULP_CBC_CMD().path
     solver = pyo.SolverFactory("cbc", executable=program)
-    solver.options.update({"ratioGap": 0, "allowableGap": 0, "sec": seconds})
+    solver.options.update({"ratioGap": 0, "allowableGap": 0, "dualTolerance": DUAL_TOLERANCE, "sec": seconds})
     return solver.solve(model)
 
 

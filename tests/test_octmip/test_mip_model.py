@@ -10,7 +10,7 @@ from benchmarks.cases.mio.random_problems import by_pyomo, judged
 from benchmarks.data import SHARED, first_rows, published, uci
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from benchmarks.outside import PACKAGES, PROGRAMS, is_installed, solve_file
+from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import DataError, ProblemError, SolverError
 from octmip.trees.mip.blocks.heap import place
@@ -134,6 +134,17 @@ def test_values_that_break_a_row_are_refused_by_its_name():
 def test_a_problem_without_a_model_is_refused(problem, method, said):
     with pytest.raises(ProblemError, match=said):
         octmip.model(problem, method)
+
+
+def test_a_finer_dual_tolerance_lets_a_bound_on_decimal_weights_meet_the_tree():
+    problem = random_problem(np.random.default_rng(90_020), max_samples=9, max_features=2)  # prices up to 744,997
+    model = octmip.model(problem, "oct")
+    results = BY_PYOMO["HiGHS"](model, 20.0)
+    coarse = octmip.solution_of(model, results)
+    assert coarse.bound < coarse.objective - coarse.tolerance
+    assert octmip.solution_of(model, results, dual_tolerance=DUAL_TOLERANCE).is_optimal
+    with pytest.raises(ProblemError, match="dual_tolerance is -1; expected"):
+        octmip.solution_of(model, results, dual_tolerance=-1)
 
 
 def test_a_model_of_another_hand_is_refused():

@@ -12,7 +12,7 @@ import numpy as np
 from benchmarks.cpu import Stopwatch
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from benchmarks.outside import BY_PYOMO, is_installed
+from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, is_installed
 from benchmarks.tables import Line
 from octmip.errors import SolverError
 from octmip.trees.certificate import certify
@@ -52,7 +52,7 @@ def by_pyomo(problem: Problem, seconds: float) -> tuple[dict[str, Solution], dic
     for solver in filter(is_installed, BY_PYOMO):
         M = model(problem, "oct")
         try:
-            found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M, seconds))
+            found[f"Pyomo, {solver}"] = solution_of(M, BY_PYOMO[solver](M, seconds), dual_tolerance=DUAL_TOLERANCE)
         except SolverError as error:
             refused[solver] = str(error)
     return found, refused

@@ -23,7 +23,7 @@ from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct, oct_h
 from octmip.trees.mip.blocks.heap import place, to_tree
 from octmip.trees.mip.engine import START_SLACK, Clock, Formulate, Formulation, check_heap, decode, refutation
-from octmip.trees.mip.highs.claims import foreign_bound
+from octmip.trees.mip.highs.claims import COARSEST_DUAL, foreign_bound
 from octmip.trees.mip.highs.highs import Outcome
 from octmip.trees.mip.incumbent import starting_tree
 from octmip.trees.mip.prices import own_prices, whole_prices
@@ -60,12 +60,15 @@ class Answer:
         its name.
     n_added
         rows, and columns with a fixed value, that are not the model's own.
+    dual_tolerance
+        by which its reduced costs may have the wrong sign.
     """
 
     values: NDArray[np.float64]
     bound: float = -math.inf
     solver: str = "another solver"
     n_added: int = 0
+    dual_tolerance: float = COARSEST_DUAL
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,9 +114,16 @@ class Model:
             )
         write_values(self.formulation.rows, values, path, title_of(self.problem, self.method))
 
-    def read(self, path: PathLike, bound: float = -math.inf, solver: str = "another solver") -> Solution:
+    def read(
+        self,
+        path: PathLike,
+        bound: float = -math.inf,
+        solver: str = "another solver",
+        dual_tolerance: float = COARSEST_DUAL,
+    ) -> Solution:
         """Return the certified Solution of the file that a solver wrote; of its bound a file says nothing."""
-        return self.solution(Answer(read_values(self.formulation.rows, path), bound, solver))
+        values = read_values(self.formulation.rows, path)
+        return self.solution(Answer(values, bound, solver, dual_tolerance=dual_tolerance))
 
     def solution(self, answer: Answer) -> Solution:
         """Return the certified Solution of a solver's answer.
@@ -135,7 +145,7 @@ class Model:
         decoded = decode(self.problem, formulation, values)
         price, bound = (
             formulation.rows.objective(values),
-            foreign_bound(formulation.rows, formulation.prices, answer.bound),
+            foreign_bound(formulation.rows, formulation.prices, answer.bound, answer.dual_tolerance),
         )
         outcome = Outcome(values, price, price, answer.bound, Stop.FINISHED, "", 0, 0.0, math.inf, math.inf)
         if reason := refutation(self.problem, outcome, bound, decoded):

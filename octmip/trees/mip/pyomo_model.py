@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
+from octmip.trees.mip.highs.claims import COARSEST_DUAL
 from octmip.trees.mip.model_rows import Answer, Model, model_of
 from octmip.trees.mip.rows import Rows
 from octmip.trees.problem import Problem
@@ -82,7 +83,9 @@ def model(
     return _concrete_model(made)
 
 
-def solution_of(model: Any, results: Any = None, *, bound: float | None = None) -> Solution:
+def solution_of(
+    model: Any, results: Any = None, *, bound: float | None = None, dual_tolerance: float = COARSEST_DUAL
+) -> Solution:
     """Return the certified Solution of a model made by `model` that a solver has solved.
 
     Parameters
@@ -93,6 +96,10 @@ def solution_of(model: Any, results: Any = None, *, bound: float | None = None) 
         what the solver returned: its bound and name are read from it; None: neither is known.
     bound
         the solver's lower bound, in place of that in `results`.
+    dual_tolerance
+        by which the solver let reduced costs have the wrong sign: its bound is lowered by what that may have added.
+        The default is the coarsest of the solvers' own. Where weights, costs or penalties are no small whole numbers
+        a bound meets the tree only if the solver was given a finer one, such as 1e-9, and it is said here.
 
     Raises
     ------
@@ -102,6 +109,9 @@ def solution_of(model: Any, results: Any = None, *, bound: float | None = None) 
         the model is none of `model`.
     """
     made, answer = _answer_of(model, results)
+    if not 0 <= dual_tolerance < math.inf:
+        raise ProblemError(f"dual_tolerance is {dual_tolerance!r}; expected a number of 0 or more, such as 1e-9")
+    answer = replace(answer, dual_tolerance=dual_tolerance)
     return made.solution(answer if bound is None else replace(answer, bound=bound))
 
 

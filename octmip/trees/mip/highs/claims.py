@@ -29,7 +29,7 @@ from octmip.trees.mip.rows import Rows
 ROUNDING = 1e-3  # of an incumbent's objective in HiGHS, beside whole prices
 LARGEST_DUAL, SMALLEST_DUAL = 1e-7, 1e-10  # HiGHS's default, and the finest it takes
 SMALLEST_PRIMAL = 1e-9
-FOREIGN_DUAL = 1e-6  # the coarsest default among HiGHS, SCIP, CBC, GLPK, Gurobi and CPLEX
+COARSEST_DUAL = 1e-6  # among the defaults of HiGHS, SCIP, CBC, GLPK, Gurobi and CPLEX
 MOST_ERROR = 0.05  # of a relaxation's value, in units of price, that the dual tolerance is chosen for
 MOST_LEAK = 0.2  # what a big M lets through at an integrality that HiGHS takes for whole
 
@@ -64,9 +64,9 @@ class Accuracy:
         return max(math.ceil(reached), 0) if math.isfinite(reached) else 0
 
 
-def foreign_bound(rows: Rows, prices: Prices, bound: float) -> int:
-    """Return the price that no tree of a model lies below by the bound of a solver that kept its own tolerances."""
-    reached = bound - FOREIGN_DUAL * _ranges(rows, prices) - ROUNDING
+def foreign_bound(rows: Rows, prices: Prices, bound: float, dual_tolerance: float) -> int:
+    """Return the price that no tree of a model lies below, by the bound of a solver that kept a dual tolerance."""
+    reached = bound - dual_tolerance * _ranges(rows, prices) - ROUNDING
     return max(math.ceil(reached), 0) if math.isfinite(reached) else 0
 
 
