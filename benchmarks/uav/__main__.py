@@ -56,7 +56,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--published", default=PUBLISHED, help="published table to draw beside the model's strain")
     parser.add_argument("--seconds", type=float, default=10.0, help="limit of each solve [s]")
-    parser.add_argument("--mio-seconds", type=float, default=4.0, help="limit of each solve by HiGHS [s]")
+    parser.add_argument("--mio-seconds", type=float, default=3.0, help="limit of each solve by HiGHS [s]")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes")
     parser.add_argument("--out", default="results/uav")
