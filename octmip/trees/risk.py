@@ -24,7 +24,6 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import expit, ndtr
 
 from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts
@@ -130,6 +129,8 @@ class RiskModel:
             raise ProblemError(
                 f"load_factor is {load_factor}; expected one of {self.load_factors}; add it to the model"
             )
+        from scipy.special import expit, ndtr  # only here: every command would wait for it
+
         worst, limit = _worst(losses), self.limit_losses[self.load_factors.index(load_factor)]
         if self.spread == 0:
             return np.asarray(worst > limit, dtype=np.float64)

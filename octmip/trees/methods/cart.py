@@ -16,17 +16,20 @@ import math
 import time
 import warnings
 from dataclasses import dataclass, replace
+from importlib import metadata
+from typing import TYPE_CHECKING
 
 import numpy as np
-import sklearn
 from numpy.typing import NDArray
-from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor
 
 from octmip.trees.encoding import Ranks, rank_features
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import SIDES, Leaf, Node, Split, complexity, midpoint
+
+if TYPE_CHECKING:
+    import sklearn
 
 
 def greedy_tree(
@@ -66,7 +69,7 @@ def greedy_tree(
         seconds=time.perf_counter() - start,
         n_nodes=0,
         solver="cart",
-        version=f"scikit-learn {sklearn.__version__}",
+        version=f"scikit-learn {metadata.version('scikit-learn')}",
         seed=seed,
     )
 
@@ -99,6 +102,8 @@ class _GreedyBuilder:
 
     def build(self, features: NDArray[np.int64]) -> Node:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""
+        from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor  # only here: it takes a CPU second
+
         problem = self.problem
         if len(features) == 0:
             return problem.best_leaf()
@@ -122,7 +127,7 @@ class _GreedyBuilder:
         return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(
-        self, grown: sklearn.tree._tree.Tree, node: int, features: NDArray[np.int64], rows: NDArray[np.int64]
+        self, grown: "sklearn.tree._tree.Tree", node: int, features: NDArray[np.int64], rows: NDArray[np.int64]
     ) -> tuple[Node, float]:
         """Return the subtree of scikit-learn's `node` over `rows` and its cost, as a leaf where that costs no more."""
         leaf, leaf_cost = self.problem.leaf_and_cost(rows)
@@ -140,7 +145,7 @@ class _GreedyBuilder:
         return replace(split, left=left_tree, right=right_tree), cost
 
     def _split(
-        self, grown: sklearn.tree._tree.Tree, node: int, feature: int, rows: NDArray[np.int64]
+        self, grown: "sklearn.tree._tree.Tree", node: int, feature: int, rows: NDArray[np.int64]
     ) -> tuple[Split | None, NDArray[np.bool_]]:
         """Return scikit-learn's split of some rows with leaves below, and which go left; None where a side is small."""
         ranks, values = self.ranks.column(self.column(feature))[rows], self.ranks.values[self.column(feature)]

@@ -25,7 +25,6 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
@@ -199,6 +198,8 @@ def choose_tree(
         Ctrl-C before the paths over all samples and over one fold are there. Later it leaves the choice among what is
         finished, by the folds that are, and `Stop.INTERRUPTED`.
     """
+    from joblib import effective_n_jobs  # only here: every command would wait for it
+
     start = time.perf_counter()
     kinds = [Family(d, method) for d in _checked_depths(problem, depths)] if families is None else list(families)
     pairs = checked_folds(problem, folds) if isinstance(folds, Sequence) else stratified_folds(problem, folds, seed)
@@ -292,6 +293,8 @@ def _traced(
     problems: Sequence[Problem], trace: Callable[[Problem], list[PenaltyPath]], n_jobs: int | None
 ) -> tuple[list[list[PenaltyPath]], bool]:
     """Return the finished paths of each problem, after Ctrl-C of the first ones only, and whether it was heard."""
+    from joblib import Parallel, delayed
+
     found: list[list[PenaltyPath]] = []
     try:
         for paths in Parallel(n_jobs=n_jobs, return_as="generator")(delayed(trace)(problem) for problem in problems):

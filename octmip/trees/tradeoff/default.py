@@ -4,8 +4,6 @@ import contextlib
 import time
 from dataclasses import dataclass, replace
 
-from joblib import parallel_config
-
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
@@ -54,6 +52,8 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     ProblemError, SolverError
         as `choose_tree`.
     """
+    from joblib import parallel_config  # only here: every command would wait for it
+
     start = time.perf_counter()
     with contextlib.ExitStack() as stack:
         if run.options.cluster is None:

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import betaincinv
 
 from octmip.errors import ProblemError
 
@@ -78,6 +77,8 @@ class CredibleSets:
         """
         if not 0.0 < confidence < 1.0:
             raise ProblemError(f"confidence is {confidence}; expected a share between 0 and 1")
+        from scipy.special import betaincinv  # only here: every command would wait for it
+
         is_all = self.ranks > self.n_samples
         low = betaincinv(self.ranks, np.where(is_all, 1, self.n_samples + 1 - self.ranks), 1.0 - confidence)
         return np.asarray(np.where(is_all, 1.0, low))

@@ -46,6 +46,18 @@ def test_help_and_errors_of_arguments_wait_for_no_heavy_package(word):
     assert not heavy & set(out.splitlines())
 
 
+def test_a_plain_solve_waits_for_no_package_that_it_does_not_need(tmp_path):
+    (tmp_path / "t.csv").write_text("a,b,class\n" + "".join(f"{i},{i * i % 7},{i > 4}\n" for i in range(12)))
+    code = (
+        "import sys; from octmip.interfaces.cli import main\nmain(sys.argv[1:])\n"
+        "print({'sklearn', 'scipy', 'joblib'} & {*sys.modules})"
+    )
+    words = ["solve", str(tmp_path / "t.csv"), "--label", "class", "--depth", "2"]
+    out = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=True).stdout
+    assert "proven optimal" in out
+    assert out.splitlines()[-1] == "set()"
+
+
 def test_the_settings_of_a_frontier_are_those_of_the_library():
     assert options.OVERS == OVERS
 
