@@ -11,6 +11,7 @@ from sklearn.datasets import load_diabetes, load_iris
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip import AbsoluteError, Problem, SquaredError, certify
+from octmip.interfaces.report.new_rows import choice_text
 from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.pruning import priced_prunings, prunings
@@ -20,6 +21,7 @@ from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
+from octmip.trees.tradeoff.sample import FEWEST_ROWS, sampled
 from octmip.trees.tradeoff.validation import Judged, Nearness
 from octmip.trees.tree import Leaf, Node, depth, leaves, n_splits, predict
 
@@ -177,6 +179,20 @@ def test_a_time_limit_leaves_out_families_but_not_cart():
     choice = choose_default(IRIS, seconds=0.0)
     assert {step.family.method for step in choice.steps} == {"cart"}
     assert choice.chosen.validation_cost < 0.1
+
+
+def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitted_to_all():
+    rng = np.random.default_rng(2)
+    features = rng.integers(0, 9, (30_000, 2)).astype(float)
+    problem = Problem(features, (features.sum(axis=1) + rng.normal(size=30_000) > 8).astype(int), depth=1)
+    found = solve_default(problem, Run("auto", Limits(seconds=0.0), 0))
+    certify(found.problem, found.solution)
+    assert found.problem.n_samples == 30_000
+    assert found.solution.details["choice"]["n_rows"] == found.choice.problem.n_samples == FEWEST_ROWS
+    assert found.solution.tree == found.problem.with_best_leaves(found.solution.tree)
+    assert found.solution.bound == -math.inf
+    assert "20,000 rows drawn at random" in choice_text(found.problem, found.solution)
+    assert sampled(problem, 10.0, 0) is None
 
 
 def interrupted_after(monkeypatch, n_calls):

@@ -33,13 +33,18 @@ def choice_text(problem: Problem, solution: Solution) -> str:
         f"chosen by cross-validation ({choice['n_folds']} folds, {len(choice['families'])} kinds of trees): "
         f"{visible(choice['kind'])}; leaf penalty {problem.leaf_penalty:.4g}"
     ]
+    if "n_rows" in choice:
+        lines.append(
+            f"chosen and grown on {choice['n_rows']:,} rows drawn at random, for the time given, and fitted to all; "
+            "more --seconds, or --threads, use more"
+        )
     if choice["expected"] is not None:
         expected = choice["expected"]
         lines.append(f"expected on new rows: {_interval(problem, expected['tree'])}")
         if expected["cart"] is not None:
             lines.append(f"CART pruned by the same folds: {_interval(problem, expected['cart'])}")
             lines.append(f"difference: {_interval(problem, expected['difference'], is_difference=True)}")
-            lines.append("(95 % intervals; the choice is made again in each of 400 bootstraps and judged on the rest)")
+            lines.append("(95 % intervals by bootstrap: chosen again by the rows drawn, judged on the others)")
     return "\n".join(lines)
 
 

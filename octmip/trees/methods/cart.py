@@ -47,8 +47,8 @@ def greedy_tree(
     Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
     budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
     addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits `seconds` is looked at
-    between the sensors of that choice, and `nodes` are the most splits: a tree of more is grown again best first, up
-    to them. `incumbent`, `n_jobs`, `progress` and `options` are there because every solver has them.
+    between the sensors of that choice, and `nodes` are the most splits: where there are more samples, the tree grows
+    best first, up to them. `incumbent`, `n_jobs`, `progress` and `options` are there because every solver has them.
 
     Raises
     ------
@@ -60,13 +60,19 @@ def greedy_tree(
     tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
-    tree = problem.with_sides(tree)
+    return greedy_solution(problem, problem.with_sides(tree), seed, stop, time.perf_counter() - start)
+
+
+def greedy_solution(
+    problem: Problem, tree: Node, seed: int, stop: Stop = Stop.FINISHED, seconds: float = 0.0
+) -> Solution:
+    """Return CART's tree, or a pruning of it, as a Solution without a bound."""
     return Solution(
         tree=tree,
         objective=problem.objective(tree),
         bound=-math.inf,
         stop=stop,
-        seconds=time.perf_counter() - start,
+        seconds=seconds,
         n_nodes=0,
         solver="cart",
         version=f"scikit-learn {metadata.version('scikit-learn')}",
@@ -113,6 +119,8 @@ class _GreedyBuilder:
         else:
             criterion = "squared_error" if problem.number_loss.slopes is None else "absolute_error"
             grower = DecisionTreeRegressor(criterion=criterion, **limits)
+        if self.most_splits < problem.n_samples - 1:  # best first
+            grower.set_params(max_leaf_nodes=max(2, int(self.most_splits) + 1))
         columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
         for k, feature in enumerate(features.tolist()):
             columns[:, k] = self.ranks.column(self.column(feature))
@@ -121,9 +129,6 @@ class _GreedyBuilder:
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
             grower.fit(columns, problem.codes, sample_weight=problem.weights)
-            if grower.get_n_leaves() - 1 > self.most_splits:
-                grower.set_params(max_leaf_nodes=max(2, int(self.most_splits) + 1))
-                grower.fit(columns, problem.codes, sample_weight=problem.weights)
         return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(

@@ -1,15 +1,18 @@
 """The default answer: the tree that holds on new rows as far as cross-validation tells, where no depth is named."""
 
 import contextlib
+import math
 import time
 from dataclasses import dataclass, replace
 
 from octmip.trees.methods.options import NO_OPTIONS
+from octmip.trees.methods.pruning import ordered
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
-from octmip.trees.tradeoff.choice import Choice, choose_default
+from octmip.trees.tradeoff.choice import N_FOLDS, SHARE_OF_PATHS, Choice, choose_default
+from octmip.trees.tradeoff.sample import sampled
 
 FEW_ROWS_DEPTH = 1
 """Where rows are too few to choose by, one split at most."""
@@ -39,6 +42,9 @@ class DefaultAnswer:
 def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     """Return the tree that `choose_default` chooses, within the seconds of the run's limits and by so many threads.
 
+    Where they do not suffice for a tree of all rows, it is chosen and grown on rows that are drawn at random.
+    `details["choice"]["n_rows"]` is their number. Leaves, objective and certificate are those of all rows.
+
     Of the run, method, progress and other limits have no effect. Ctrl-C leaves the choice among what is finished, or
     CART's tree before there is anything to choose by.
 
@@ -55,20 +61,32 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     from joblib import parallel_config  # only here: every command would wait for it
 
     start = time.perf_counter()
+    # One tree for all rows and one for each fold, so many at a time.
+    turns = math.ceil((N_FOLDS + 1) / run.n_jobs) if run.options.cluster is None else 1
+    part = sampled(problem, SHARE_OF_PATHS * run.limits.seconds / turns, run.seed)
     with contextlib.ExitStack() as stack:
         if run.options.cluster is None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=run.n_jobs))
         try:
-            choice = choose_default(problem, seconds=run.limits.seconds, seed=run.seed, options=run.options)
+            choice = choose_default(part or problem, seconds=run.limits.seconds, seed=run.seed, options=run.options)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
     if choice is None:
         return _unchosen(problem, FEW_ROWS_DEPTH, replace(run, method="auto"), "too few rows to cross-validate")
     whole = replace(problem, depth=choice.problem.depth, leaf_penalty=choice.problem.leaf_penalty)
-    objective = whole.objective(choice.tree)  # in truth that of the merged samples; sums of float64 differ by rounding
-    bound = min(choice.solution.bound, objective)
+    found = choice.solution if part is None else _on_all_rows(whole, choice, part.n_samples)
+    assert found.tree is not None  # chosen
+    objective = whole.objective(found.tree)  # in truth that of the merged samples; sums of float64 differ by rounding
+    bound = min(found.bound, objective)
     seconds = time.perf_counter() - start
-    return DefaultAnswer(whole, replace(choice.solution, objective=objective, bound=bound, seconds=seconds), choice)
+    return DefaultAnswer(whole, replace(found, objective=objective, bound=bound, seconds=seconds), choice)
+
+
+def _on_all_rows(whole: Problem, choice: Choice, n_rows: int) -> Solution:
+    """Return the tree that was chosen on some rows with the best leaves for all, and without their bound."""
+    tree = whole.with_sides(ordered(whole, whole.with_best_leaves(choice.tree)))
+    said = {**choice.solution.details, "choice": {**choice.to_json(), "n_rows": n_rows}}
+    return replace(choice.solution, tree=tree, bound=-math.inf, stop=Stop.TIME, details=said)
 
 
 def _unchosen(problem: Problem, depth: int, run: Run, reason: str) -> DefaultAnswer:

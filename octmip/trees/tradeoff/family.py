@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from octmip.trees.encoding import Coarse
+from octmip.trees.methods.cart import greedy_solution
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.run import Method, Run
@@ -107,6 +108,7 @@ def trace_families(
     start = time.perf_counter()
     paths: list[PenaltyPath] = []
     known: dict[int | None, list[Node]] = {}
+    grown: Solution | None = None  # CART's tree, which its families prune
     grids: dict[int, Coarse] = {}
     for family in families:
         left = start + seconds - time.perf_counter()
@@ -120,10 +122,12 @@ def trace_families(
         if family.method == "cart":
             limits = replace(limits, nodes=SPLITS_OF_CART * limits.nodes)
         limited = family.run(replace(run, limits=limits))
+        if family.method == "cart" and grown is None:
+            grown = solve_run(cut, limited)
         path = (
-            trace_impurity(cut, limited)
-            if family.by_impurity
-            else trace_run(cut, limited, known.get(n_cuts, ()), most_solves)
+            trace_impurity(cut, limited, grown)
+            if family.by_impurity and grown is not None
+            else trace_run(cut, limited, known.get(n_cuts, ()), most_solves, grown)
         )
         if paths and time.perf_counter() > start + seconds:
             break
@@ -151,9 +155,7 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
         a solver failed.
     """
     if family.method == "cart":
-        found = solve_run(problem, family.run(run))
-        found = replace(found, tree=known, objective=problem.objective(known))
-        return _bounded(problem, found, run, keeps_tree=True)
+        return _bounded(problem, greedy_solution(problem, known, run.seed), run, keeps_tree=True)
     grid = None if family.n_cuts is None else Coarse.of(problem, family.n_cuts)
     cut, tree = (problem, known) if grid is None else (grid.problem, grid.over_intervals(known))
     found = solve_run(cut, family.run(run), tree)

@@ -52,15 +52,19 @@ def checked_folds(problem: Problem, pairs: Sequence[tuple[ArrayLike, ArrayLike]]
         for k, (train, held) in enumerate(pairs)
     ]
     for k, (train, held) in enumerate(folds):
-        both = np.intersect1d(train, held)
+        is_held = np.zeros(problem.n_samples, dtype=np.bool_)
+        is_held[held] = True
+        both = np.sort(train[is_held[train]])
         if len(both):
             raise ProblemError(
                 f"fold {k} trains on {len(both)} of the rows that judge it (row {both[0]}); separate them"
             )
-    rows, counts = np.unique(np.concatenate([held for _, held in folds]), return_counts=True)
+    counts = np.bincount(np.concatenate([held for _, held in folds]), minlength=problem.n_samples)
     if (counts > 1).any():
-        raise ProblemError(f"row {rows[counts > 1][0]} is held out in {counts.max()} folds; hold each row out once")
-    if not problem.weights[rows].any():
+        raise ProblemError(
+            f"row {int((counts > 1).argmax())} is held out in {counts.max()} folds; hold each row out once"
+        )
+    if not problem.weights[counts > 0].any():
         raise ProblemError("the rows held out all have weight 0; hold out some that count")
     return folds
 
@@ -99,7 +103,8 @@ def _rows(problem: Problem, given: ArrayLike, k: int, part: str) -> Rows:
     rows = np.asarray(given)
     if rows.ndim != 1 or rows.dtype.kind not in "iu" or len(rows) == 0:
         raise ProblemError(f"fold {k} has {part} rows {given!r}; expected the numbers of one or more rows")
-    if rows.min() < 0 or rows.max() >= problem.n_samples or len(np.unique(rows)) < len(rows):
+    is_outside = rows.min() < 0 or rows.max() >= problem.n_samples
+    if is_outside or np.bincount(rows, minlength=1).max() > 1:
         raise ProblemError(
             f"fold {k} has {part} rows from {rows.min()} to {rows.max()}, {len(np.unique(rows))} different of "
             f"{len(rows)}; expected different ones from 0 to {problem.n_samples - 1}"

@@ -159,20 +159,21 @@ def trace_path(
 
 
 def trace_run(
-    problem: Problem, run: Run, incumbents: Iterable[Node] = (), most_solves: int = MOST_SOLVES
+    problem: Problem,
+    run: Run,
+    incumbents: Iterable[Node] = (),
+    most_solves: int = MOST_SOLVES,
+    grown: Solution | None = None,
 ) -> PenaltyPath:
-    """Return what `trace_path` returns for the method, limits, seed, threads, options and progress of a run.
+    """Return what `trace_path` returns (and raise what it raises) for the fields of a run.
 
-    Raises
-    ------
-    ProblemError, SolverError
-        as `trace_path`.
+    Of method "cart" `grown` is the tree to prune, where it is there already.
     """
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
     with opened(run.options, run.n_jobs) as options:
-        tracer = _Tracer(free, replace(run, options=options))
+        tracer = _Tracer(free, replace(run, options=options), grown)
         for tree in (free.best_leaf(), *incumbents):
             tracer.add(tree)
         name = chosen_method(problem, run.method)
@@ -181,18 +182,12 @@ def trace_run(
     return tracer.path(is_whole)
 
 
-def trace_impurity(problem: Problem, run: Run) -> PenaltyPath:
-    """Return the prunings of CART's tree by its Gini impurity, whose price takes the place of the penalty.
+def trace_impurity(problem: Problem, run: Run, grown: Solution) -> PenaltyPath:
+    """Return the prunings of CART's grown tree by its Gini impurity, whose price takes the place of the penalty.
 
     Trees of equal cost differ in it, so it keeps splits which the cost cuts away first. Nothing is proven.
-
-    Raises
-    ------
-    SolverError
-        the solver failed.
     """
     free, start = replace(problem, leaf_penalty=0.0), time.perf_counter()
-    grown = solve_run(free, replace(run, method="cart"))
     assert grown.tree is not None
     found = [(0.0, grown.tree), *priced_prunings(free, grown.tree, by_impurity=True)]
     ends = [*(price for price, _ in found), math.inf]
@@ -266,6 +261,7 @@ class _Tracer:
 
     free: Problem
     run: Run  # of every solve
+    grown: Solution | None = None  # CART's tree, where it is there already
     best: dict[int, _Known] = field(default_factory=dict)  # by complexity
     bounds: dict[float, float] = field(default_factory=dict)  # by penalty
     tolerance: float = 0.0
@@ -319,9 +315,11 @@ class _Tracer:
     def by_pruning(self, _: int) -> bool:
         """Add the prunings of one tree until the time is up; return whether all are there."""
         start = time.perf_counter()
-        grown = self._solve(self.free, self.free.best_leaf(), self.run.options).tree
-        assert grown is not None
-        for tree in prunings(self.free, grown):
+        grown = self.grown or self._solve(self.free, self.free.best_leaf(), self.run.options)
+        self.is_interrupted |= grown.stop is Stop.INTERRUPTED
+        assert grown.tree is not None
+        self.add(grown.tree)
+        for tree in prunings(self.free, grown.tree):
             self.add(tree)
             if time.perf_counter() > start + self.run.limits.seconds:
                 return False

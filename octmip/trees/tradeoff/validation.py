@@ -22,7 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-N_DRAWS = 400
+MOST_DRAWS, FEWEST_DRAWS = 400, 100
+DRAWN_ROWS = 2e7
+"""In all draws, some seconds; of many rows fewer draws say as much, as their costs differ by less."""
 DRAWS_AT_ONCE = 20
 ROUNDING = 1e-12
 """Of a mean of costs."""
@@ -212,7 +214,8 @@ class Judged:
     def _draws(self, seed: int) -> Iterator[tuple[list[Floats], Sums, Sums]]:
         """Yield for each draw how often it takes each row, the sums over these rows, and over those not taken."""
         rng = np.random.default_rng(seed)
-        for _ in range(N_DRAWS // DRAWS_AT_ONCE):
+        n_draws = int(np.clip(DRAWN_ROWS / sum(map(len, self.weights)), FEWEST_DRAWS, MOST_DRAWS))
+        for _ in range(n_draws // DRAWS_AT_ONCE):
             drawn = []
             for n in map(len, self.weights):
                 rows = rng.integers(n, size=(DRAWS_AT_ONCE, n)) + n * np.arange(DRAWS_AT_ONCE)[:, None]
