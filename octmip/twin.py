@@ -312,3 +312,41 @@ def load_words(names: tuple[str, ...], load: Load) -> str:
 def is_zero(load: Load) -> bool:
     """Return whether the one load is zero; several loads have no zero of their own."""
     return not isinstance(load, Loads) and not math.fabs(load) > 0.0
+
+
+class TwinAround:
+    """What a twin made of another one passes on unchanged: its gauges, states, loads and effects.
+
+    Attributes
+    ----------
+    twin
+        the other one.
+    """
+
+    __slots__ = ()
+    twin: Twin
+
+    @property
+    def gauges(self) -> tuple[str, ...]:
+        """Names of the gauges."""
+        return self.twin.gauges
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the state parameters."""
+        return state_parameters(self.twin)
+
+    @property
+    def state_limits(self) -> dict[str, float]:
+        """Up to which value each state parameter is looked for."""
+        return dict(zip(self.parameters, state_limits_of(self.twin), strict=True))
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Names of the loads and settings."""
+        return loads_of(self.twin)
+
+    @property
+    def effects(self) -> Mapping[str, Effect]:
+        """The twin's own effects."""
+        return self.twin.effects

@@ -1,7 +1,7 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
 from octmip.monitor.belief import Belief, calibrated_content
-from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates
+from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates, state_candidates
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, Proposal, explain
@@ -41,6 +41,7 @@ __all__ = [
     "grid_states",
     "leaf_p_value",
     "library_of",
+    "state_candidates",
     "steady_growth",
     "without_dead_ends",
 ]

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.monitor.library import Library
-from octmip.twin import Effect, Twin
+from octmip.monitor.library import DEFAULT_LEVELS, Library
+from octmip.twin import Effect, Twin, predict_states, state_limits_of, state_parameters
 
 Floats = NDArray[np.float64]
 
@@ -76,4 +76,25 @@ def effect_candidates(
             1 if effect.load_power is None else effect.load_power,
         )
         for place in effect.places(twin)
+    )
+
+
+def state_candidates(twin: Twin, library: Library) -> tuple[Candidate, ...]:
+    """Return the damages that a twin knows by a state parameter and a library of it leaves out.
+
+    The library's other parameters are 0 in them. Readings are not linear in a damage, so each parameter has one
+    candidate for each level, of its own signature.
+    """
+    names = state_parameters(twin)
+    load, factor = library.asked_at
+    columns = [twin.gauges.index(gauge) for gauge in library.gauges]
+    rows = [(k, level * limit) for k, limit in enumerate(state_limits_of(twin)) for level in DEFAULT_LEVELS[1:]]
+    rows = [(k, level) for k, level in rows if level > 0.0 and names[k] not in library.parameters]
+    states = np.zeros((len(rows) + 1, len(names)))
+    for row, (k, level) in enumerate(rows, start=1):
+        states[row, k] = level
+    strains = predict_states(twin, states, load)[:, columns] / factor
+    return tuple(
+        Candidate(names[k], "damage", (own - strains[0]) / (100.0 * level), (100.0 * level,), "%", 1)
+        for (k, level), own in zip(rows, strains[1:], strict=True)
     )

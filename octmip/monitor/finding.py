@@ -59,6 +59,8 @@ class Finding:
         the state to add; None for a gauge's fault.
     words
         the finding in one or two sentences.
+    ranking
+        kind, name and probability of all hypotheses, the most probable first.
     """
 
     kind: str
@@ -68,6 +70,7 @@ class Finding:
     since: int
     proposal: Proposal | None
     words: str
+    ranking: tuple[tuple[str, str, float], ...] = ()
 
 
 def explain(watch: Watch, monitor_state: MonitorState, row: int = 0, state: int = 0) -> Finding:
@@ -84,14 +87,16 @@ def explain(watch: Watch, monitor_state: MonitorState, row: int = 0, state: int 
     if kind == "unknown" and (lone := _lone_gauge(watch, monitor_state, row, window)):
         kind, name = "gauge", lone
     since = window * watch.horizon // monitor_state.sums.shape[1]
-    named = next((c for c, _ in watch.hypotheses if (c.kind, c.name) == (kind, name)), None)
+    own = [k for k, (candidate, _) in enumerate(watch.hypotheses) if (candidate.kind, candidate.name) == (kind, name)]
+    named = watch.hypotheses[max(own, key=lambda k: logs[k])][0] if own else None
     proposal, hint = None, ""
     if named is None:
         proposal, hint = _unknown(watch, monitor_state, row, state, window), _nearest(watch, monitor_state, row, window)
     elif kind != "gauge":
         proposal = _proposed(watch, monitor_state, row, state, named)
     words = _words(kind, name, probability, gauges, proposal, hint)
-    return Finding(kind, name, probability, gauges, since, proposal, words)
+    ranking = tuple((*key, part) for key, part in sorted(by_name.items(), key=lambda item: -item[1]))
+    return Finding(kind, name, probability, gauges, since, proposal, words, ranking)
 
 
 def _disagreeing(watch: Watch, monitor_state: MonitorState, row: int) -> tuple[int, tuple[str, ...]]:

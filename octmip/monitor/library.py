@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 Applied = float | Mapping[str, float]
 """What is applied to a reading: the load factor, or all loads by name."""
 
+DEFAULT_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
+"""Levels of a parameter for which none are given, over its limit."""
 RATIO = 1e-6
 """Relative rounding within which loads stand in a ratio, and readings are proportional to them."""
 

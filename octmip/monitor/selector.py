@@ -62,6 +62,22 @@ class ParameterTree:
         values = tuple(round(float(name) * unit, 12) for name in file.class_names)
         return cls(parameter, file.tree, values, file.feature_names)
 
+    def over(self, gauges: tuple[str, ...]) -> "ParameterTree":
+        """Return the tree with its features numbered in the order of other gauges, its own among them.
+
+        Raises
+        ------
+        TreeError
+            it names a gauge that is not among them.
+        """
+        missing = [name for name in self.gauges if name not in gauges]
+        if missing:
+            raise TreeError(f"the tree for {self.parameter} names the gauges {missing}, which the library lacks")
+        classes = tuple(range(len(self.values)))
+        return replace(
+            self, tree=decode_tree(encode_tree(self.tree, self.gauges, classes), gauges, classes), gauges=gauges
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Selection:
@@ -246,9 +262,6 @@ def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, f
     if not trees:
         return Leaf(library.index_of(told))
     first, rest = trees[0], trees[1:]
-    missing = [name for name in first.gauges if name not in library.gauges]
-    if missing:
-        raise TreeError(f"the tree for {first.parameter} names the gauges {missing}, which the library lacks")
 
     def appended(node: Node) -> Node:
         if isinstance(node, Leaf):
@@ -258,13 +271,7 @@ def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, f
                 raise TreeError(f"the tree for {first.parameter} has a leaf without a value: {error}") from error
         return replace(node, left=appended(node.left), right=appended(node.right))
 
-    return appended(_reordered(first, library.gauges))
-
-
-def _reordered(tree: ParameterTree, gauges: tuple[str, ...]) -> Node:
-    """Return the tree with its features numbered in the order of `gauges`."""
-    classes = tuple(range(len(tree.values)))
-    return decode_tree(encode_tree(tree.tree, tree.gauges, classes), gauges, classes)
+    return appended(first.over(library.gauges).tree)
 
 
 def without_dead_ends(tree: Node) -> Node:

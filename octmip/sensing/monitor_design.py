@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.monitor import Library, ModelSelector, ParameterTree, grid_states, library_of
-from octmip.monitor.library import Applied
+from octmip.monitor.library import DEFAULT_LEVELS, Applied
 from octmip.sensing.shared.budget import shared_budget
 from octmip.trees.losses import ClassCosts
 from octmip.trees.prediction import predict
@@ -24,8 +24,6 @@ from octmip.trees.solver import solve
 from octmip.twin import Twin, state_limits_of, state_parameters
 
 Floats = NDArray[np.float64]
-DEFAULT_LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
-"""Levels of a parameter for which none are given, over its limit."""
 PER_CENT = 100.0
 """Costs are per cent by which a level is off: whole numbers, and so exact sums, where levels are whole per cents."""
 FRESH = 7
@@ -46,6 +44,8 @@ class MonitorDesign:
         (n_readings, n_gauges) other readings, per unit of the load factor as those of the problems.
     truth
         (n_readings,) index of each one's state.
+    load_factor
+        what readings were divided by.
     """
 
     library: Library
@@ -53,6 +53,7 @@ class MonitorDesign:
     solutions: tuple[Solution, ...]
     fresh: Floats
     truth: NDArray[np.int64]
+    load_factor: float
 
     @cached_property
     def trees(self) -> tuple[ParameterTree, ...]:
@@ -105,6 +106,7 @@ def design_monitor(
     n_draws: int = 40,
     seed: int = 0,
     limits: Limits = Limits(),  # noqa: B008 (frozen)
+    deployed: Sequence[ParameterTree] = (),
 ) -> MonitorDesign:
     """Return the trees that monitor a twin at a load.
 
@@ -131,6 +133,8 @@ def design_monitor(
         of the noise and of the solver.
     limits
         of the solver, of each tree where there is no budget.
+    deployed
+        trees to start from where there is no budget: a better one takes the place of each.
 
     Raises
     ------
@@ -148,7 +152,8 @@ def design_monitor(
         for name, limit in zip(names, state_limits_of(twin), strict=True)
     ]
     library = library_of(twin, grid_states(grid), _noise(twin, noise_sd), load_factor=load)
-    truth, readings = _drawn(library, n_draws, seed)
+    factor = _factor(library, load)
+    truth, readings = _drawn(library, n_draws, seed, factor)
     price = {name: float((costs or {}).get(name, 1.0)) for name in library.gauges}
     problems = tuple(
         Problem(
@@ -163,19 +168,29 @@ def design_monitor(
         for k, name in enumerate(names)
     )
     if budget is None:
-        solutions = tuple(solve(problem, limits=limits, seed=seed) for problem in problems)
+        start = {one.parameter: one.over(library.gauges).tree for one in deployed}
+        solutions = tuple(
+            solve(problem, limits=limits, seed=seed, incumbent=start.get(problem.target_name)) for problem in problems
+        )
     else:
         joint = shared_budget(problems, budget, limits=limits, seed=seed)
         problems, solutions = joint.problems, joint.solutions
-    of_fresh, fresh = _drawn(library, max(10, n_draws // 4), seed + FRESH)
-    return MonitorDesign(library, problems, solutions, fresh, of_fresh)
+    of_fresh, fresh = _drawn(library, max(10, n_draws // 4), seed + FRESH, factor)
+    return MonitorDesign(library, problems, solutions, fresh, of_fresh, factor)
 
 
-def _drawn(library: Library, n_draws: int, seed: int) -> tuple[NDArray[np.int64], Floats]:
+def _factor(library: Library, load: Applied) -> float:
+    """Return the load factor of the readings, of several loads the multiple of the library's reference."""
+    if isinstance(load, Mapping) and library.reference is None:
+        load = next(iter(load.values()))  # the one load, given by its name
+    return library.checked_load(load)
+
+
+def _drawn(library: Library, n_draws: int, seed: int, factor: float) -> tuple[NDArray[np.int64], Floats]:
     """Return states (n,) and readings (n, n_gauges) per unit of load factor, `n_draws` of every state."""
     rng = np.random.default_rng(seed)
     truth = np.repeat(np.arange(library.n_states), n_draws)
-    noise = rng.standard_normal((len(truth), len(library.gauges))) * library.noise_sd / library.asked_at[1]
+    noise = rng.standard_normal((len(truth), len(library.gauges))) * library.noise_sd / factor
     return truth, np.asarray(library.strains[truth] + noise)
 
 

@@ -3,14 +3,17 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from sklearn.linear_model import LinearRegression
 
-from benchmarks.uav import baselines, study
+from benchmarks.uav import baselines, states, study
 from benchmarks.uav.report import write_results
 from benchmarks.uav.tables import METHOD_NAMES
-from femlib.dataset import Recipe, build_dataset, simulated_strains
-from femlib.wing import uav_wing
+from femlib.dataset import Dataset, Recipe, build_dataset, simulated_strains
+from femlib.wing import Wing, uav_wing
+from octmip import predict, solve
+from octmip.formats.tree_file import read_tree_file
 
 KEYS = {
     *(
@@ -39,13 +42,20 @@ TASKS = (
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wing() -> Wing:
+    return uav_wing(refinement=0.3)
+
+
+@pytest.fixture(scope="module")
+def data(wing: Wing) -> Dataset:
+    return build_dataset(simulated_strains(wing), Recipe(samples_per_state=8), seed=1)
+
+
+@pytest.fixture(scope="module")
+def results(wing: Wing, data: Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("uav")
-    wing = uav_wing(refinement=0.3)
-    simulated = simulated_strains(wing)
-    data = build_dataset(simulated, Recipe(samples_per_state=8), seed=1)
     outcomes = study.run_study(data, study.StudyLimits(10.0, 0.3), seed=1, n_jobs=1, tasks=TASKS)
-    write_results(folder, wing, simulated, None, data, outcomes, 0.0)
+    write_results(folder, wing, simulated_strains(wing), None, data, outcomes, 0.0)
     return folder
 
 
@@ -110,3 +120,25 @@ def test_models_without_a_tree_stand_beside_the_default_in_training_and_on_new_r
     nearest = 20 * (LinearRegression().fit(features, levels).predict(data.features[~data.is_train]) / 20).round()
     assert by_line["mae_test"] == pytest.approx(abs(nearest.clip(0, 80) - data.mu1[~data.is_train]).mean())
     assert baselines.markdown(rows).count("\n") == 6 + 14
+
+
+def test_the_composed_tree_names_the_state_that_its_two_trees_name_and_is_exported(
+    data: Dataset, tmp_path: Path
+) -> None:
+    one = states.composed(data, 10.0)
+    told = data.states_percent[predict(one.solution.tree, data.features)][data.is_train]
+    for k, label in enumerate(states.LABELS):
+        cell = study.Cell("axis", label, data.gauges, "all", states.DEPTH_OF_ONE, "exact", 10.0, 0)
+        problem = study.problem_of(data, cell)
+        alone = solve(problem, "exact").tree
+        assert (told[:, k] == np.array(problem.class_names)[predict(alone, problem.features)]).mean() > 0.99
+    row = states.row_of(data, one)
+    assert row["unseen wrong %"] == pytest.approx(100 * float((told_unseen(one, data)).mean()), abs=0.05)
+    states.export(tmp_path, one)
+    assert read_tree_file(tmp_path / "composed.json").tree == one.solution.tree
+    assert "int state(const double *reading)" in (tmp_path / "composed.c").read_text()
+
+
+def told_unseen(one: states.StateTree, data: Dataset) -> np.ndarray:
+    """Whether the tree misnames each unseen reading."""
+    return (predict(one.solution.tree, data.features) != data.states)[~data.is_train]

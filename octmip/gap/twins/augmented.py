@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.twins.around import TwinAround
-from octmip.twin import Effect, Load, State, Twin, channels_of, units_of
+from octmip.twin import Effect, Load, State, Twin, TwinAround, channels_of, units_of
 
 Floats = NDArray[np.float64]
 

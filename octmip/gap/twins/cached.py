@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import OctmipError, TwinError
-from octmip.gap.twins.around import TwinAround
 from octmip.twin import (
     Effect,
     Load,
     Loads,
     State,
     Twin,
+    TwinAround,
     channels_of,
     load_words,
     positions_of,

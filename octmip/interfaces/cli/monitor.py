@@ -1,40 +1,26 @@
 """From a twin to a folder of trees, pages and C: `octmip.interfaces.cli.options.monitor` says how it is called."""
 
 import argparse
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from octmip.errors import DataError
-from octmip.formats.files import make_folder, write_bytes
-from octmip.formats.names import visible
-from octmip.formats.tree_file import record_tree, write_tree_file
 from octmip.gap.doors import open_twin
 from octmip.gap.twins.cached import CachedTwin
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
-from octmip.interfaces.report.html import tree_page
-from octmip.interfaces.report.text import number, tree_text
-from octmip.interfaces.report.tree.evidence import gather, judged_by
-from octmip.monitor.export import c_source
-from octmip.sensing.monitor_design import MonitorDesign, design_monitor
+from octmip.interfaces.cli.monitor_folder import summary_of, words_of, write_monitor
+from octmip.interfaces.cli.monitor_loop import run_loop
+from octmip.sensing.enrichment import PartOf
+from octmip.sensing.monitor_design import design_monitor
 from octmip.trees.solution import Limits
-from octmip.trees.tradeoff.held_out import Samples
 from octmip.twin import Twin, load_of, load_words, loads_of, units_of
-
-UNSAFE = "/\\\0"
-"""What the name of a state may not hold, as it names files."""
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Make the folder and show what the trees are worth."""
     twin = CachedTwin(open_twin(arguments.twin, arguments.card, arguments.linear))
-    loads = [_numbers(words, "--load") for words in arguments.load] or [dict.fromkeys(loads_of(twin), 1.0)]
     settings: dict[str, Any] = {
-        "noise_sd": _noise(twin, arguments.noise),
-        "levels": {name: levels for words in arguments.states for name, levels in _levels(words).items()},
         "costs": {name: cost for words in arguments.cost for name, cost in _numbers(words, "--cost").items()},
         "depth": arguments.depth,
         "budget": arguments.budget,
@@ -42,89 +28,52 @@ def run(arguments: argparse.Namespace) -> int:
         "seed": arguments.seed,
         "limits": Limits(seconds=arguments.seconds),
     }
+    _refuse_mixed(arguments)
+    if arguments.readings:
+        return run_loop(arguments, twin, settings)
+    settings["noise_sd"] = _noise(twin, arguments.noise)
+    settings["levels"] = {name: levels for words in arguments.states for name, levels in _levels(words).items()}
+    loads = [_numbers(words, "--load") for words in arguments.load] or [dict.fromkeys(loads_of(twin), 1.0)]
+    told = PartOf(twin, tuple(arguments.only.split(","))) if arguments.only else twin
     found = []
     for k, load in enumerate(loads, start=1):
         folder = Path(arguments.out) / (f"load-{k}" if len(loads) > 1 else "")
         with ElapsedLine(f"monitoring at {_at(twin, load)}"):
-            design = design_monitor(twin, load, **settings)
-            _write(folder, design, twin)
-        found.append(_summary(design, twin, load, folder))
+            design = design_monitor(told, load, **settings)
+            write_monitor(folder, design, twin)
+        found.append(summary_of(design, load, folder))
         if not arguments.json:
-            print(_words(design, found[-1]))
+            print(words_of(design, found[-1]))
     if arguments.json:
         print_json({"monitors": found})
     return 0
 
 
-def _write(folder: Path, design: MonitorDesign, twin: Twin) -> None:
-    """Write the tree, the page and the C function of each state, and the selector of all.
+LOOP = ("readings", "deployed")
+"""Options of the loop that need each other."""
+FROM_NOTHING = ("load", "noise", "states", "only")
+"""Options that a deployed monitor answers itself."""
+
+
+def _refuse_mixed(arguments: argparse.Namespace) -> None:
+    """Refuse readings without a deployed monitor, and beside one the options that it answers.
 
     Raises
     ------
     DataError
-        a state has a name that no file may have.
-    WriteError
-        the folder cannot be made or written.
+        see above.
     """
-    make_folder(folder)
-    units = dict(zip(twin.gauges, units_of(twin), strict=True))
-    for k, (one, problem, solution) in enumerate(zip(design.trees, design.problems, design.solutions, strict=True)):
-        if set(one.parameter) & set(UNSAFE):
-            raise DataError(f"state {one.parameter!r} holds one of {UNSAFE!r}, so it names no file; rename it")
-        place, file = folder / one.parameter, record_tree(problem, solution, target_column=one.parameter)
-        write_tree_file(f"{place}.json", file)
-        called = f"{one.parameter}_level" if re.fullmatch(r"[A-Za-z]\w*", one.parameter, re.ASCII) else "level"
-        write_bytes(f"{place}.c", c_source(one.tree, one.gauges, one.values, name=called).encode())
-        codes = np.searchsorted(one.values, design.library.states[design.truth, k])
-        samples = Samples(design.fresh, codes, np.ones(len(codes)))
-        evidence = judged_by(gather(file, problem, seconds=0.0), file, samples, "fresh readings of the twin")
-        page = tree_page(file, f"{one.parameter}.json", evidence, units=units)
-        write_bytes(f"{place}.html", page.encode())
-    design.selector.write(folder / "monitor.json")
-
-
-def _summary(design: MonitorDesign, twin: Twin, load: Mapping[str, float], folder: Path) -> dict[str, Any]:
-    library = design.library
-    parts = zip(design.trees, design.solutions, design.off_by, design.without_readings, strict=True)
-    return {
-        "folder": str(folder),
-        "load": dict(load),
-        "holds_for": "this load" if library.only_load is not None else "every multiple of this load",
-        "readings_divided_by": library.asked_at[1] if library.reference is None else 1.0,
-        "sensors": list(design.sensors),
-        "states": [
-            {
-                "name": one.parameter,
-                "levels": list(one.values),
-                "objective": solution.objective,
-                "bound": solution.bound,
-                "is_optimal": solution.is_optimal,
-                "off_by_on_fresh_readings": off,
-                "off_by_without_readings": blind,
-            }
-            for one, solution, off, blind in parts
-        ],
-        "n_fresh_readings": len(design.fresh),
-    }
-
-
-def _words(design: MonitorDesign, summary: Mapping[str, Any]) -> str:
-    """Return what the trees are worth on new readings, and the trees."""
-    load = ", ".join(f"{name} {value:g}" for name, value in summary["load"].items())
-    lines = [f"{visible(summary['folder'])}: read {', '.join(map(visible, design.sensors)) or 'nothing'}"]
-    if load:
-        lines[0] += f" at {visible(load)}; the trees hold for {summary['holds_for']}"
-    if summary["readings_divided_by"] != 1.0:
-        lines.append(f"thresholds are of readings divided by {summary['readings_divided_by']:g}")
-    for state, one, problem in zip(summary["states"], design.trees, design.problems, strict=True):
-        off, blind = state["off_by_on_fresh_readings"], state["off_by_without_readings"]
-        proof = "proven best in training" if state["is_optimal"] else f"bound in training {number(state['bound'])}"
-        lines.append(
-            f"{visible(one.parameter)}: off by {off:.3g} on average on {summary['n_fresh_readings']} fresh readings "
-            f"({blind:.3g} without any); {proof}"
-        )
-        lines.append(tree_text(one.tree, problem.feature_names, problem.class_names))
-    return "\n".join(lines)
+    given = [name for name in LOOP if getattr(arguments, name)]
+    if given and len(given) < len(LOOP):
+        missing = next(name for name in LOOP if name not in given)
+        raise DataError(f"--{given[0]} is given without --{missing}; expected both or neither; give --{missing}")
+    beside = [name for name in FROM_NOTHING if getattr(arguments, name)]
+    if given and beside:
+        raise DataError(f"--{beside[0]} stands beside --deployed, whose monitor.json says it; leave it out")
+    if arguments.inspected and not given:
+        raise DataError("--inspected is given without --readings and --deployed; give these, or leave it out")
+    if not given and not arguments.noise:
+        raise DataError("--noise is missing; give the standard deviation of one reading")
 
 
 def _at(twin: Twin, load: Mapping[str, float]) -> str:

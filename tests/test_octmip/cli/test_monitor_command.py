@@ -5,12 +5,15 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from octmip.errors import ProblemError
+from octmip.formats.tree_file import read_tree_file
 from octmip.gap import function_twin
 from octmip.interfaces.cli import main
 from octmip.monitor import ModelSelector
@@ -122,6 +125,112 @@ def test_what_a_tree_is_off_is_counted_on_fresh_readings():
     told = np.array(design.trees[0].values)[predict(design.trees[0].tree, design.fresh)]
     assert design.off_by[0] == pytest.approx(np.abs(told - design.library.states[design.truth, 0]).mean())
     assert not np.isin(design.fresh[:, 0], design.problems[0].features[:, 0]).any()
+
+
+PLATE = """
+import numpy as np
+from octmip.gap import function_twin
+
+def plate(parameters, loads):
+    at = np.linspace(0.0, 1.0, 9)
+    near = lambda place: np.exp(-(((at - place) / 0.12) ** 2))
+    damaged = 300 * parameters["one"] * near(0.2) + 60 * parameters["two"] * near(0.8)
+    return loads["load_factor"] * (900 - 500 * at + damaged + 200 * parameters["three"] * near(0.5))
+
+gauges = {f"g{k}": "microstrain" for k in range(1, 10)}
+twin = function_twin(plate, gauges, loads=["load_factor"], states=("one", "two", "three"), linear=True)
+"""
+AGAIN = ["monitor", "--twin", "their_plate:twin", "--deployed", "old", "--out", "new", "--readings"]
+
+
+@pytest.fixture
+def plate(monkeypatch):
+    """A plate that is monitored for two of its three damages; what writes 40 readings of it."""
+    Path("their_plate.py").write_text(PLATE)
+    words = ["--only", "one,two", "--load", "load_factor=3", "--noise", "30", "--draws", "12", "--out", "old"]
+    assert main(["monitor", "--twin", "their_plate:twin", *words]) == 0
+    monkeypatch.delitem(sys.modules, "their_plate", raising=False)
+    rng, gauges = np.random.default_rng(2), [f"g{k}" for k in range(1, 10)]
+
+    def fly(path, change):
+        at, rows = np.linspace(0.0, 1.0, 9), []
+        for k in range(40):
+            one, three = 0.01 * k, change(k)[0]
+            strain = 900 - 500 * at + 300 * one * np.exp(-(((at - 0.2) / 0.12) ** 2))
+            strain = strain + 200 * three * np.exp(-(((at - 0.5) / 0.12) ** 2))
+            rows.append(3 * strain + rng.normal(0.0, 30.0, 9) + change(k)[1])
+        table = pd.DataFrame(rows, columns=gauges)
+        table.insert(0, "load_factor", 3.0)
+        table.insert(0, "test", "flight")
+        table.to_csv(path, index=False)
+
+    return fly
+
+
+def test_the_loop_goes_from_an_alarm_to_a_proven_tree_that_reads_the_damage(plate, capsys):
+    plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
+    capsys.readouterr()
+    assert main([*AGAIN, "flight.csv", "--draws", "12"]) == 0
+    shown = capsys.readouterr().out
+    size = re.search(r"most likely damage at three \(100 %\), (\d+) \+- \d+ %", shown)
+    assert size
+    assert 50 <= int(size[1]) <= 70
+    change = json.loads(Path("new/change.json").read_text())
+    assert 15 <= change["watch"]["alarm"] <= 17
+    assert (change["added"], change["states_before"], change["states"]) == ("three", 25, 125)
+    one, two, three = change["trees"]
+    assert (one["change"], three["change"]) == ("kept", "new")
+    assert one["sha256"] != three["sha256"]
+    assert read_tree_file("new/one.json").tree == read_tree_file("old/one.json").tree
+    assert two["is_optimal"] or two["change"] == "kept"
+    assert three["is_optimal"]
+    assert max(change["told_since"], key=change["told_since"].get) in ("0.4", "0.6", "0.8")
+    assert change["alarm_of_enriched_library"] is None
+    assert "three is now in the library" in Path("new/change.html").read_text()
+
+
+def test_a_faulty_gauge_or_a_state_of_the_library_changes_no_tree(plate, capsys):
+    plate("sound.csv", lambda k: (0.0, 0.0))
+    plate("faulty.csv", lambda k: (0.0, 400.0 * (np.arange(9) == 6) * (k >= 20)))
+    assert main([*AGAIN, "sound.csv"]) == 0
+    assert "no alarm in 40 readings" in capsys.readouterr().out
+    assert main([*AGAIN, "faulty.csv"]) == 0
+    assert "gauge g7 is faulty and left out" in capsys.readouterr().out
+    assert not Path("new").exists()
+
+
+def test_an_inspection_names_the_damage_where_the_watch_does_not(plate, capsys):
+    plate("sound.csv", lambda k: (0.0, 0.0))
+    assert main([*AGAIN, "sound.csv", "--inspected", "three", "--draws", "12", "--json"]) == 0
+    change = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert (change["added"], change["watch"]["alarm"]) == ("three", None)
+    assert main([*AGAIN, "sound.csv", "--inspected", "two"]) == 2
+    assert "the library knows 'two' already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--readings", "x.csv"), "--readings is given without --deployed"),
+        (("--inspected", "three", "--noise", "1"), "--inspected is given without --readings"),
+        (("--readings", "x.csv", "--deployed", "old", "--noise", "1"), "--noise stands beside --deployed"),
+        (("--readings", "x.csv", "--deployed", "out"), "--out out is the deployed folder"),
+        ((), "--noise is missing"),
+        (("--noise", "1", "--only", "one,four"), r"the twin has no state 'one'; expected among \['crack'\]"),
+    ],
+)
+def test_wrong_words_of_the_loop_are_one_sentence(words, told, capsys):
+    Path("x.csv").write_text("test\n")
+    assert said(*words) == 2
+    assert re.search(told, capsys.readouterr().err)
+
+
+def test_noise_counts_as_much_less_as_readings_are_divided_by():
+    twin = function_twin(lambda p, loads: [p["d"] * loads["f"]], {"a": "mm"}, loads=["f"], states=("d",), linear=True)
+    one, three = (design_monitor(twin, {"f": load}, 0.3, n_draws=12) for load in (1.0, 3.0))
+    spread = [design.fresh[:, 0] - design.library.strains[design.truth, 0] for design in (one, three)]
+    assert spread[1] == pytest.approx(spread[0] / 3.0, abs=1e-12)
+    assert (one.load_factor, three.load_factor) == (1.0, 3.0)
 
 
 def test_a_twin_without_a_state_cannot_be_monitored():

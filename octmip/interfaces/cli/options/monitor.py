@@ -3,6 +3,10 @@
 The twin's states are what is monitored. Readings are drawn from the twin at each of their levels, with noise; a tree is
 solved for each state; what it is off is counted on readings that it has not seen. FOLDER then holds for each state
 STATE.json (the tree), STATE.html (its page) and STATE.c (one C function), and monitor.json, which octmip.monitor reads.
+
+With --readings and --deployed the loop is closed: a monitor that was made before watches the readings. Where they leave
+its library, the command says where to inspect, adds the damage to the library, solves the trees again, and writes
+change.json and its page change.html: what was found, which trees and splits changed, and their proofs.
 """
 
 import argparse
@@ -14,6 +18,8 @@ from octmip.interfaces.cli.samples.file_arguments import reads
 EXAMPLES = """\
   octmip monitor --twin python:bridge:bridge --card bridge.json --load truck_1=200,truck_2=300 \\
       --noise mm=0.2 --noise microstrain=3 --budget 2 --out crack
+  octmip monitor --twin my_wing:twin --only mu1,mu2 --load load_factor=3 --noise 31.6 --depth 3 --out sound
+  octmip monitor --twin my_wing:twin --deployed sound --readings flight.csv --out enriched
   octmip monitor --twin table:beam.csv --linear --noise 2 --states crack=0,0.2,0.4 --depth 3 --out crack
 """
 
@@ -41,12 +47,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--noise",
         metavar="[NAME=]SD",
         action="append",
-        required=True,
+        default=[],
         help="standard deviation of one reading: of all, of a unit (mm=0.2) or of one reading (w1=0.2); may be given "
         "several times",
     )
     group.add_argument("--budget", metavar="B", type=float, help="most cost of all sensors together")
     group.add_argument("--out", metavar="FOLDER", required=True, help="folder that is made, or filled")
+    loop = parser.add_argument_group("the loop")
+    loop.add_argument(
+        "--only",
+        metavar="STATE,...",
+        default="",
+        help="states that the trees tell; the watch looks for the others (default: all of the twin, none is left out)",
+    )
+    reads(
+        loop.add_argument(
+            "--readings",
+            metavar="FLIGHT.csv",
+            help="readings of the asset in order, as the campaign of octmip diagnose",
+        )
+    )
+    loop.add_argument("--deployed", metavar="FOLDER", help="the folder of the monitor at work, made by this command")
+    loop.add_argument(
+        "--inspected", metavar="STATE", help="the damage that an inspection found (default: the watch's most probable)"
+    )
     more = parser.add_argument_group("more")
     more.add_argument(
         "--states",

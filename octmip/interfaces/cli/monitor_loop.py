@@ -1,0 +1,178 @@
+"""The loop of `octmip monitor`: readings that leave the library, where to inspect, trees that know what was found."""
+
+import argparse
+import hashlib
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.files import read_bytes, write_bytes
+from octmip.formats.names import visible
+from octmip.formats.tree_file import read_tree_file
+from octmip.gap.campaign.reader import read_campaign
+from octmip.interfaces.cli.answer import ElapsedLine, print_json
+from octmip.interfaces.cli.monitor_folder import write_monitor
+from octmip.interfaces.report.change import change_page
+from octmip.interfaces.report.text import number
+from octmip.monitor import ModelSelector, ParameterTree
+from octmip.monitor.library import Applied
+from octmip.sensing.enrichment import SIGNIFICANT, Enriched, Seen, TreeChange, enrich, watched
+from octmip.trees.tree import depth
+from octmip.twin import Twin, amounts_of, loads_of
+
+MOST_PLACES = 5
+"""Places to inspect that are shown."""
+
+
+def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]) -> int:
+    """Watch the readings, and make the enriched monitor where they leave the library."""
+    old, out = Path(arguments.deployed), Path(arguments.out)
+    if out.resolve() == old.resolve():
+        raise DataError(f"--out {out} is the deployed folder; expected another, so that both can be compared; name one")
+    selector = ModelSelector.read(old / "monitor.json")
+    trees = [ParameterTree.of(read_tree_file(old / f"{name}.json"), name, 1.0) for name in selector.library.parameters]
+    readings, loads = _series(arguments.readings, twin, selector)
+    with ElapsedLine("watching"):
+        seen = watched(twin, selector, readings, loads)
+    found: dict[str, Any] = {"readings": arguments.readings, "deployed": str(old), "watch": _watch_json(seen)}
+    added = arguments.inspected or (seen.finding.name if seen.finding and seen.finding.kind == "damage" else "")
+    if not arguments.json:
+        print("\n".join(_watch_words(arguments.readings, seen, added)))
+    if added:
+        since = seen.finding.since if seen.finding else 0
+        settings |= {"depth": max(arguments.depth, *(depth(one.tree) for one in trees))}
+        with ElapsedLine(f"training trees that know {added}"):
+            enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
+            write_monitor(out, enriched.design, twin)
+        found |= _change_json(enriched, old, out)
+        write_bytes(out / "change.json", (json.dumps(found, indent=1, allow_nan=False) + "\n").encode())
+        write_bytes(out / "change.html", change_page(found).encode())
+        if not arguments.json:
+            print("\n".join(_change_words(enriched, out)))
+    if arguments.json:
+        print_json(found)
+    return 0
+
+
+def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.float64], list[Applied]]:
+    """Return readings (n, n_gauges) in the library's order, NaN where missing, and their loads, in the file's order."""
+    campaign = read_campaign(path, twin)
+    gauges = selector.library.gauges
+    readings = np.full((len(campaign.readings), len(gauges)), np.nan)
+    for column, name in enumerate(campaign.gauges):
+        if name in gauges:
+            readings[:, gauges.index(name)] = campaign.readings[:, column]
+    names, loads = loads_of(twin), [0.0] * len(readings)
+    applied: list[Applied] = list(loads)
+    for cell in campaign.cells:
+        for row in cell.rows.tolist():
+            applied[row] = cell.load if len(names) == 1 else dict(zip(names, amounts_of(cell.load), strict=True))
+    return readings, applied
+
+
+def _watch_json(seen: Seen) -> dict[str, Any]:
+    finding = seen.finding
+    return {
+        "n_readings": seen.n_readings,
+        "damages_looked_for": seen.candidates,
+        "alarm": seen.alarm,
+        "faulty_gauges": list(seen.faulty),
+        "words": finding.words if finding else "",
+        "inspect": [
+            {"kind": kind, "name": name, "probability": round(part, 6)}
+            for kind, name, part in (finding.ranking[:MOST_PLACES] if finding else ())
+        ],
+    }
+
+
+def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
+    lines = [f"{visible(source)}: gauge {visible(name)} is faulty and left out" for name in seen.faulty]
+    if seen.finding is None:
+        lines.append(f"{visible(source)}: no alarm in {seen.n_readings} readings; the library explains them")
+        return lines
+    lines.append(
+        f"{visible(source)}: alarm at reading {seen.alarm} of {seen.n_readings}. {visible(seen.finding.words)}"
+    )
+    places = [(name or kind, part) for kind, name, part in seen.finding.ranking if part >= 0.005][:MOST_PLACES]
+    lines.append("inspect: " + ", ".join(f"{visible(name)} ({100 * part:.0f} %)" for name, part in places))
+    if not added:
+        lines.append("no damage of the twin explains the readings; inspect, and name what is found by --inspected")
+    return lines
+
+
+def _change_json(enriched: Enriched, old: Path, out: Path) -> dict[str, Any]:
+    library, changes = enriched.design.library, []
+    for one in enriched.changes:
+        name = f"{one.parameter}.json"
+        is_new = one.deployed is None
+        changes.append(
+            {
+                "state": one.parameter,
+                "change": one.verdict,
+                "splits": list(one.splits),
+                "deployed_off_by": one.deployed,
+                "retrained_off_by": one.retrained,
+                "standard_error": one.standard_error,
+                "objective": one.objective,
+                "bound": one.bound,
+                "is_optimal": one.is_optimal,
+                "sha256_deployed": None if is_new else _digest(old / name),
+                "sha256": _digest(out / name),
+            }
+        )
+    return {
+        "added": enriched.added,
+        "states_before": enriched.n_before,
+        "states": library.n_states,
+        "largest_error_bound_of_twin": enriched.largest_bound,
+        "n_fresh_readings": len(enriched.design.fresh),
+        "trees": changes,
+        "readings_since": enriched.again.n_readings,
+        "told_since": {f"{level:g}": count for level, count in sorted(Counter(enriched.told.tolist()).items())},
+        "alarm_of_enriched_library": enriched.again.alarm,
+    }
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(read_bytes(path)).hexdigest()
+
+
+def _change_words(enriched: Enriched, out: Path) -> list[str]:
+    bound = enriched.largest_bound
+    proof = "" if bound is None else f"; the twin's error bound there is {bound:.2g} at most"
+    lines = [
+        f"{visible(str(out))}: the library has {enriched.design.library.n_states} states instead of "
+        f"{enriched.n_before}, with {visible(enriched.added)}{proof}"
+    ]
+    lines += [_tree_words(one) for one in enriched.changes]
+    counts = Counter(enriched.told.tolist())
+    if counts:
+        level, count = counts.most_common(1)[0]
+        lines.append(
+            f"since the damage was there, {visible(enriched.added)} reads {level:g} in {count} of {len(enriched.told)} "
+            "readings"
+        )
+    again = enriched.again
+    lines.append(f"the enriched library explains these {again.n_readings} readings")
+    if again.finding is not None:
+        lines[-1] = f"alarm of the enriched library at reading {again.alarm} of these: {visible(again.finding.words)}"
+    return [*lines, f"see {visible(str(out / 'change.html'))}"]
+
+
+def _tree_words(one: TreeChange) -> str:
+    proof = "proven best in training" if one.is_optimal else f"bound in training {number(one.bound)}"
+    name = visible(one.parameter)
+    if one.deployed is None:
+        return f"{name}: new, off by {one.retrained:.3g} on fresh readings; {proof}"
+    if one.verdict == "kept":
+        return (
+            f"{name}: kept, off by {one.deployed:.3g} on fresh readings ({one.retrained:.3g} if trained again, within "
+            f"{SIGNIFICANT:g} standard errors)"
+        )
+    places = f"{len(one.splits)} place{'s' * (len(one.splits) > 1)}"
+    return f"{name}: changed in {places}, off by {one.retrained:.3g} instead of {one.deployed:.3g}; {proof}"
