@@ -4,7 +4,7 @@ from femlib.assembly.buckling import BucklingMode, buckling_modes, geometric_sti
 from femlib.assembly.built_up import Beams, BuiltUp, Springs
 from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
-from femlib.assembly.loads import line_load, surface_load, thermal_forces, thermal_load
+from femlib.assembly.loads import edge_forces, line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, matrix_modes, natural_modes, point_masses
 from femlib.assembly.quality import (
     MOST_ERROR,
@@ -38,6 +38,7 @@ __all__ = [
     "buckling_modes",
     "checked_solution",
     "deflect",
+    "edge_forces",
     "factored_by",
     "factorise",
     "geometric_stiffness",

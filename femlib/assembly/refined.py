@@ -1,7 +1,7 @@
 """The same structure on a mesh with every element cut in four, once or twice: what a solution is compared with.
 
-New nodes lie on the smooth surface through the elements that meet within `SMOOTH`: on the side from a to b, d = b - a,
-the middle of the cubic that is normal to n_a and n_b at its ends,
+New nodes lie on the smooth surface through the elements that meet within `edges.SMOOTH`: on the side from a to b,
+d = b - a, the middle of the cubic that is normal to n_a and n_b at its ends,
 
     (a + b) / 2 + (n_b (n_b . d) - n_a (n_a . d)) / 8.
 
@@ -19,16 +19,15 @@ from scipy.sparse.linalg import splu
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.built_up import Beams, BuiltUp
+from femlib.assembly.edges import bends, corner_normals
 from femlib.assembly.shells import Shells
 from femlib.assembly.supports import Supports
-from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits
+from femlib.mesh import DOFS_PER_NODE, Mesh, QualityLimits, dofs_of_nodes
 
 MOST_UNKNOWNS = 60_000
 """Degrees of freedom of the finer mesh, at most: some 5 CPU seconds."""
 MOST_CUTS = 2
 """A strip of one element changes little if it is cut in two, and much if in four."""
-SMOOTH = np.cos(np.radians(40.0))
-"""Elements whose normals are nearer than this are of one smooth surface."""
 ANY_SHAPE = QualityLimits(warp=1e9, aspect=1e9, distortion=0.0)
 
 
@@ -45,7 +44,9 @@ class Refined:
     parent : IntArray
         Part of the coarse mesh that each part lies in (n_fine_parts,).
     between : csr_array
-        P for one component (n_fine_nodes, n_nodes).
+        Shares (n_fine_nodes, n_nodes) of the coarse nodes in the fine ones.
+    motion : csr_array
+        P (n_fine_dofs, n_dofs): these shares of all displacements, and the bending of edges by their ends' rotations.
     spread : IntArray
         Nodes of the coarse shells, whose loads are spread.
     cuts : int
@@ -56,6 +57,7 @@ class Refined:
     supports: Supports
     parent: IntArray
     between: sparse.csr_array
+    motion: sparse.csr_array
     spread: IntArray
     cuts: int = 1
 
@@ -73,6 +75,7 @@ class Refined:
         of_quads, of_trias, of_beams = number[:q].reshape(-1, 4), number[q : q + t].reshape(-1, 3), number[q + t :]
         middle = n + len(edges) + np.arange(len(quads))
         between = _between(n, edges, quads)
+        motion = _motion(mesh, edges, of_quads - n, between)
         nodes = _places(mesh, edges, of_quads, of_trias)
         fine = Mesh(
             nodes,
@@ -91,7 +94,7 @@ class Refined:
         moves = (between @ free.reshape(n, DOFS_PER_NODE)).ravel() > 0.0
         parent = np.repeat(np.arange(shells.n_elements), repeats)
         spread = np.unique(np.concatenate([quads.ravel(), trias.ravel()]))
-        return cls(parts, Supports(fine.n_dofs, np.flatnonzero(moves)), parent, between, spread)
+        return cls(parts, Supports(fine.n_dofs, np.flatnonzero(moves)), parent, between, motion, spread)
 
     @classmethod
     def finest(cls, shells: Shells, supports: Supports) -> "Refined | None":
@@ -103,9 +106,10 @@ class Refined:
                 break
             once = cls.of(shells, supports)
             if found is not None:
-                both = sparse.csr_array(once.between @ found.between)
+                both, motion = once.between @ found.between, once.motion @ found.motion
                 parent = found.parent[once.parent]
-                once = cls(once.shells, once.supports, parent, both, found.spread, found.cuts + 1)
+                maps = (sparse.csr_array(both), sparse.csr_array(motion))
+                once = cls(once.shells, once.supports, parent, *maps, found.spread, found.cuts + 1)
             found = once
             shells, supports = found.shells, found.supports
         return found
@@ -121,14 +125,14 @@ class Refined:
 
     def load(self, load: FloatArray) -> FloatArray:
         """Return nodal forces (n_dofs,) as those of the fine mesh (n_fine_dofs,)."""
-        force = load.reshape(-1, DOFS_PER_NODE).copy()
-        on = self.between[:, self.spread]
-        is_shell = on.sum(axis=1) > 1.0 - 1e-9  # not the middle of a beam
-        on = sparse.csr_array(sparse.diags_array(is_shell.astype(np.float64)) @ on)
-        fine = on @ splu(sparse.csc_array(on.T @ on)).solve(force[self.spread])
-        force[self.spread] = 0.0
+        force, held = load.copy(), dofs_of_nodes(self.spread).ravel()
+        on = self.motion[:, held]
+        is_shell = self.between[:, self.spread].sum(axis=1) > 1.0 - 1e-9  # not the middle of a beam
+        on = sparse.csr_array(sparse.diags_array(np.repeat(is_shell, DOFS_PER_NODE).astype(np.float64)) @ on)
+        fine = on @ splu(sparse.csc_array(on.T @ on)).solve(force[held])
+        force[held] = 0.0
         fine[: len(force)] += force
-        return np.asarray(fine).ravel()
+        return np.asarray(fine)
 
 
 def _on(shells: Shells, fine: Mesh, middle: IntArray) -> Shells:
@@ -160,6 +164,26 @@ def _between(n: int, edges: IntArray, quads: IntArray) -> sparse.csr_array:
     )
 
 
+def _motion(mesh: Mesh, edges: IntArray, of_quads: IntArray, between: sparse.csr_array) -> sparse.csr_array:
+    """Return P (n_fine_dofs, n_dofs); `of_quads` (n_quads, 4) are the edges of the quadrilaterals.
+
+    Beside the mean of its ends the middle of an edge moves as their rotations bend it (`bends`), the middle of a
+    quadrilateral by half of its edges' sum.
+    """
+    n, bent = len(mesh.nodes), bends(mesh, edges)
+    at = (np.repeat(np.arange(len(of_quads)), 4), of_quads.ravel())
+    middles = sparse.csr_array((np.full(of_quads.size, 0.5), at), shape=(len(of_quads), len(edges)))
+    shares = [sparse.csr_array((n, len(edges))), sparse.eye_array(len(edges)), middles]
+    of_edges = sparse.coo_array(sparse.vstack(shares))
+    turned = of_edges.data[:, None, None, None] * bent[of_edges.col]
+    row = DOFS_PER_NODE * of_edges.row[:, None, None, None] + np.arange(3)[:, None]
+    column = DOFS_PER_NODE * edges[of_edges.col][:, :, None, None] + 3 + np.arange(3)
+    places = tuple(np.broadcast_to(part, turned.shape).ravel() for part in (row, column))
+    shape = (DOFS_PER_NODE * between.shape[0], DOFS_PER_NODE * n)
+    straight = sparse.kron(between, sparse.eye_array(DOFS_PER_NODE), "csr")
+    return sparse.csr_array(straight + sparse.coo_array((turned.ravel(), places), shape=shape))
+
+
 def _quarters(corners: IntArray, sides: IntArray, middle: IntArray) -> IntArray:
     a, b, c, d = corners.T
     ab, bc, cd, da = sides.T
@@ -177,7 +201,7 @@ def _quarters_of_trias(corners: IntArray, sides: IntArray) -> IntArray:
 def _places(mesh: Mesh, edges: IntArray, of_quads: IntArray, of_trias: IntArray) -> FloatArray:
     """Return the places of all nodes (n_fine_nodes, 3)."""
     nodes, n = mesh.nodes, len(mesh.nodes)
-    normals = _corner_normals(mesh)
+    normals = corner_normals(mesh)
     matrix, right = np.zeros((len(edges), 3, 3)), np.zeros((len(edges), 3))
     for corners, sides, own in zip((mesh.quads, mesh.trias), (of_quads, of_trias), normals, strict=True):
         along = np.roll(nodes[corners], -1, axis=1) - nodes[corners]
@@ -192,23 +216,3 @@ def _places(mesh: Mesh, edges: IntArray, of_quads: IntArray, of_trias: IntArray)
     middles = nodes[edges].mean(axis=1) + moved
     centres = 0.5 * middles[of_quads - n].sum(axis=1) - 0.25 * nodes[mesh.quads].sum(axis=1)
     return np.concatenate([nodes, middles, centres])
-
-
-def _corner_normals(mesh: Mesh) -> list[FloatArray]:
-    """Return unit normals (n_quads, 4, 3), (n_trias, 3, 3): means of the elements there of one smooth surface."""
-    vectors = mesh.area_vectors()
-    unit = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    k = len(mesh.quads)
-    corner = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
-    element = np.concatenate([np.repeat(np.arange(k), 4), k + np.repeat(np.arange(len(mesh.trias)), 3)])
-    at = sparse.csr_array(
-        (np.ones(len(corner)), (np.arange(len(corner)), corner)), shape=(len(corner), len(mesh.nodes))
-    )
-    pairs = sparse.coo_array(at @ at.T)
-    one, other = element[pairs.row], element[pairs.col]
-    cosine = np.einsum("ni,ni->n", unit[one], unit[other])
-    share = np.where(np.abs(cosine) > SMOOTH, np.sign(cosine), 0.0)
-    summed = np.zeros((len(corner), 3))
-    np.add.at(summed, pairs.row, share[:, None] * unit[other])
-    summed /= np.linalg.norm(summed, axis=1, keepdims=True)
-    return [summed[: 4 * k].reshape(-1, 4, 3), summed[4 * k :].reshape(-1, 3, 3)]

@@ -120,6 +120,8 @@ def _slopes(shells: Shells, basis: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the slopes (n_points, 2, 3, N) of modes at all points, and each point's element (n_points,)."""
     slopes, elements, first = [], [], 0
     for kind in point_strains(shells, np.zeros((len(shells.mesh.nodes), DOFS_PER_NODE)), np.ones(shells.n_elements)):
+        if not len(kind.corners):  # quadrilaterals alone, or triangles alone
+            continue
         moved = basis[dofs_of_nodes(kind.corners).reshape(len(kind.corners), -1)]
         rows = slope_rows(shells, kind)
         slopes.append(np.einsum("emaik,ekn->emain", rows, moved, optimize=True).reshape(-1, 2, 3, basis.shape[1]))

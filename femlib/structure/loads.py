@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.assembly import BuiltUp, surface_load
+from femlib.assembly import BuiltUp, edge_forces, surface_load
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE
 from femlib.structure.named_mesh import NamedMesh
@@ -41,8 +41,8 @@ def point_load(mesh: NamedMesh, name: str, force: Sequence[float], moment: Seque
     return loads.ravel()
 
 
-def line_load(mesh: NamedMesh, name: str, force: Sequence[float]) -> FloatArray:
-    """Return nodal forces (n_dofs,) of a force per length (3,) [N/m] along the lines of a set.
+def line_load(mesh: NamedMesh, built: BuiltUp, name: str, force: Sequence[float]) -> FloatArray:
+    """Return nodal forces and moments (n_dofs,) of a force per length (3,) [N/m] along the lines of a set.
 
     The lines of an element set, or the elements' edges between the nodes of a node set.
 
@@ -52,12 +52,7 @@ def line_load(mesh: NamedMesh, name: str, force: Sequence[float]) -> FloatArray:
         If the set has no line, or its nodes are all of a shell's.
     """
     per_length = frozen_floats(force, "line force", (3,))
-    ends = _lines(mesh, name)
-    half = 0.5 * np.linalg.norm(mesh.nodes[ends[:, 1]] - mesh.nodes[ends[:, 0]], axis=1)
-    loads = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
-    for nodes in ends.T:
-        np.add.at(loads[:, :3], nodes, half[:, None] * per_length)
-    return loads.ravel()
+    return edge_forces(built.mesh, _lines(mesh, name), per_length)
 
 
 def gravity_load(built: BuiltUp, acceleration: Sequence[float]) -> FloatArray:

@@ -32,16 +32,21 @@ from femlib.components import DamagedStructure, checked_damage, damage_row
 from femlib.errors import InputError, SolveError, frozen_floats
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
+from femlib.rom import ReductionSettings
+from femlib.rom.capability import Capability
 from femlib.sensors import StrainGauge
 from femlib.structure import loads
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.parts import Parts, Section, Spring, component_of, parts_of
+from femlib.structure.strength import structure_capability, structure_limits
 
 MICRO = 1e6
 MOST_STRAIN = 50_000.0
 """Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
 MOST_GAUGE_ERROR = 0.1
 """Estimated error of gauge strains beyond which they are refused."""
+LIGHT = 1e-3
+"""Share of the load that a structure bears under which its mesh is judged: errors are relative, and nothing buckles."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along and rotations about the global axes."""
 HELD = {"clamped": DIRECTIONS, "pinned": DIRECTIONS[:3]}
@@ -153,7 +158,7 @@ class Structure:
 
     def line_load(self, name: str, force: Sequence[float]) -> FloatArray:
         """Return nodal forces (n_dofs,) of a force per length (3,) [N/m] along the lines or edges of a set."""
-        return loads.line_load(self.mesh, name, force)
+        return loads.line_load(self.mesh, self.built, name, force)
 
     def gravity(self, acceleration: Sequence[float] = (0.0, 0.0, -9.80665)) -> FloatArray:
         """Return the weight (n_dofs,) of all parts and masses under an acceleration (3,) [m/s^2]."""
@@ -303,6 +308,28 @@ class Structure:
         """
         factor = self.stiffness_left(state)
         return buckling_modes(self.built, self.damaged.supports, load, n_modes, factor, limit)
+
+    def capability(
+        self,
+        load: FloatArray,
+        place: str,
+        direction: Sequence[float],
+        most_deflection: float,
+        criterion: str = "max strain",
+        settings: ReductionSettings | None = None,
+        n_states: int = 300,
+        n_checks: int = 6,
+    ) -> Capability:
+        """Return the greatest factors on a load that damage states of a structure of shells bear, by a reduced model.
+
+        A ply fails, the shells buckle, or a node set moves in the mean by `most_deflection` [m] along a direction (3,);
+        see `femlib.structure.strength`. The undamaged structure is refused as by `stresses`.
+        """
+        limits = structure_limits(self.mesh, place, direction, most_deflection, criterion)
+        found = structure_capability(self.damaged, load, limits, settings, n_states, n_checks)
+        sound = float(found.load_factors(np.zeros((1, len(self.parameters))))[0])
+        self.stresses({}, LIGHT * sound * np.asarray(load))
+        return found
 
     def natural_modes(
         self, n_modes: int, state: Mapping[str, float] | None = None, limit: float = MOST_ERROR

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.wing.buildable import PARAMETERS, SKINS, buildable_design
+from benchmarks.wing.confusion import confusion, pair_rows
 from benchmarks.wing.design import WingDesign
 from benchmarks.wing.envelope import N_DRAWS, SHARED, drawn
 from benchmarks.wing.regions import LEVELS, bayes, labels
@@ -65,3 +66,14 @@ def test_bayes_names_regions_that_are_far_apart_and_the_labels_are_those_of_the_
     means = 1000.0 * np.eye(29)[region] * (1 + level)[:, None]
     readings, state = drawn_readings(means, 3, 0)
     assert (bayes(means, readings) == region[state]).all()
+
+
+def test_a_confusion_has_a_row_of_shares_for_each_damaged_region():
+    region, _ = labels()
+    means = 1000.0 * np.eye(29)[region]
+    table = confusion(means, lambda readings: np.where(readings.argmax(axis=1) == 3, 7, readings.argmax(axis=1)))
+    assert table.sum(axis=1) == pytest.approx(np.ones(29))
+    assert table[3, 7] == pytest.approx(1.0)
+    rows = pair_rows({"rule": table}, [str(k) for k in range(29)])
+    assert {"true": "3", "named": "7", "rule %": 100.0} in rows
+    assert len(rows) == 29
