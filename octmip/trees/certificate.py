@@ -13,6 +13,7 @@ from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.formats.messages import several
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.order import disorder
+from octmip.trees.part_check import broken_rule, missing_part, n_changes
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import words_of
 from octmip.trees.solution import Solution, Stop, is_tolerable
@@ -163,11 +164,25 @@ def _check_tree(problem: Problem, tree: Node) -> None:
             f"the prediction {way} along {problem.feature_names[feature]} between leaves {one} and {other} (from the "
             f"left), but monotone is {words_of(problem.feature_names, problem.directions)}"
         )
+    if problem.has_parts and (broken := _broken_part(problem, tree)) is not None:
+        raise CertificateError(broken)
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         sensors, cost = several(problem.sensors_used(tree)), problem.sensor_cost_of(tree)
         raise CertificateError(
             f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {problem.sensor_budget:g}"
         )
+
+
+def _broken_part(problem: Problem, tree: Node) -> str | None:
+    """Return a sentence about the first part that is asked for and a tree lacks; None where it has all."""
+    broken = missing_part(tree, problem.given_splits, problem.feature_names)
+    if broken is None and problem.path_rules is not None:
+        broken = broken_rule(tree, problem.path_rules, problem.feature_names)
+    if broken is None and problem.max_changes is not None:
+        changes = n_changes(tree, problem.old_tree)
+        if changes > problem.max_changes:
+            broken = f"the tree differs from old_tree at {changes} places but max_changes is {problem.max_changes}"
+    return broken
 
 
 def _check_leaf_sizes(problem: Problem, tree: Node, sizes: NDArray[np.int64]) -> None:
@@ -201,8 +216,8 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
         raise CertificateError(
             f"{solution.solver} claims that no tree is below {solution.bound} but its own tree has {objective}"
         )
-    # A tree without a split is feasible in every problem, so no true bound lies above it.
-    leaf = _leaf_objective(problem, solution.bound)
+    # Where a tree without a split is feasible no true bound lies above it.
+    leaf = _leaf_objective(problem, solution.bound) if problem.is_leaf_allowed else math.inf
     if solution.bound > leaf + (0.0 if is_exact else 1e-12 * leaf) + most:
         raise CertificateError(f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {leaf}")
     if not (math.isinf(solution.bound) or problem.is_provable):

@@ -72,47 +72,51 @@ class Registration:
         return cast(Solver, getattr(module, self.function))
 
 
-CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False)
-SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=())
+PARTS = ("fixed_splits", "path_rules", "max_changes")
+"""Parts of the tree that are asked for: the exact core knows them, and nobody else."""
+CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False, cannot=PARTS)
+SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=(), cannot=PARTS)
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
 SHAPED = replace(
     EXACT, alone_to_depth=1, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every")
 )
-"""The exact core where `Shape.max_splits` or `Shape.monotone` rule trees out."""
+"""The exact core where `Shape.is_shaped`."""
+PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
+"""The exact core where parts of the tree are asked for, which no search before it knows."""
 SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
 """The exact core for trees of any depth: a log has no line for the bounds that end them."""
 TWO_FEATURE = Registration(
-    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone")
+    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone", *PARTS)
 )
 OCT = Registration(
     "octmip.trees.mip.oct",
     "solve_oct",
     proves=True,
     is_mixed_integer=True,
-    cannot=("any_depth", "monotone"),
+    cannot=("any_depth", "monotone", *PARTS),
     without=("cluster", "mu"),
 )
-OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone",))
+OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone", *PARTS))
 FLOW_OF_PLANES = Registration(
-    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("any_depth", "monotone")
+    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("any_depth", "monotone", *PARTS)
 )
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
 BENDERS = Registration(
-    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("any_depth", "max_splits", "monotone")
+    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("any_depth", "max_splits", "monotone", *PARTS)
 )
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
     "exact_regression",
     proves=True,
     alone_to_depth=MAX_DEPTH,
-    cannot=("any_depth", "gaps", "leaf_model", "max_splits", "monotone"),
+    cannot=("any_depth", "gaps", "leaf_model", "max_splits", "monotone", *PARTS),
     without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
     "octmip.trees.regression.search",
     "search_regression",
     proves=False,
-    cannot=("gaps", "integer_normals"),
+    cannot=("gaps", "integer_normals", *PARTS),
     without=("cluster", "perturbations"),
 )
 
@@ -155,7 +159,7 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
 
 
 NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "drift", "sequential")
-"""What knows nothing of `Shape.max_splits` and `Shape.monotone`: its searches go through trees level by level."""
+"""What knows nothing of `Shape.is_shaped`: its searches go through trees level by level."""
 
 
 def refuse_shape(problem: Problem, asked: str) -> None:
@@ -169,7 +173,7 @@ def refuse_shape(problem: Problem, asked: str) -> None:
     if asked in NOT_OF_SHAPES and problem.any_depth:
         raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
     if asked in NOT_OF_SHAPES and problem.is_shaped:
-        name = "max_splits" if problem.monotone is None else "monotone"
+        name = next(name for name in ("monotone", *PARTS, "max_splits") if getattr(problem, name) is not None)
         raise ProblemError(
             f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
             "trace_frontier or choose_tree"
@@ -235,9 +239,8 @@ def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Opt
 def _taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
     """Return a method in words, with what of the problem keeps options from it, and the options it does not take."""
     solver = solvers_of(problem)[method]
-    kept = {SHAPED: " of a problem with max_splits or monotone", SPARSE: " of a problem without a depth"}.get(
-        solver, ""
-    )
+    shaped = " of a problem with max_splits, monotone or parts that are asked for"
+    kept = {SHAPED: shaped, PARTED: shaped, SPARSE: " of a problem without a depth"}.get(solver, "")
     return f"method {method!r}{kept}", solver.without
 
 
@@ -246,4 +249,5 @@ def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     known = REGISTRY[problem.loss.name, problem.split]
     if known.get("exact") is not EXACT or not (problem.is_shaped or problem.any_depth):
         return known
-    return {**known, "exact": SHAPED if problem.is_shaped else SPARSE}
+    shaped = PARTED if problem.has_parts else SHAPED
+    return {**known, "exact": shaped if problem.is_shaped else SPARSE}

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.parts import GivenSplit, PathRule, address, given_splits, path_rules
 from octmip.trees.problem_values import directions_of, number_of, sensor_costs_of, whole_of
-from octmip.trees.tree import HyperplaneSplit, Node, features_used
+from octmip.trees.tree import HyperplaneSplit, Node, features_used, splits
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -89,6 +90,15 @@ class Shape:
         features along which the prediction never falls ("+" or 1) or never rises ("-" or -1) anywhere in the tree, all
         other features being equal: a mapping from features, or one direction for each; classes are ordered as
         `class_names` are. None: no order. Axis-aligned splits, constant leaves and no missing readings.
+    fixed_splits
+        splits that stand in the tree, by address: a mapping such as {"ROOT": "g05", "L": "g01<=3.2", "R": "leaf"}
+        (`octmip.trees.parts`). None: none. Predictions are free.
+    path_rules
+        which features may not follow each other on a path, such as [("not-below", "g07", "g05")]
+        (`octmip.trees.parts`). None: none.
+    old_tree, max_changes
+        the tree differs from the old one at so many places at most: one of both has a split there that the other has
+        not, or another one (`octmip.trees.part_check.n_changes`). Predictions are free. None: no limit.
     Derived:
         sensors: names of the sensors in the order of their first feature.
         sensor_index: (n_features,) int64, index in `sensors`.
@@ -109,6 +119,10 @@ class Shape:
     integer_normals: int | None = None
     max_splits: int | None = None
     monotone: Mapping[str | int, str | int] | Sequence[int] | None = None
+    fixed_splits: Mapping[str, Any] | tuple[GivenSplit, ...] | None = None
+    path_rules: Sequence[Sequence[str | int]] | tuple[PathRule, ...] | None = None
+    old_tree: Node | None = None
+    max_changes: int | None = None
     sensors: tuple[str, ...] = field(init=False, repr=False)
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
     sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
@@ -122,6 +136,7 @@ class Shape:
         self._check_sizes(n_samples)
         self._set_allowed_splits(feature_names)
         self._set_monotone(feature_names)
+        self._set_parts(feature_names)
         if self.any_depth:
             self._end_depth(of_leaf(), n_samples)
 
@@ -193,6 +208,38 @@ class Shape:
                 "and 'constant', whose leaves are boxes with one prediction; leave monotone out"
             )
 
+    def _set_parts(self, feature_names: tuple[str, ...]) -> None:
+        set_field(self, "fixed_splits", given_splits(self.fixed_splits, feature_names, "fixed_splits"))
+        set_field(self, "path_rules", path_rules(self.path_rules, feature_names, "path_rules"))
+        deep = [part for part in self.given_splits if len(part.path) >= self.depth + (part.feature is None)]
+        if deep:
+            raise ProblemError(
+                f"fixed_splits names {address(deep[-1].path)} but depth is {self.depth}; give a depth of "
+                f"{len(deep[-1].path) + 1} or more, or leave it out"
+            )
+        if (self.old_tree is None) != (self.max_changes is None):
+            raise ProblemError("old_tree and max_changes belong together and only one is given; give both, or neither")
+        if self.old_tree is not None:
+            set_field(self, "max_changes", whole_of(self.max_changes, "max_changes", 0, None))
+            self._check_old_tree(self.old_tree, len(feature_names))
+        if self.has_parts and (self.split != "axis" or self.leaf_model != "constant" or self.monotone is not None):
+            raise ProblemError(
+                "fixed_splits, path_rules or max_changes is given with hyperplanes, linear leaves or monotone, which no "
+                "search here knows together; leave one of them out"
+            )
+
+    @staticmethod
+    def _check_old_tree(tree: Node, n_features: int) -> None:
+        if not isinstance(tree, Node):
+            raise ProblemError(f"old_tree is {type(tree).__name__}; expected a tree, such as that of a tree file")
+        if any(isinstance(split, HyperplaneSplit) for split in splits(tree)):
+            raise ProblemError("old_tree has a hyperplane, of which no part can be kept; give an axis-aligned tree")
+        if max(features_used(tree), default=0) >= n_features:
+            raise ProblemError(
+                f"old_tree reads feature {features_used(tree)[-1]} but there are {n_features} features; "
+                "expected a tree over the same columns"
+            )
+
     def _set_allowed_splits(self, feature_names: tuple[str, ...]) -> None:
         if self.allowed_splits is None:
             return
@@ -227,7 +274,23 @@ class Shape:
     @property
     def is_shaped(self) -> bool:
         """Whether trees are limited by more than levels, leaf sizes and what a split may read."""
-        return self.limited_splits is not None or self.monotone is not None
+        return self.limited_splits is not None or self.monotone is not None or self.has_parts
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether parts of the tree are given, ruled out or kept."""
+        return not (self.fixed_splits is None and self.path_rules is None and self.max_changes is None)
+
+    @property
+    def given_splits(self) -> tuple[GivenSplit, ...]:
+        """`fixed_splits` once they are checked."""
+        return tuple(self.fixed_splits or ())  # type: ignore[arg-type]
+
+    @property
+    def is_leaf_allowed(self) -> bool:
+        """Whether a tree without a split has the parts that are asked for."""
+        gone = 0 if self.old_tree is None else len(splits(self.old_tree))
+        return all(part.feature is None for part in self.given_splits) and gone <= (self.max_changes or 0)
 
     @property
     def directions(self) -> tuple[int, ...]:

@@ -165,8 +165,9 @@ def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str
                 if solution.stop is Stop.INTERRUPTED:
                     interruption.note()
                 return solution
-        tree = problem.best_leaf() if known is None else known
-        return Solution(tree, problem.objective(tree), -math.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
+        tree = problem.best_leaf() if known is None and problem.is_leaf_allowed else known
+        objective = math.inf if tree is None else problem.objective(tree)
+        return Solution(tree, objective, -math.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
 
 
 def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
@@ -184,6 +185,8 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     if isinstance(options, ExactOptions) and options.proof is not None:
         raise ProblemError("proof is given with costs of single samples, which no log knows; leave proof out")
     made = weighted_rows(problem)
+    if made is None and not problem.is_leaf_allowed:
+        raise ProblemError("every decision costs the same for all samples, so no part of a tree has a price; leave it out")
     if made is None:
         leaf = problem.best_leaf()
         objective = problem.objective(leaf)

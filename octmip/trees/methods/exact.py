@@ -25,11 +25,14 @@ from octmip.trees.encoding import (
     native_problem,
     rank_features,
     rows_from_tree,
+    rules_of,
     tree_from_rows,
+    with_given_thresholds,
 )
 from octmip.trees.methods.checkpoint.exact_state import ExactState, KnownRow, exact_state_of
 from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
 from octmip.trees.methods.native_call import (
+    NO_TREE,
     check_threads,
     feasible_incumbent,
     logged,
@@ -86,8 +89,7 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        Under `Shape.max_splits` and `Shape.monotone` ties stay, and
-        under `monotone` thresholds too.
+        Where a shape is asked for (`Shape.is_shaped`) ties stay, and under `monotone` thresholds too.
 
     Raises
     ------
@@ -167,9 +169,8 @@ class _Search:
 
     def solution(self, seed: int, ties: dict[str, str]) -> Solution:
         """Return what was found and proven."""
-        assert self.tree is not None
         return Solution(
-            tree=self.problem.with_sides(self.tree),
+            tree=None if self.tree is None else self.problem.with_sides(self.tree),
             objective=self.objective,
             bound=self.bound,
             stop=self.stop,
@@ -206,6 +207,7 @@ class _Search:
         return {
             "max_splits": 2**self.problem.depth - 1 if most is None else most,
             "directions": [directions[self.ranks.feature(column)] for column in range(self.ranks.n_columns)],
+            "rules": rules_of(self.problem, self.ranks) if self.problem.has_parts else None,
         }
 
     @property
@@ -264,16 +266,37 @@ class _Search:
         if self.proven is None or lower > self.bound:
             self.proven = (native, costs, result.bound)
         self.bound = max(self.bound, lower)
+        if result.objective == NO_TREE:
+            return self._without_tree(stop)
         found = tree_from_rows(result.rows, self.ranks)
         if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
             self._keep(found)
             return stop
         found = centred(found, self.problem.features)
+        if self.problem.has_parts:
+            found = with_given_thresholds(self.problem, found)
         self._keep(found)
         if costs.is_rounded:
             # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
             self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
         return stop
+
+    def _without_tree(self, stop: Stop) -> Stop:
+        """Return why a search ended that found no tree.
+
+        Raises
+        ------
+        ProblemError
+            there is none.
+        """
+        if stop is not Stop.OPTIMAL:
+            return stop
+        asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem, name)]
+        raise ProblemError(
+            f"no tree of depth {self.problem.depth} with leaves of {self.problem.leaf_size} samples or more has what "
+            f"{' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, leaves a side empty "
+            "or too small; ask for less, or give more depth"
+        )
 
     def _keep(self, tree: Node | None, least: float = 0.0) -> None:
         """Take up a tree that is better by so much, by the true costs: rounded ones can rank two the wrong way."""

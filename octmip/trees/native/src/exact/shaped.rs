@@ -1,4 +1,5 @@
-//! Branch and bound for trees of a wanted shape: at most so many splits, predictions that keep the order of a feature.
+//! Branch and bound for trees of a wanted shape: at most so many splits, predictions that keep the order of a feature,
+//! parts that are given, ruled out or kept.
 //!
 //! ```text
 //! wanted     the shape that is asked for, and what is known so far
@@ -6,12 +7,16 @@
 //! boxes      what a node holds of the space of ranks, and which two leaves must be in order
 //! monotone   the best tree that keeps the order, from the best one that need not as a bound
 //! coupled    a cut of a monotone feature: one side leaf by leaf, the other solved beside it
+//! rules      given splits, features that may not follow each other, an old tree
+//! parts      the best tree that obeys them, from the best one that need not as a bound
 //! ```
 
 mod boxes;
 mod coupled;
 mod few;
 mod monotone;
+mod parts;
+mod rules;
 mod wanted;
 
 use crate::control::{KeepGoing, Outcome, Progress, Stop};
@@ -26,28 +31,38 @@ use crate::tree::Tree;
 
 use few::Few;
 use monotone::Monotone;
+use parts::{Parts, sets_of_features};
 use wanted::Known;
 
+pub use rules::{NO_LIMIT, Named, Rules};
 pub use wanted::Options;
 
-/// The best tree of the shape, and a bound.
+/// The best tree of the shape, and a bound; `i64::MAX` is the objective where no tree was found.
 pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
     let supervision = Supervision::new(options.limits);
     let switches = Switches::default();
     let is_ordered = options.directions.iter().any(|&direction| direction != 0);
-    // Merged samples have fewer places for a threshold, and for the order a place counts that parts no samples.
+    // Merged samples have fewer places for a threshold, and for the order a place counts that parts no samples; a given
+    // split counts every sample that it parts.
+    let is_whole = is_ordered || options.rules.is_some();
     let samples =
-        if is_ordered { Samples::new(problem).in_units_of(problem) } else { Samples::in_few_rows(problem, &switches) };
+        if is_whole { Samples::new(problem).in_units_of(problem) } else { Samples::in_few_rows(problem, &switches) };
     let view = View::root(&samples);
     let base = samples.base_cost();
     let given = options.incumbent.as_ref().map(|(objective, tree)| (samples.counted(objective - base), tree.clone()));
     // One above the leaf, so that the search finds the leaf itself where nothing is better.
-    let start = given.map_or((view.leaf() + 1, None), |(cost, tree)| (cost, Some(tree)));
+    let beyond = if options.rules.is_some() { Parts::beyond(&samples, &view) } else { view.leaf() + 1 };
+    let start = given.map_or((beyond, None), |(cost, tree)| (cost, Some(tree)));
     let known = Known::new(start);
     let control = Control::reading(supervision.flag());
     let tables = memory::bytes(problem, 1, &switches);
+    let lefts = options.rules.as_ref().map_or_else(Vec::new, |rules| sets_of_features(&samples, rules));
     let work = || {
         let upper = known.best().0;
+        if let Some(rules) = &options.rules {
+            let size = (problem.depth, options.max_splits);
+            return Parts::new(&samples, rules, &lefts, &control, size).search(&view, size, &known);
+        }
         let few = Few::new(&samples, &control, problem.depth, options.max_splits);
         if is_ordered {
             Monotone::new(problem, options, few, &known).search(&view);
@@ -65,7 +80,18 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
             supervision.stop(reason);
         }
     });
-    outcome(&samples, &view, &known, supervision.reason(), control.n_evaluated())
+    let reason = supervision.reason();
+    if options.rules.is_some() && known.best().1.is_none() {
+        return no_tree(&view, &samples, reason, control.n_evaluated());
+    }
+    outcome(&samples, &view, &known, reason, control.n_evaluated())
+}
+
+/// No tree was found: there is none, unless the search was stopped.
+fn no_tree(view: &View, samples: &Samples, reason: Option<Stop>, n_nodes: u64) -> Outcome {
+    let tree = Tree::leaf(samples.labels[view.best_label()]);
+    let stop = reason.unwrap_or(Stop::Optimal);
+    Outcome { tree, objective: i64::MAX, bound: samples.base_cost(), stop, n_nodes }
 }
 
 fn outcome(samples: &Samples, view: &View, known: &Known, reason: Option<Stop>, n_nodes: u64) -> Outcome {

@@ -220,10 +220,33 @@ fn prove(
     Ok(body)
 }
 
+/// A place in a tree: columns with a largest rank on the left (or any), whether a leaf, rows of both sides.
+type NamedRow = (Vec<(u32, Option<u32>)>, bool, [Option<usize>; 2]);
+
+/// Parts of a tree that are asked for, a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct RulesRow {
+    given: Vec<NamedRow>,
+    old: Vec<NamedRow>,
+    max_changes: Option<usize>,
+    bans: Vec<Vec<u32>>,
+}
+
+fn rules_from(row: RulesRow) -> PyResult<shaped::Rules> {
+    let named = |(splits, is_leaf, sides): NamedRow| shaped::Named { splits, is_leaf, sides, n_splits: 0 };
+    let table = |rows: Vec<NamedRow>| {
+        shaped::Rules::table(rows.into_iter().map(named).collect()).map_err(PyValueError::new_err)
+    };
+    let max_changes = row.max_changes.unwrap_or(shaped::NO_LIMIT).min(shaped::NO_LIMIT);
+    Ok(shaped::Rules { given: table(row.given)?, old: table(row.old)?, max_changes, bans: row.bans })
+}
+
 /// The best tree of a shape and a bound: at most so many splits, and for each feature 1 where predictions never fall as
-/// it rises, -1 where they never rise, 0 elsewhere.
+/// it rises, -1 where they never rise, 0 elsewhere; or with parts that are asked for.
 #[pyfunction]
-#[pyo3(signature = (problem, incumbent, limit_values, progress=None, *, max_splits, directions))]
+#[pyo3(signature = (problem, incumbent, limit_values, progress=None, *, max_splits, directions, rules=None))]
+#[allow(clippy::too_many_arguments)]
 fn shaped_search(
     py: Python<'_>,
     problem: &PyProblem,
@@ -232,6 +255,7 @@ fn shaped_search(
     progress: Option<Py<PyAny>>,
     max_splits: usize,
     directions: Vec<i8>,
+    rules: Option<RulesRow>,
 ) -> PyResult<Found> {
     if directions.len() != problem.inner.p {
         return Err(PyValueError::new_err(format!(
@@ -241,7 +265,8 @@ fn shaped_search(
         )));
     }
     let incumbent = known_tree(incumbent)?;
-    let options = shaped::Options { limits: limits(limit_values), incumbent, max_splits, directions };
+    let rules = rules.map(rules_from).transpose()?;
+    let options = shaped::Options { limits: limits(limit_values), incumbent, max_splits, directions, rules };
     let outcome = supervised(py, progress.as_ref(), |keep_going| shaped::solve(&problem.inner, &options, keep_going))?;
     Ok(found(&outcome))
 }

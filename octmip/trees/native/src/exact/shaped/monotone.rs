@@ -14,6 +14,7 @@
 use crate::exact::samples::Samples;
 use crate::exact::shaped::boxes::{Bounds, Fixed, labels, order, side};
 use crate::exact::shaped::few::{Few, least_size};
+use crate::exact::shaped::parts::last_cuts;
 use crate::exact::shaped::wanted::{Known, Options};
 use crate::exact::view::View;
 use crate::problem::Problem;
@@ -231,7 +232,10 @@ impl<'a> Monotone<'a> {
     /// Cuts of a node at the root of trees whose sides cost less than `upper` together in no order; None when stopped.
     pub(super) fn cuts(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Vec<Cut>> {
         if depth == 1 {
-            return Some(self.last_cuts(node, upper - self.penalty));
+            let target = upper - self.penalty;
+            let found = (0..self.samples.p).flat_map(|f| last_cuts(self.samples, &node.view, f, target));
+            let cut = |(feature, position, bounds)| Cut { feature, position, bounds };
+            return Some(found.map(cut).collect());
         }
         let search = &mut self.few.search;
         search.forget();
@@ -240,34 +244,6 @@ impl<'a> Monotone<'a> {
         let found = search.cuts_within(&node.view, depth, upper, whole, 0..self.samples.p)?;
         let cut = found.into_iter().map(|cut| Cut { feature: cut.feature, position: cut.position, bounds: cut.bounds });
         Some(cut.collect())
-    }
-
-    /// The cuts whose sides' best leaves cost less than `target` together.
-    fn last_cuts(&self, node: &Node, target: i64) -> Vec<Cut> {
-        let (samples, view) = (self.samples, &node.view);
-        let least = samples.leaf_size.max(1);
-        let mut cuts = Vec::new();
-        for feature in 0..samples.p {
-            let (ranks, list) = (samples.ranks_of(feature), view.list(feature));
-            let mut left = vec![0; samples.n_labels];
-            let mut range = 0;
-            for position in 1..list.len() {
-                let before = list[position - 1];
-                samples.count(before, 1, &mut left);
-                range += samples.ranges[before as usize];
-                let is_cut = ranks[before as usize] != ranks[list[position] as usize];
-                if !is_cut || position < least || list.len() - position < least {
-                    continue;
-                }
-                let most = left.iter().copied().max().unwrap_or(0);
-                let rest = view.totals.iter().zip(&left).map(|(all, left)| all - left).max().unwrap_or(0);
-                let bounds = [range - most, view.total_range - range - rest];
-                if bounds[0] + bounds[1] < target {
-                    cuts.push(Cut { feature, position, bounds });
-                }
-            }
-        }
-        cuts
     }
 
     /// The samples on both sides of a cut.

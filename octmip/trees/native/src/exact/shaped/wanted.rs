@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::control::Limits;
+use crate::exact::shaped::rules::Rules;
 use crate::tree::Tree;
 
 /// The shape that is wanted beside depth and leaf size, and when to stop.
@@ -18,6 +19,8 @@ pub struct Options {
     /// Of each feature: 1 where the predicted class never falls as it rises, -1 where it never rises, 0 where it may do
     /// either (`p`).
     pub directions: Vec<i8>,
+    /// Parts of the tree that are asked for; not together with directions.
+    pub rules: Option<Rules>,
 }
 
 /// What is known so far, in units of the samples and above the base.

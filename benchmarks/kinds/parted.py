@@ -1,0 +1,130 @@
+"""Trees of classes with parts that are asked for, and several at once: random problems against a list of all trees."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.random import Generator
+
+from benchmarks.kinds.classes import Classes
+from benchmarks.kinds.kind import Question
+from benchmarks.oracles.parts import least_cost_with_parts
+from octmip.errors import ProblemError
+from octmip.trees.losses import ClassCosts
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, Split
+
+MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
+"""By depth: the list of all trees grows with their power."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parted(Classes):
+    """Trees of least cost that have given parts, keep rules for paths or change little."""
+
+    def truth(self, problem: Problem) -> Fraction:
+        """Return the least cost of any tree that has them, -1 where there is none."""
+        least = least_cost_with_parts(problem)
+        return Fraction(-1) if least is None else least
+
+    def ask(self, question: Question, problem: Problem, log: Any) -> Any:
+        """Return the answer to a question; None where the problem is said to have no tree."""
+        try:
+            return Classes.ask(self, question, problem, log)
+        except ProblemError as error:
+            if not str(error).startswith("no tree of depth"):
+                raise
+            return None
+
+    def complaint(self, problem: Problem, answer: Any, truth: Fraction, log: Any) -> str:
+        """Return what is wrong with a solution; '' when nothing is."""
+        if answer is None:
+            return "" if truth < 0 else f"answer: says that there is no tree; one costs {float(truth)}"
+        if truth < 0:
+            return "" if answer.tree is None else "answer: a tree where there is none"
+        return "" if answer.tree is None else Classes.complaint(self, problem, answer, truth, log)
+
+
+def parted_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
+    """Return a problem of whole costs with the parts that are named: fixed, rules, changes, splits."""
+    depth, p = int(rng.choice([1, 2, 2, 3])), int(rng.integers(1, 4))
+    n, k = int(rng.integers(3, MOST_SAMPLES[depth] + (3 if p < 3 else 0))), int(rng.integers(2, 4))
+    labels = rng.integers(0, k, n)
+    labels[:2] = 0, 1
+    costs = rng.integers(0, 5, (k, k)) * (1 - np.eye(k)) if rng.random() < 0.4 else 1 - np.eye(k)
+    features = rng.integers(0, 4 if depth < 3 else 3, (n, p)).astype(float)
+    parts: dict[str, Any] = {}
+    if "fixed" in asked:
+        parts["fixed_splits"] = _given(rng, depth, p)
+    if "rules" in asked:
+        parts["path_rules"] = _rules(rng, p)
+    if "changes" in asked:
+        parts |= {"old_tree": _tree(rng, depth, p), "max_changes": int(rng.integers(0, 5))}
+    if "splits" in asked:
+        parts["max_splits"] = int(rng.integers(1, 2**depth))
+    return Problem(
+        features,
+        labels,
+        depth=depth,
+        loss=ClassCosts(costs),
+        class_names=tuple(range(k)),
+        weights=rng.integers(1, 4 if rng.random() < 0.5 else 2, n).astype(float),
+        leaf_size=int(rng.choice([1, 1, 2])),
+        leaf_penalty=float(rng.choice([0, 0, 1])),
+        **parts,
+    )
+
+
+def _given(rng: Generator, depth: int, p: int) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for _ in range(int(rng.integers(1, 4))):
+        path = "".join(rng.choice(["L", "R"], int(rng.integers(0, depth))))
+        threshold = float(rng.choice([0.5, 1.0, 1.5, 2.5])) if rng.random() < 0.4 else None
+        found[path or "ROOT"] = (int(rng.integers(0, p)), threshold)
+    free = [path + turn for path in ["" if key == "ROOT" else key for key in found] for turn in "LR"]
+    leaf = str(rng.choice(free))
+    if rng.random() < 0.2 and not any(key.startswith(leaf) for key in found):
+        found[leaf] = "leaf"
+    return found
+
+
+def _rules(rng: Generator, p: int) -> list[tuple[Any, ...]]:
+    rules: list[tuple[Any, ...]] = []
+    for _ in range(int(rng.integers(1, 3))):
+        two = [int(f) for f in rng.permutation(p)[:2]]
+        kinds = ["root-only"] if p == 1 else ["not-below", "apart", "root-only"]
+        kind = str(rng.choice(kinds))
+        rules.append((kind, *(two[:1] if kind == "root-only" else two)))
+    return rules
+
+
+def _tree(rng: Generator, depth: int, p: int) -> Node:
+    if depth == 0 or rng.random() < 0.2:
+        return Leaf(int(rng.integers(0, 2)))
+    threshold = float(rng.choice([0.5, 1.0, 1.5, 2.2]))
+    return Split(int(rng.integers(0, p)), threshold, _tree(rng, depth - 1, p), _tree(rng, depth - 1, p))
+
+
+def _fixed(rng: Generator) -> Problem:
+    return parted_problem(rng, ("fixed",))
+
+
+def _ruled(rng: Generator) -> Problem:
+    return parted_problem(rng, ("rules",))
+
+
+def _changed(rng: Generator) -> Problem:
+    return parted_problem(rng, ("changes",))
+
+
+def _several(rng: Generator) -> Problem:
+    names = np.array(["fixed", "rules", "changes", "splits"])
+    return parted_problem(rng, tuple(str(name) for name in rng.permutation(names)[: int(rng.integers(2, 5))]))
+
+
+METHODS = {"exact": 1.0}
+FIXED_KIND = Parted(31, _fixed, METHODS, 0.3, ())
+RULED_KIND = Parted(37, _ruled, METHODS, 0.3, ())
+CHANGED_KIND = Parted(41, _changed, METHODS, 0.3, ())
+SEVERAL_PARTS_KIND = Parted(43, _several, METHODS, 0.3, ())

@@ -1,0 +1,94 @@
+"""The least cost of trees with parts that are asked for, of a small problem: every tree is looked at, nothing is pruned.
+
+Imports nothing of octmip but the problem and its trees. A threshold lies between two neighbouring values of all samples,
+or where a given or an old one does.
+"""
+
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.parts import GivenSplit, PathRule
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, Split
+
+Costs = dict[tuple[int, int], Fraction]
+"""Least cost by the numbers of splits and of changes."""
+
+
+def least_cost_with_parts(problem: Problem) -> Fraction | None:
+    """Return the least objective over all trees that have the parts and keep the rules; None where there is none."""
+    asked = {part.path: part for part in problem.given_splits}
+    rules = tuple((kind, tuple(features)) for kind, features in problem.path_rules or ())
+    costs = _costs(problem, asked, rules, np.arange(problem.n_samples), "", (), problem.old_tree)
+    most = np.inf if problem.max_splits is None else problem.max_splits
+    limit = np.inf if problem.max_changes is None else problem.max_changes
+    return min((cost for (splits, changes), cost in costs.items() if splits <= most and changes <= limit), default=None)
+
+
+def _costs(
+    problem: Problem,
+    asked: dict[str, GivenSplit],
+    rules: tuple[PathRule, ...],
+    rows: NDArray[np.int64],
+    path: str,
+    above: tuple[int, ...],
+    old: Node | None,
+) -> Costs:
+    found: Costs = {}
+    if len(rows) < problem.leaf_size:
+        return found
+    here = asked.get(path)
+    is_split_below = any(part.feature is not None and one.startswith(path) for one, part in asked.items())
+    if not is_split_below:
+        leaf = min(Fraction(float(cost)) for cost in problem.class_costs(rows))
+        found[0, _n_splits(old)] = leaf
+    if len(path) == problem.depth or (here is not None and here.feature is None):
+        return found
+    for feature in range(problem.n_features):
+        if not all(_may_follow(rule, feature, above) for rule in rules):
+            continue
+        for threshold in _thresholds(problem, feature):
+            if here is not None and (here.feature != feature or here.threshold not in (None, threshold)):
+                continue
+            is_left = problem.features[rows, feature] <= threshold
+            is_old = isinstance(old, Split) and (old.feature, old.threshold) == (feature, threshold)
+            was = [None, None] if old is None or isinstance(old, Leaf) else [old.left, old.right]
+            sides = [
+                _costs(problem, asked, rules, rows[part], path + "LR"[side], (*above, feature), was[side])
+                for side, part in enumerate((is_left, ~is_left))
+            ]
+            for (splits, changes), cost in sides[0].items():
+                for (more, others), other in sides[1].items():
+                    key = splits + more + 1, changes + others + (not is_old)
+                    total = cost + other + Fraction(problem.leaf_penalty)
+                    found[key] = min(total, found.get(key, total))
+    return found
+
+
+def _may_follow(rule: tuple[str, tuple[int, ...]], feature: int, above: tuple[int, ...]) -> bool:
+    kind, features = rule
+    if kind == "not-below":
+        return feature != features[0] or not set(features[1:]) & set(above)
+    if kind == "apart":
+        return feature not in features or not (set(features) - {feature}) & set(above)
+    return feature not in features or not above
+
+
+def _thresholds(problem: Problem, feature: int) -> list[float]:
+    values = np.unique(problem.features[:, feature])
+    found = set(((values[:-1] + values[1:]) / 2).tolist())
+    found |= {part.threshold for part in problem.given_splits if part.feature == feature and part.threshold is not None}
+    return sorted(found | _old_thresholds(problem.old_tree, feature))
+
+
+def _old_thresholds(old: Node | None, feature: int) -> set[float]:
+    if old is None or isinstance(old, Leaf):
+        return set()
+    own = {old.threshold} if isinstance(old, Split) and old.feature == feature and old.threshold is not None else set()
+    return own | _old_thresholds(old.left, feature) | _old_thresholds(old.right, feature)
+
+
+def _n_splits(old: Node | None) -> int:
+    return 0 if old is None or isinstance(old, Leaf) else 1 + _n_splits(old.left) + _n_splits(old.right)

@@ -1,0 +1,111 @@
+"""Parts that a problem asks for, as the native core holds them, and the thresholds of a tree that it returns.
+
+The core parts samples at ranks: a given threshold is a rank, and a split of the old tree stays where it parts the
+samples that reach it alike. Its tree then gets those very thresholds, which change no prediction of a sample.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.trees.encoding.ranks import Ranks
+from octmip.trees.encoding.rows import split_as_cut
+from octmip.trees.parts import banned_below
+from octmip.trees.problem import Problem
+from octmip.trees.tree import Leaf, Node, Split, goes_left
+
+NamedRow = tuple[list[tuple[int, int | None]], bool, list[int | None]]
+"""Columns with a largest rank on their left (or any), whether a leaf stands there, rows of both sides."""
+
+
+def rules_of(problem: Problem, ranks: Ranks) -> dict[str, Any]:
+    """Return what the core's search for a shape is told of parts."""
+    banned = banned_below(problem.path_rules or (), problem.n_features)
+    columns = [ranks.columns_of(feature) for feature in range(problem.n_features)]
+    below = [[column for feature in sorted(features) for column in columns[feature]] for features in banned]
+    return {
+        "given": _given_rows(problem, ranks),
+        "old": [] if problem.old_tree is None else _old_rows(problem.old_tree, ranks),
+        "max_changes": problem.max_changes,
+        "bans": [below[ranks.feature(column)] for column in range(ranks.n_columns)],
+    }
+
+
+def _given_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
+    given = {part.path: part for part in problem.fixed_splits or ()}
+    paths = sorted({path[:k] for path in given for k in range(len(path) + 1)}, key=lambda path: (len(path), path))
+    row_of = {path: k for k, path in enumerate(paths)}
+
+    def row(path: str) -> NamedRow:
+        part = given.get(path)
+        sides = [row_of.get(path + turn) for turn in "LR"]
+        if part is None or part.feature is None:
+            return [], part is not None, sides
+        return _splits(part.feature, part.threshold, ranks), False, sides
+
+    return [row(path) for path in paths]
+
+
+def _splits(feature: int, threshold: float | None, ranks: Ranks) -> list[tuple[int, int | None]]:
+    def cut(column: int) -> int | None:
+        if threshold is None:
+            return None
+        # Below the smallest value the cut would be -1: a rank that parts nothing says the same.
+        found = int(np.searchsorted(ranks.values[column], threshold, side="right")) - 1
+        return found if found >= 0 else ranks.n_values[column]
+
+    return [(column, cut(column)) for column in ranks.columns_of(feature)]
+
+
+def _old_rows(tree: Node, ranks: Ranks) -> list[NamedRow]:
+    rows: list[NamedRow] = []
+
+    def add(node: Node) -> int | None:
+        if isinstance(node, Leaf):
+            return None
+        assert isinstance(node, Split)
+        index = len(rows)
+        rows.append(([], False, [None, None]))
+        if node.missing is None or len(ranks.columns_of(node.feature)) == 1:
+            named = [] if node.threshold is None else _splits(node.feature, node.threshold, ranks)
+        else:
+            column, cut = split_as_cut(ranks, node)
+            named = [(column, cut if cut >= 0 else ranks.n_values[column])]
+        # A split that parts nothing here names a rank above all.
+        named = named or [(ranks.columns_of(node.feature)[0], ranks.n_values[ranks.columns_of(node.feature)[0]])]
+        rows[index] = named, False, [add(node.left), add(node.right)]
+        return index
+
+    add(tree)
+    return rows
+
+
+def with_given_thresholds(problem: Problem, tree: Node) -> Node:
+    """Return a tree with the given thresholds, and those of the old tree, wherever they part its samples alike."""
+    given: Mapping[str, float] = {
+        part.path: part.threshold for part in problem.fixed_splits or () if part.threshold is not None
+    }
+
+    def told(node: Node, old: Node | None, path: str, rows: NDArray[np.int64]) -> Node:
+        if isinstance(node, Leaf):
+            return node
+        assert isinstance(node, Split)
+        is_left = goes_left(node, problem.features, rows)
+        before = old if isinstance(old, Split) else None
+        left = told(node.left, before and before.left, path + "L", rows[is_left])
+        right = told(node.right, before and before.right, path + "R", rows[~is_left])
+        found = replace(node, left=left, right=right)
+        thresholds = [given[path]] if path in given else []
+        if before is not None and before.feature == node.feature and not thresholds:
+            is_alike = None in (before.missing, node.missing) or before.missing == node.missing
+            thresholds = [before.threshold] if is_alike and before.threshold is not None else []
+        for threshold in thresholds:
+            moved = replace(found, threshold=threshold)
+            if (goes_left(moved, problem.features, rows) == is_left).all():
+                return moved
+        return found
+
+    return told(tree, problem.old_tree, "", np.arange(problem.n_samples))
