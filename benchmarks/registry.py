@@ -39,6 +39,7 @@ FAMILIES = {
     "fuzz_exact": "benchmarks.cases.fuzz.exact",
     "fuzz_sample_costs": "benchmarks.cases.fuzz.sample_costs",
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
+    "fuzz_parts": "benchmarks.cases.fuzz.parts",
     "gaps_strains": "benchmarks.cases.missing_readings",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",

@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
 from benchmarks.kinds.classes import Classes
-from benchmarks.kinds.kind import Question
 from benchmarks.oracles.parts import least_cost_with_parts
-from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split
 
 MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
@@ -23,27 +23,24 @@ MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
 class Parted(Classes):
     """Trees of least cost that have given parts, keep rules for paths or change little."""
 
+    def draw(self, rng: Generator) -> Problem:
+        """Return a random problem that has a tree."""
+        while True:
+            problem = self.drawn(rng)
+            if least_cost_with_parts(problem) is not None:
+                return problem
+
     def truth(self, problem: Problem) -> Fraction:
-        """Return the least cost of any tree that has them, -1 where there is none."""
+        """Return the least cost of any tree that has the parts."""
         least = least_cost_with_parts(problem)
-        return Fraction(-1) if least is None else least
+        assert least is not None
+        return least
 
-    def ask(self, question: Question, problem: Problem, log: Any) -> Any:
-        """Return the answer to a question; None where the problem is said to have no tree."""
-        try:
-            return Classes.ask(self, question, problem, log)
-        except ProblemError as error:
-            if not str(error).startswith("no tree of depth"):
-                raise
-            return None
-
-    def complaint(self, problem: Problem, answer: Any, truth: Fraction, log: Any) -> str:
-        """Return what is wrong with a solution; '' when nothing is."""
-        if answer is None:
-            return "" if truth < 0 else f"answer: says that there is no tree; one costs {float(truth)}"
-        if truth < 0:
-            return "" if answer.tree is None else "answer: a tree where there is none"
-        return "" if answer.tree is None else Classes.complaint(self, problem, answer, truth, log)
+    def complaint(self, problem: Problem, answer: Solution, truth: Fraction, log: Path) -> str:
+        """Return what is wrong with a solution; '' when nothing is, or a limit came before the first tree."""
+        if answer.tree is None:
+            return "answer: no tree and no limit" if answer.stop is Stop.OPTIMAL else ""
+        return Classes.complaint(self, problem, answer, truth, log)
 
 
 def parted_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
@@ -124,7 +121,9 @@ def _several(rng: Generator) -> Problem:
 
 
 METHODS = {"exact": 1.0}
-FIXED_KIND = Parted(31, _fixed, METHODS, 0.3, ())
-RULED_KIND = Parted(37, _ruled, METHODS, 0.3, ())
-CHANGED_KIND = Parted(41, _changed, METHODS, 0.3, ())
-SEVERAL_PARTS_KIND = Parted(43, _several, METHODS, 0.3, ())
+PART_KINDS = {
+    "fixed_splits": Parted(31, _fixed, METHODS, 0.3, ()),
+    "path_rules": Parted(37, _ruled, METHODS, 0.3, ()),
+    "max_changes": Parted(41, _changed, METHODS, 0.3, ()),
+    "parts": Parted(43, _several, METHODS, 0.3, ()),
+}

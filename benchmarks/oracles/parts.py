@@ -1,7 +1,7 @@
-"""The least cost of trees with parts that are asked for, of a small problem: every tree is looked at, nothing is pruned.
+"""The least cost of trees with parts that are asked for, of a small problem: every tree is looked at, none is cut off.
 
-Imports nothing of octmip but the problem and its trees. A threshold lies between two neighbouring values of all samples,
-or where a given or an old one does.
+Imports nothing of octmip but the problem and its trees. A threshold lies between two neighbouring values of all
+samples, or where a given or an old one does.
 """
 
 from fractions import Fraction
@@ -20,7 +20,7 @@ Costs = dict[tuple[int, int], Fraction]
 def least_cost_with_parts(problem: Problem) -> Fraction | None:
     """Return the least objective over all trees that have the parts and keep the rules; None where there is none."""
     asked = {part.path: part for part in problem.given_splits}
-    rules = tuple((kind, tuple(features)) for kind, features in problem.path_rules or ())
+    rules = problem.rules_of_paths
     costs = _costs(problem, asked, rules, np.arange(problem.n_samples), "", (), problem.old_tree)
     most = np.inf if problem.max_splits is None else problem.max_splits
     limit = np.inf if problem.max_changes is None else problem.max_changes

@@ -48,7 +48,8 @@ def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
     if problem.is_shaped:
         raise ProblemError(
-            "max_splits or monotone is given, of which a problem file says nothing; leave it or the file out"
+            "max_splits, monotone or a part of the tree is given, of which a problem file says nothing; leave it or "
+            "the file out"
         )
     return (_of_classes(problem) if problem.loss.predicts == "class" else _of_numbers(problem)) | _of_both(problem)
 
@@ -121,6 +122,9 @@ def question_digest(problem: Problem) -> str:
         _add(sha, "max_splits", np.array([problem.limited_splits]))
     if problem.monotone is not None:
         _add(sha, "monotone", np.array(problem.directions))
+    if problem.has_parts:
+        asked = [problem.given_splits, problem.rules_of_paths, problem.old_tree, problem.max_changes]
+        _add(sha, "parts", np.frombuffer(repr(asked).encode(), dtype=np.uint8))
     groups: Iterable[Iterable[Any]] = problem.allowed_splits or ()
     for group in groups:
         _add(sha, "group", np.array(list(group), dtype=np.int64))

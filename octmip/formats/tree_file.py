@@ -20,7 +20,7 @@ One without the entry refuses them. Floats are written with as many digits as fl
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal
@@ -36,10 +36,11 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
+from octmip.trees.parts import address, words_of_rules
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import SIGNS
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
+from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits, without_predictions
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +156,9 @@ def record_tree(
     settings["depth"] = None if problem.any_depth else problem.depth
     settings["allowed_splits"] = problem.allowed_splits and [list(group) for group in problem.allowed_splits]
     settings["monotone"] = None if problem.monotone is None else [SIGNS[way] for way in problem.directions]
+    given = {address(part.path): part.split_words(problem.feature_names) for part in problem.given_splits}
+    settings["fixed_splits"] = given or None
+    settings["path_rules"] = words_of_rules(problem.rules_of_paths, problem.feature_names) or None
     settings["loss"] = problem.loss.to_json()
     settings["sensor_of_feature"] = list(problem.sensor_of_feature or ())
     settings["sensor_cost"] = dict(zip(problem.sensors, problem.sensor_costs.tolist(), strict=True))
@@ -209,7 +213,7 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "tree": encode_tree(file.tree, file.feature_names, file.class_names),
         "feature_names": list(file.feature_names),
         "class_names": list(file.class_names),
-        "problem": dict(file.settings),
+        "problem": dict(file.settings) | {"old_tree": _old_tree(file)},
         "training": {
             "sha256": file.sha256,
             "n_samples": file.n_samples,
@@ -221,6 +225,11 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "table": None if file.preparation is None else file.preparation.to_json(),
         "held_out": None if file.held_out is None else dataclasses.asdict(file.held_out),
     }
+
+
+def _old_tree(file: TreeFile) -> dict[str, Any] | None:
+    old = file.settings["old_tree"]
+    return None if old is None else encode_tree(old, file.feature_names, file.class_names)
 
 
 def finite_or_none(number: float) -> float | None:
@@ -273,7 +282,7 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         solution=Solution(tree=tree, **claims | {"stop": Stop(claims["stop"])}),
         feature_names=features,
         class_names=classes,
-        settings=_sized(content["problem"], len(features), len(classes), training["n_samples"]),
+        settings=_sized(content["problem"], features, classes, training["n_samples"]),
         sha256=training["sha256"],
         n_samples=training["n_samples"],
         target_column=training["target"],
@@ -321,8 +330,11 @@ def _counts(training: dict[str, Any], n_leaves: int, n_classes: int) -> NDArray[
     return np.array(rows, dtype=np.int64)
 
 
-def _sized(settings: dict[str, Any], n_features: int, n_classes: int, n_samples: int) -> dict[str, Any]:
-    """Return the settings, once their sizes fit the names."""
+def _sized(
+    settings: dict[str, Any], features: tuple[Any, ...], classes: tuple[Any, ...], n_samples: int
+) -> dict[str, Any]:
+    """Return the settings, once their sizes fit the names, the old tree decoded."""
+    n_features, n_classes = len(features), len(classes)
     costs = settings["loss"].get("costs", [])
     n_rows = n_samples if settings["loss"]["name"] == SAMPLE_COSTS else n_classes
     if [len(row) for row in costs] != [n_classes] * n_rows:
@@ -330,7 +342,8 @@ def _sized(settings: dict[str, Any], n_features: int, n_classes: int, n_samples:
     if len(settings["sensor_of_feature"]) != n_features:
         got = len(settings["sensor_of_feature"])
         raise TreeError(f"problem.sensor_of_feature has {got} names; expected one for each of {n_features} features")
-    return settings
+    old = settings["old_tree"]
+    return settings | {"old_tree": None if old is None else decode_tree(old, features, classes)}
 
 
 def tree_for(problem: Problem, file: TreeFile) -> Node:
@@ -343,6 +356,18 @@ def tree_for(problem: Problem, file: TreeFile) -> Node:
     """
     named = encode_tree(file.tree, file.feature_names, file.class_names)
     return decode_tree(named, problem.feature_names, problem.class_names)
+
+
+def old_tree_for(feature_names: Sequence[str], file: TreeFile) -> Node:
+    """Return the splits of a file's tree over these features, each leaf the first class.
+
+    Raises
+    ------
+    TreeError
+        a feature that the tree reads is not among them.
+    """
+    named = encode_tree(without_predictions(file.tree), file.feature_names, ("",))
+    return decode_tree(named, feature_names, ("",))
 
 
 def columns_read(file: TreeFile) -> tuple[str, ...]:

@@ -110,6 +110,10 @@ SETTINGS: dict[str, Kind] = {
     "integer_normals": maybe(COUNT),
     "max_splits": maybe(Whole()),
     "monotone": maybe(ListOf(Choice(("+", "-", "0")))),
+    "fixed_splits": maybe(MapOf(NAME)),
+    "path_rules": maybe(ListOf(ListOf(NAME, 2))),
+    "old_tree": maybe(NODE),
+    "max_changes": maybe(Whole()),
     "gaps": Truth(),
 }
 CLAIMS: dict[str, Kind] = {

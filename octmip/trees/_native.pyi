@@ -320,8 +320,8 @@ def shaped_search(
     """Return the best tree of a shape and a bound.
 
     `directions`: for each column 1 where predictions never fall as it rises, -1 where they never rise, 0 elsewhere.
-    `rules`: parts that are asked for, as `octmip.trees.encoding.parts.rules_of` returns them, not with directions; where
-    no tree has them the objective is `octmip.trees.methods.native_call.NO_TREE`.
+    `rules`: parts that are asked for, as `octmip.trees.encoding.parts.rules_of` returns them, not with directions;
+    where no tree has them the objective is `octmip.trees.methods.native_call.NO_TREE`.
     """
 
 def exact_bytes(problem: Problem, n_threads: int) -> float:

@@ -176,8 +176,8 @@ def _check_tree(problem: Problem, tree: Node) -> None:
 def _broken_part(problem: Problem, tree: Node) -> str | None:
     """Return a sentence about the first part that is asked for and a tree lacks; None where it has all."""
     broken = missing_part(tree, problem.given_splits, problem.feature_names)
-    if broken is None and problem.path_rules is not None:
-        broken = broken_rule(tree, problem.path_rules, problem.feature_names)
+    if broken is None:
+        broken = broken_rule(tree, problem.rules_of_paths, problem.feature_names)
     if broken is None and problem.max_changes is not None:
         changes = n_changes(tree, problem.old_tree)
         if changes > problem.max_changes:

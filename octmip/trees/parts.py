@@ -11,6 +11,7 @@ The address of a node is the way to it from the root, a letter for each split: "
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 from octmip.errors import ProblemError
@@ -151,6 +152,35 @@ def _rule(rule: Any, names: tuple[str, ...], what: str) -> PathRule:
     if len(set(found)) < RULES[kind] or (kind == "apart" and len(set(found)) < len(found)):
         raise ProblemError(f"{what} has the rule {rule!r}; expected {RULES[kind]} or more different features after it")
     return kind, found
+
+
+def rules_of_columns(rules: Sequence[Sequence[str]], column_of_feature: Sequence[str]) -> list[tuple[str | int, ...]]:
+    """Return rules for columns as rules for the features that were made of them, by index.
+
+    Raises
+    ------
+    ProblemError
+        a column is unknown.
+    """
+
+    def features(column: str) -> list[int]:
+        found = [j for j, of in enumerate(column_of_feature) if of == column]
+        if not found:
+            raise ProblemError(
+                f"a rule names {column!r}; expected one of the columns {', '.join(column_of_feature[:8])}"
+            )
+        return found
+
+    found: list[tuple[str | int, ...]] = []
+    for kind, *columns in rules:
+        groups = [features(column) for column in columns]
+        if kind == "not-below":
+            found += [(kind, one, *(j for group in groups[1:] for j in group)) for one in groups[0]]
+        elif kind == "apart":
+            found += [(kind, one, other) for a, b in combinations(groups, 2) for one in a for other in b]
+        else:
+            found.append((kind, *(j for group in groups for j in group)))
+    return found
 
 
 def banned_below(rules: Sequence[PathRule], n_features: int) -> list[set[int]]:

@@ -184,7 +184,7 @@ class Problem(Shape):
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
         words += [f"monotone={words_of(self.feature_names, self.directions)}"] if self.monotone is not None else []
         words += [part.words(self.feature_names) for part in self.given_splits]
-        words += [" ".join(rule) for rule in words_of_rules(self.path_rules or (), self.feature_names)]
+        words += [" ".join(rule) for rule in words_of_rules(self.rules_of_paths, self.feature_names)]
         words += [f"max_changes={self.max_changes}"] if self.max_changes is not None else []
         words += [f"{self.n_missing} readings missing"] if self.gaps else []
         words += [] if (self.weights == 1).all() else ["weighted"]

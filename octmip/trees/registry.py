@@ -86,7 +86,10 @@ PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
 """The exact core for trees of any depth: a log has no line for the bounds that end them."""
 TWO_FEATURE = Registration(
-    "octmip.trees.methods.two_feature", "two_feature_branch_and_bound", proves=True, cannot=("max_splits", "monotone", *PARTS)
+    "octmip.trees.methods.two_feature",
+    "two_feature_branch_and_bound",
+    proves=True,
+    cannot=("max_splits", "monotone", *PARTS),
 )
 OCT = Registration(
     "octmip.trees.mip.oct",
@@ -96,13 +99,18 @@ OCT = Registration(
     cannot=("any_depth", "monotone", *PARTS),
     without=("cluster", "mu"),
 )
-OCT_H = Registration("octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone", *PARTS))
+OCT_H = Registration(
+    "octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone", *PARTS)
+)
 FLOW_OF_PLANES = Registration(
     "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("any_depth", "monotone", *PARTS)
 )
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
 BENDERS = Registration(
-    "octmip.trees.mip.benders.solver", "solve_benders", proves=True, cannot=("any_depth", "max_splits", "monotone", *PARTS)
+    "octmip.trees.mip.benders.solver",
+    "solve_benders",
+    proves=True,
+    cannot=("any_depth", "max_splits", "monotone", *PARTS),
 )
 NUMBERS = Registration(
     "octmip.trees.regression.exact",

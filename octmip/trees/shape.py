@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.trees.parts import GivenSplit, PathRule, address, given_splits, path_rules
 from octmip.trees.problem_values import directions_of, number_of, sensor_costs_of, whole_of
-from octmip.trees.tree import HyperplaneSplit, Node, features_used, splits
+from octmip.trees.tree import HyperplaneSplit, Node, features_used, splits, without_predictions
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -219,13 +219,14 @@ class Shape:
             )
         if (self.old_tree is None) != (self.max_changes is None):
             raise ProblemError("old_tree and max_changes belong together and only one is given; give both, or neither")
-        if self.old_tree is not None:
+        if self.old_tree is not None and self.max_changes is not None:
             set_field(self, "max_changes", whole_of(self.max_changes, "max_changes", 0, None))
             self._check_old_tree(self.old_tree, len(feature_names))
+            set_field(self, "old_tree", without_predictions(self.old_tree))
         if self.has_parts and (self.split != "axis" or self.leaf_model != "constant" or self.monotone is not None):
             raise ProblemError(
-                "fixed_splits, path_rules or max_changes is given with hyperplanes, linear leaves or monotone, which no "
-                "search here knows together; leave one of them out"
+                "fixed_splits, path_rules or max_changes is given with hyperplanes, linear leaves or monotone, which "
+                "no search knows together; leave one of them out"
             )
 
     @staticmethod
@@ -285,6 +286,11 @@ class Shape:
     def given_splits(self) -> tuple[GivenSplit, ...]:
         """`fixed_splits` once they are checked."""
         return tuple(self.fixed_splits or ())  # type: ignore[arg-type]
+
+    @property
+    def rules_of_paths(self) -> tuple[PathRule, ...]:
+        """`path_rules` once they are checked."""
+        return tuple(self.path_rules or ())  # type: ignore[arg-type]
 
     @property
     def is_leaf_allowed(self) -> bool:

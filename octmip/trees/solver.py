@@ -186,7 +186,9 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
         raise ProblemError("proof is given with costs of single samples, which no log knows; leave proof out")
     made = weighted_rows(problem)
     if made is None and not problem.is_leaf_allowed:
-        raise ProblemError("every decision costs the same for all samples, so no part of a tree has a price; leave it out")
+        raise ProblemError(
+            "every decision costs the same for all samples, so no part of a tree has a price; leave it out"
+        )
     if made is None:
         leaf = problem.best_leaf()
         objective = problem.objective(leaf)

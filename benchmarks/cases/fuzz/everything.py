@@ -7,7 +7,7 @@ chunk of seeds; the table of docs/reliability.md at the end. What counts as wron
     bound       the bound lies above the least cost
     answer      the tree breaks a limit of the problem, or its objective in fractions is another
     proof       a log that was written is refused by the checker, or accepted for a claim above the least cost
-    exception   anything but the project's own errors; or one of these where the problem has a tree (any has: a leaf)
+    exception   anything but the project's own errors; or one of these: every problem has a tree
     warning     any
     late        the call took over a second more than its limit allows
     hang        the call did not end at all
@@ -47,6 +47,7 @@ from benchmarks.kinds.classes import (
 from benchmarks.kinds.kind import Kind, Question
 from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
 from benchmarks.kinds.others import NearSets, Numbers, WorstCases
+from benchmarks.kinds.parted import PART_KINDS
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.registry import REGISTRY
@@ -67,6 +68,7 @@ KINDS: dict[str, Kind] = {
     "sparse": SPARSE_KIND,
     "monotone": MONOTONE_KIND,
     "monotone_few": MONOTONE_FEW_KIND,
+    **PART_KINDS,
     "numbers": Numbers(),
     "worst_case": WorstCases(),
     "near": NearSets(),

@@ -25,6 +25,7 @@ from octmip.trees.solution import ProofError
 COMMANDS = {
     "solve": "find the best tree for a table, and prove how good it is",
     "certify": "recompute what a tree file claims, from tree and data alone",
+    "edit": "say what a change of a tree costs: the best tree that has given splits, proven",
     "predict": "apply a tree file to a table",
     "compare": "run every method on a table and show their gaps side by side",
     "benchmark": "run every method on every table of a folder: how many each proves, how fast, and the gap meanwhile",

@@ -51,6 +51,10 @@ MOST_SECONDS = 60.0
 OF_A_DEPTH: dict[str, object] = {
     "max_leaves": None,
     "monotone": None,
+    "fix": [],
+    "path_rule": [],
+    "old_tree": None,
+    "max_changes": None,
     "method": "auto",
     "gap": 0.0,
     "incumbent": None,

@@ -43,6 +43,9 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     monotonic_cst
         for each column of X 1 where the prediction never falls as it rises, -1 where it never rises, 0 elsewhere, or
         a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes.
+    fixed_splits, path_rules
+        parts that the tree must have and rules for the columns on a path, where `max_depth` is not "auto"; as
+        `octmip.Problem` takes them, splits by feature and rules by column; None: none.
     leaf_penalty
         price of one feature in one split, in units of weight times cost; "auto" chooses its own.
     costs

@@ -31,6 +31,7 @@ from octmip.interfaces.estimator.settings import (
 )
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.options import NO_OPTIONS
+from octmip.trees.parts import rules_of_columns
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run
 from octmip.trees.shape import splits_of
@@ -77,6 +78,8 @@ class FittedTree(Settings):
             split_size=self.split_size,
             leaf_size=leaf_size_of(self.min_samples_leaf, int(kept.sum())),
             monotone=directions_of_columns(self.columns_, self.monotonic_cst),
+            fixed_splits=self.fixed_splits,
+            path_rules=rules_of_columns(self.path_rules or (), self.columns_.column_of_feature),
             max_splits=splits_of(self.max_leaf_nodes, self.split, "max_leaf_nodes"),
             leaf_penalty=self.leaf_penalty,
             weights=weights[kept],

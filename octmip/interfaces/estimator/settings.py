@@ -38,6 +38,8 @@ class Settings:
     min_samples_leaf: float = 1
     max_leaf_nodes: int | None = None
     monotonic_cst: Mapping[str, int] | Sequence[int] | None = None
+    fixed_splits: Mapping[str, Any] | None = None
+    path_rules: Sequence[Sequence[str]] | None = None
     leaf_penalty: float = 0.0
     sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
@@ -70,6 +72,7 @@ def depth_of(settings: Settings) -> Any:
     if settings.max_depth != AUTO:
         return whole_of(settings.max_depth, "max_depth", 1, MAX_DEPTH)
     chosen = {"leaf_penalty": 0, "method": AUTO, "options": None, "max_leaf_nodes": None, "monotonic_cst": None}
+    chosen |= {"fixed_splits": None, "path_rules": None}
     for name, usual in chosen.items():
         if (value := getattr(settings, name)) != usual:
             raise ProblemError(

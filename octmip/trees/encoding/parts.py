@@ -23,19 +23,19 @@ NamedRow = tuple[list[tuple[int, int | None]], bool, list[int | None]]
 
 def rules_of(problem: Problem, ranks: Ranks) -> dict[str, Any]:
     """Return what the core's search for a shape is told of parts."""
-    banned = banned_below(problem.path_rules or (), problem.n_features)
+    banned = banned_below(problem.rules_of_paths, problem.n_features)
     columns = [ranks.columns_of(feature) for feature in range(problem.n_features)]
     below = [[column for feature in sorted(features) for column in columns[feature]] for features in banned]
     return {
         "given": _given_rows(problem, ranks),
-        "old": [] if problem.old_tree is None else _old_rows(problem.old_tree, ranks),
+        "old": _old_rows(problem, ranks),
         "max_changes": problem.max_changes,
         "bans": [below[ranks.feature(column)] for column in range(ranks.n_columns)],
     }
 
 
 def _given_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
-    given = {part.path: part for part in problem.fixed_splits or ()}
+    given = {part.path: part for part in problem.given_splits}
     paths = sorted({path[:k] for path in given for k in range(len(path) + 1)}, key=lambda path: (len(path), path))
     row_of = {path: k for k, path in enumerate(paths)}
 
@@ -60,33 +60,45 @@ def _splits(feature: int, threshold: float | None, ranks: Ranks) -> list[tuple[i
     return [(column, cut(column)) for column in ranks.columns_of(feature)]
 
 
-def _old_rows(tree: Node, ranks: Ranks) -> list[NamedRow]:
+def _old_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
+    thresholds = {part.path: part.threshold for part in problem.given_splits}
     rows: list[NamedRow] = []
 
-    def add(node: Node) -> int | None:
+    def add(node: Node, path: str) -> int | None:
         if isinstance(node, Leaf):
             return None
         assert isinstance(node, Split)
         index = len(rows)
         rows.append(([], False, [None, None]))
-        if node.missing is None or len(ranks.columns_of(node.feature)) == 1:
-            named = [] if node.threshold is None else _splits(node.feature, node.threshold, ranks)
-        else:
-            column, cut = split_as_cut(ranks, node)
-            named = [(column, cut if cut >= 0 else ranks.n_values[column])]
-        # A split that parts nothing here names a rank above all.
-        named = named or [(ranks.columns_of(node.feature)[0], ranks.n_values[ranks.columns_of(node.feature)[0]])]
-        rows[index] = named, False, [add(node.left), add(node.right)]
+        is_moved = thresholds.get(path) not in (None, node.threshold)
+        sides = [add(node.left, path + "L"), add(node.right, path + "R")]
+        rows[index] = ([_nowhere(node, ranks)] if is_moved else _kept(node, ranks)), False, sides
         return index
 
-    add(tree)
+    add(problem.old_tree or Leaf(0), "")
     return rows
+
+
+def _kept(split: Split, ranks: Ranks) -> list[tuple[int, int | None]]:
+    """Return the cuts that are the same split."""
+    if split.missing is not None and len(ranks.columns_of(split.feature)) > 1:
+        column, cut = split_as_cut(ranks, split)
+        return [(column, cut) if cut >= 0 else _nowhere(split, ranks)]
+    if split.threshold is None:
+        return [_nowhere(split, ranks)]
+    return _splits(split.feature, split.threshold, ranks)
+
+
+def _nowhere(split: Split, ranks: Ranks) -> tuple[int, int]:
+    """Return a cut that parts no samples: the split is one that no tree here can have."""
+    column = ranks.columns_of(split.feature)[0]
+    return column, ranks.n_values[column]
 
 
 def with_given_thresholds(problem: Problem, tree: Node) -> Node:
     """Return a tree with the given thresholds, and those of the old tree, wherever they part its samples alike."""
     given: Mapping[str, float] = {
-        part.path: part.threshold for part in problem.fixed_splits or () if part.threshold is not None
+        part.path: part.threshold for part in problem.given_splits if part.threshold is not None
     }
 
     def told(node: Node, old: Node | None, path: str, rows: NDArray[np.int64]) -> Node:

@@ -294,8 +294,8 @@ class _Search:
         asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem, name)]
         raise ProblemError(
             f"no tree of depth {self.problem.depth} with leaves of {self.problem.leaf_size} samples or more has what "
-            f"{' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, leaves a side empty "
-            "or too small; ask for less, or give more depth"
+            f"{' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, leaves a side "
+            "empty or too small; ask for less, or give more depth"
         )
 
     def _keep(self, tree: Node | None, least: float = 0.0) -> None:

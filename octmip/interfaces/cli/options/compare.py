@@ -12,6 +12,7 @@ import argparse
 from octmip.interfaces.cli.arguments import (
     DATA,
     METHOD,
+    TREE,
     add_everyday_arguments,
     add_method_options,
     add_problem_arguments,
@@ -20,6 +21,7 @@ from octmip.interfaces.cli.arguments import (
     rarely,
 )
 from octmip.interfaces.cli.samples.options import add_held_out_arguments
+from octmip.interfaces.cli.samples.part_arguments import add_part_arguments
 
 EXAMPLES = """\
   octmip compare iris.csv --label species --depth 3
@@ -43,5 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser, of_folder: bool = False) -> N
             help="beside them a linear model, pruned CART, a random forest and gradient boosting",
         )
     add_problem_arguments(parser)
+    add_part_arguments(group_of(parser, TREE))
     add_run_arguments(parser, with_method=False)
     add_method_options(parser)

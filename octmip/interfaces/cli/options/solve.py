@@ -14,6 +14,7 @@ from octmip.interfaces.cli.arguments import (
     DATA,
     METHOD,
     OUTPUT,
+    TREE,
     add_everyday_arguments,
     add_flag,
     add_method_options,
@@ -24,6 +25,7 @@ from octmip.interfaces.cli.arguments import (
 )
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import add_held_out_arguments
+from octmip.interfaces.cli.samples.part_arguments import add_part_arguments
 
 EXAMPLES = """\
   octmip solve iris.csv --label species
@@ -44,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_everyday_arguments(parser, has_target=True, chooses=True)
     rarely(add_held_out_arguments(group_of(parser, DATA)))
     add_problem_arguments(parser)
+    add_part_arguments(group_of(parser, TREE))
     output, method = group_of(parser, OUTPUT), group_of(parser, METHOD)
     writes(output.add_argument("--out", metavar="TREE.json", help="write the tree to this file"))
     add_run_arguments(parser)

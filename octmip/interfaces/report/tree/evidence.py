@@ -128,9 +128,10 @@ def gather(
     CertificateError
         the tree is not what its file claims.
     """
-    greedy = greedy_tree(problem, seed=file.solution.seed)
-    out = Evidence(problem, certify(problem, file.solution), greedy, certify(problem, greedy))
-    if seconds <= 0:
+    free = replace(problem, fixed_splits=None, path_rules=None, old_tree=None, max_changes=None)
+    greedy = greedy_tree(free, seed=file.solution.seed)  # it knows no parts
+    out = Evidence(problem, certify(problem, file.solution), greedy, certify(free, greedy))
+    if seconds <= 0 or problem.has_parts:  # fewer levels may not hold the parts
         return out
     each = seconds / max(1, _levels(file, problem) - 1)
     run = Run(limits=Limits(seconds=each), seed=file.solution.seed, n_jobs=n_jobs, progress=progress)

@@ -1,7 +1,7 @@
 """What the tree reads, what errors cost, and how it was made, as rows of tables."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from octmip.formats.names import shown
@@ -90,6 +90,12 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
         ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
         ("monotone", _order(asked["monotone"], file.feature_names) if asked["monotone"] else None),
+        ("given splits", _given(asked["fixed_splits"])),
+        ("rules for paths", _rules(asked["path_rules"])),
+        (
+            "splits that differ from the old tree's",
+            None if asked["old_tree"] is None else _at_most(asked["max_changes"]),
+        ),
         ("sensor budget", None if asked["sensor_budget"] is None else figure(asked["sensor_budget"])),
         ("features that may meet", _groups(asked["allowed_splits"])),
         ("coefficients", _integers(asked["integer_normals"])),
@@ -117,6 +123,23 @@ def _groups(groups: Any) -> str | None:
 
 def _integers(most: int | None) -> str | None:
     return None if most is None else f"whole numbers up to {most:,}"
+
+
+def _given(splits: Mapping[str, str] | None) -> str | None:
+    return None if splits is None else "; ".join(f"{place}: {shown(split)}" for place, split in splits.items())
+
+
+def _rules(rules: Sequence[Sequence[str]] | None) -> str | None:
+    """Return which features may not follow each other on a path."""
+    if rules is None:
+        return None
+    names = [[shown(name) for name in names] for _, *names in rules]
+    words: dict[str, Callable[[list[str]], str]] = {
+        "not-below": lambda names: f"{names[0]} never below {', '.join(names[1:])}",
+        "apart": lambda names: f"{', '.join(names)} not on one path",
+        "root-only": lambda names: f"{', '.join(names)} at the root only",
+    }
+    return "; ".join(words[kind](of_rule) for (kind, *_), of_rule in zip(rules, names, strict=True))
 
 
 def _order(signs: Sequence[str], names: Sequence[str]) -> str:

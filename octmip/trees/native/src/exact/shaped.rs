@@ -7,13 +7,17 @@
 //! boxes      what a node holds of the space of ranks, and which two leaves must be in order
 //! monotone   the best tree that keeps the order, from the best one that need not as a bound
 //! coupled    a cut of a monotone feature: one side leaf by leaf, the other solved beside it
+//! last_cuts  cuts whose sides are leaves
 //! rules      given splits, features that may not follow each other, an old tree
+//! left       the features that are left beside those that a path has banned
 //! parts      the best tree that obeys them, from the best one that need not as a bound
 //! ```
 
 mod boxes;
 mod coupled;
 mod few;
+mod last_cuts;
+mod left;
 mod monotone;
 mod parts;
 mod rules;
@@ -30,8 +34,9 @@ use crate::supervise::Supervision;
 use crate::tree::Tree;
 
 use few::Few;
+use left::sets_of_features;
 use monotone::Monotone;
-use parts::{Parts, sets_of_features};
+use parts::Parts;
 use wanted::Known;
 
 pub use rules::{NO_LIMIT, Named, Rules};

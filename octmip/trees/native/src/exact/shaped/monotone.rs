@@ -14,7 +14,7 @@
 use crate::exact::samples::Samples;
 use crate::exact::shaped::boxes::{Bounds, Fixed, labels, order, side};
 use crate::exact::shaped::few::{Few, least_size};
-use crate::exact::shaped::parts::last_cuts;
+use crate::exact::shaped::last_cuts::last_cuts;
 use crate::exact::shaped::wanted::{Known, Options};
 use crate::exact::view::View;
 use crate::problem::Problem;

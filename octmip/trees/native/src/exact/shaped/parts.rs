@@ -17,21 +17,15 @@ use std::sync::Arc;
 use crate::effort::Control;
 use crate::exact::samples::Samples;
 use crate::exact::shaped::few::{Few, least_size};
+use crate::exact::shaped::last_cuts::{Cut, last_cuts};
+use crate::exact::shaped::left::{Left, with};
 use crate::exact::shaped::rules::{NO_LIMIT, Named, Rules};
 use crate::exact::shaped::wanted::Known;
 use crate::exact::view::View;
 use crate::tree::{Node as Row, Tree};
 
-/// Sets of banned features that have a search of their own; beyond them that of a smaller set bounds.
-const MOST_SETS: usize = 64;
-
-/// The samples with the features that are left beside a set of banned ones.
-pub(super) struct Left {
-    banned: Arc<[bool]>,
-    /// Usable features that are left.
-    columns: Vec<usize>,
-    samples: Samples,
-}
+/// So many changes are allowed one by one before all are.
+const MOST_CHANGES_FIRST: usize = 6;
 
 /// What is asked for at a node.
 #[derive(Debug, Clone)]
@@ -48,9 +42,6 @@ struct Asked {
     splits: usize,
 }
 
-/// A cut of a node: feature, samples left of it, lower bounds of both sides.
-type Cut = (usize, usize, [i64; 2]);
-
 /// A tree that was found and its cost.
 type Found = Option<(i64, Tree)>;
 
@@ -65,38 +56,6 @@ pub(super) struct Parts<'a> {
     control: &'a Control,
     marks: Vec<bool>,
     n_solved: u64,
-}
-
-/// The sets of banned features that paths may come to, at most so many, that of the root first.
-pub(super) fn sets_of_features(samples: &Samples, rules: &Rules) -> Vec<Left> {
-    let bans = rules.bans_of(&samples.features);
-    let mut sets: Vec<Arc<[bool]>> = vec![vec![false; samples.p].into()];
-    let mut next = 0;
-    while next < sets.len() && sets.len() < MOST_SETS {
-        let set = sets[next].clone();
-        for f in (0..samples.p).filter(|&f| !set[f] && !bans[f].is_empty()) {
-            let below = with(&set, &bans[f]);
-            if !sets.contains(&below) && sets.len() < MOST_SETS {
-                sets.push(below);
-            }
-        }
-        next += 1;
-    }
-    let left = |banned: Arc<[bool]>| {
-        let columns: Vec<usize> = (0..samples.p).filter(|&f| !banned[f]).collect();
-        let samples = samples.with_features(&columns);
-        Left { banned, columns, samples }
-    };
-    sets.into_iter().map(left).collect()
-}
-
-fn with(set: &Arc<[bool]>, more: &[usize]) -> Arc<[bool]> {
-    if more.iter().all(|&f| set[f]) {
-        return set.clone();
-    }
-    let mut all = set.to_vec();
-    more.iter().for_each(|&f| all[f] = true);
-    all.into()
 }
 
 impl<'a> Parts<'a> {
@@ -125,20 +84,27 @@ impl<'a> Parts<'a> {
         view.total_range + samples.penalty * samples.n as i64 + 1
     }
 
-    /// Search all samples, trees of fewer levels first: they are found sooner, and cost little more.
+    /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more.
     pub(super) fn search(mut self, view: &View, (most, splits): (usize, usize), known: &Known) {
-        for depth in 1..=most {
+        let last = (most, self.rules.max_changes);
+        let is_near = !self.rules.old.is_empty();
+        let sizes: Vec<(usize, usize)> = if is_near {
+            (0..last.1.min(MOST_CHANGES_FIRST)).map(|changes| (most, changes)).collect()
+        } else {
+            (1..most).map(|depth| (depth, last.1)).collect()
+        };
+        for (depth, changes) in sizes.into_iter().chain([last]) {
             let asked = Asked {
                 given: (!self.rules.given.is_empty()).then_some(0),
-                old: (!self.rules.old.is_empty()).then_some(0),
-                changes: self.rules.max_changes,
+                old: is_near.then_some(0),
+                changes,
                 banned: self.lefts[0].banned.clone(),
                 free: 0,
                 depth,
                 splits: least_size(depth, splits).1,
             };
-            let upper = known.best().0;
-            let found = self.solve_node(view, &asked, upper, (depth == most).then_some(known));
+            let is_last = (depth, changes) == last;
+            let found = self.solve_node(view, &asked, known.best().0, is_last.then_some(known));
             if let Some((cost, tree)) = found {
                 known.see(cost, || tree);
             }
@@ -318,9 +284,13 @@ impl<'a> Parts<'a> {
     fn found_cuts(&mut self, view: &View, asked: &Asked, upper: i64, wanted: &[usize]) -> Option<Vec<Cut>> {
         let own = self.own_view(view, asked.free);
         let own = own.as_ref().unwrap_or(view);
-        if asked.depth == 1 {
+        // Below the one change that is left both sides stay, and to look at every cut is quicker than to bound it.
+        let is_one_change = asked.old.is_some() && asked.changes == 1;
+        if asked.depth == 1 || is_one_change {
             let samples = &self.lefts[asked.free].samples;
-            let cuts = |&g: &usize| last_cuts(samples, own, g, upper - samples.penalty);
+            let target = if asked.depth == 1 { upper - samples.penalty } else { i64::MAX };
+            let cut = |(f, position, bounds): Cut| (f, position, if asked.depth == 1 { bounds } else { [0, 0] });
+            let cuts = |&g: &usize| last_cuts(samples, own, g, target).into_iter().map(cut);
             return Some(wanted.iter().flat_map(cuts).collect());
         }
         let search = &mut self.free[asked.free].search;
@@ -394,29 +364,6 @@ fn shares(number: usize, most: [usize; 2]) -> Vec<[usize; 2]> {
         return vec![if number == NO_LIMIT { [NO_LIMIT; 2] } else { most }];
     }
     (number.saturating_sub(most[1])..=most[0].min(number)).map(|left| [left, number - left]).collect()
-}
-
-/// The cuts of a feature whose sides' best leaves cost less than `target` together.
-pub(super) fn last_cuts(samples: &Samples, view: &View, f: usize, target: i64) -> Vec<Cut> {
-    let (ranks, list, least) = (samples.ranks_of(f), view.list(f), samples.leaf_size.max(1));
-    let mut left = vec![0; samples.n_labels];
-    let (mut range, mut cuts) = (0, Vec::new());
-    for position in 1..list.len() {
-        let before = list[position - 1];
-        samples.count(before, 1, &mut left);
-        range += samples.ranges[before as usize];
-        let is_cut = ranks[before as usize] != ranks[list[position] as usize];
-        if !is_cut || position < least || list.len() - position < least {
-            continue;
-        }
-        let most = left.iter().copied().max().unwrap_or(0);
-        let rest = view.totals.iter().zip(&left).map(|(all, left)| all - left).max().unwrap_or(0);
-        let bounds = [range - most, view.total_range - range - rest];
-        if bounds[0] + bounds[1] < target {
-            cuts.push((f, position, bounds));
-        }
-    }
-    cuts
 }
 
 #[cfg(test)]

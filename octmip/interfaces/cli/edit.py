@@ -1,0 +1,91 @@
+"""What a change of a tree costs: `octmip.interfaces.cli.options.edit` says how the command is called."""
+
+import argparse
+from dataclasses import replace
+from functools import partial
+
+from octmip.errors import ProblemError, SolverError
+from octmip.formats.tree_file import TreeFile, finite_or_none, leaf_counts, read_tree_file, record_tree, write_tree_file
+from octmip.interfaces.cli.answer import (
+    ElapsedLine,
+    ProgressLine,
+    describe,
+    print_json,
+    printable,
+    then_written,
+    verdict,
+)
+from octmip.interfaces.cli.samples.part_arguments import fixed_splits_of
+from octmip.interfaces.cli.samples.training import read_training
+from octmip.interfaces.report.text import number, solution_text, tree_text
+from octmip.trees.certificate import certify
+from octmip.trees.methods.interruption import held_back
+from octmip.trees.part_check import n_changes
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, Solution
+from octmip.trees.solver import solve
+from octmip.trees.tree import Node
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Solve with the part, show it beside the tree of the file, write."""
+    file = read_tree_file(arguments.tree)
+    with ElapsedLine("reading"):
+        options = {"form": arguments.format, "label": arguments.label, "weights": arguments.weights}
+        training = read_training(file, arguments.data, source=arguments.tree, **options)
+        old = certify(training.problem, file.solution).objective
+    problem = edited(training.problem, arguments.set, file.tree, arguments.max_changes)
+    with ProgressLine() as progress:
+        solution = solve(problem, "exact", Limits(seconds=arguments.seconds), progress=progress)
+    if solution.tree is None:
+        raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time with --seconds")
+    with held_back():
+        certificate = certify(problem, solution)
+        columns = arguments.label or file.target_column, arguments.weights or file.weights_column, file.preparation
+        last = price(training.problem, file.solution, solution, old)
+        write = partial(write_tree_file, file=record_tree(problem, solution, *columns))
+        with then_written(arguments.out, write, last, is_quiet=arguments.json):
+            if arguments.json:
+                changes = n_changes(solution.tree, file.tree)
+                beside = {"old_objective": old, "old_bound": finite_or_none(file.solution.bound), "n_changes": changes}
+                print_json(describe(problem, solution, certificate) | beside | {"out": arguments.out})
+            else:
+                print(printable(solution_text(problem, solution, certificate)) + "\n")
+                print(printable(_tree(file, problem, solution.tree)) + "\n")
+                print(printable(verdict(problem, solution, certificate)))
+    return 0
+
+
+def edited(problem: Problem, words: list[str], tree: Node, max_changes: int | None) -> Problem:
+    """Return the problem with the splits that words give, and at most so many changes of the tree.
+
+    Raises
+    ------
+    ProblemError
+        nothing is asked for, or a word is no split.
+    """
+    given = fixed_splits_of(words, "--set")
+    if given is None and max_changes is None:
+        raise ProblemError("--set is not given; expected a node and its split, such as --set ROOT=g05")
+    own = {part.path or "ROOT": part.split_words(problem.feature_names) for part in problem.given_splits}
+    asked = replace(problem, fixed_splits=own | (given or {}))
+    return asked if max_changes is None else replace(asked, old_tree=tree, max_changes=max_changes)
+
+
+def price(problem: Problem, before: Solution, solution: Solution, old: float) -> str:
+    """Return what the change costs beside the tree of the file, in a sentence."""
+    least, most = solution.bound - old, solution.objective - old
+    proven = "optimal" if before.is_optimal else "not proven optimal"
+    file = f"the file's tree has the objective {number(old)} ({proven})"
+    if solution.is_optimal:
+        way = f"{number(abs(most))} {'more' if most >= 0 else 'less'}"
+        return f"The best tree with this change has the objective {number(solution.objective)}, proven: {way}; {file}."
+    return (
+        f"The best tree with this change has an objective between {number(solution.bound)} and "
+        f"{number(solution.objective)} (stop: {solution.stop}), {number(least)} to {number(most)} more; {file}."
+    )
+
+
+def _tree(file: TreeFile, problem: Problem, tree: Node) -> str:
+    counts = leaf_counts(problem, tree)
+    return tree_text(tree, problem.feature_names, problem.class_names, counts, file.columns)

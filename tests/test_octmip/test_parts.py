@@ -1,0 +1,173 @@
+"""Parts of a tree that are asked for: proven against a list of all trees, recounted, kept by file and doors."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from benchmarks.cases.fuzz.parts import fault
+from benchmarks.kinds.parted import PART_KINDS
+from octmip import Leaf, Limits, Problem, Split, certify, solve
+from octmip.errors import CertificateError, ProblemError
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.interfaces.cli import main
+from octmip.interfaces.estimator import OptimalTreeClassifier
+from octmip.trees.losses import SquaredError
+from octmip.trees.near_sets import near_optimal
+from octmip.trees.part_check import n_changes
+
+RNG = np.random.default_rng(5)
+FEATURES, LABELS = RNG.integers(0, 8, (60, 3)).astype(float), RNG.integers(0, 2, 60)
+OLD = Split(0, 2.25, Leaf(0), Split(1, 3.75, Leaf(1), Leaf(0)))
+
+
+def asked(**options: object) -> Problem:
+    return Problem(FEATURES, LABELS, **({"depth": 2} | options))
+
+
+@pytest.mark.parametrize("kind", PART_KINDS.values(), ids=PART_KINDS)
+def test_the_least_cost_is_that_of_a_list_of_all_trees_or_there_is_none(kind):
+    found = [fault(kind, seed) for seed in range(60)]
+    assert [wrong for wrong, _ in found if wrong] == []
+    assert any(has_tree for _, has_tree in found)
+
+
+@pytest.mark.parametrize(
+    ("parts", "tree", "message"),
+    [
+        ({"fixed_splits": {"ROOT": "x1"}}, OLD, "has not x1 at ROOT"),
+        ({"fixed_splits": {"R": "x1<=3.5"}}, OLD, r"has not x1<=3\.5 at R,"),
+        ({"fixed_splits": {"R": "leaf"}}, OLD, "has not leaf at R,"),
+        ({"path_rules": [("not-below", "x1", "x0")]}, OLD, "splits x1 below x0"),
+        ({"path_rules": [("apart", "x0", "x1")]}, OLD, "splits x1 below x0"),
+        ({"path_rules": [("root-only", "x1")]}, OLD, "splits x1 below x0"),
+        ({"old_tree": OLD, "max_changes": 1}, Leaf(0), "differs from old_tree at 2 places"),
+    ],
+)
+def test_a_certificate_refutes_a_tree_without_the_part(parts, tree, message):
+    free = solve(asked())
+    problem = asked(**parts)
+    cost = problem.objective(tree)
+    claimed = type(free)(tree, cost, 0.0, free.stop.__class__.TIME, 0.0, 0, "x", "1", 0)
+    with pytest.raises(CertificateError, match=message):
+        certify(problem, claimed)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"fixed_splits": {"TOP": "x0"}}, "names the address 'TOP'; expected ROOT, or a way"),
+        ({"fixed_splits": {"ROOT": "x9"}}, "fixed_splits of ROOT names 'x9'"),
+        ({"fixed_splits": {"ROOT": "x0<=a"}}, "expected a number after <="),
+        ({"fixed_splits": {"ROOT": "leaf", "L": "x0"}}, "nothing below a leaf"),
+        ({"fixed_splits": {"LL": "x0"}}, "names LL but depth is 2; give a depth of 3"),
+        ({"path_rules": [("above", "x0")]}, "expected one that begins with not-below, apart, root-only"),
+        ({"path_rules": [("apart", "x0", "x0")]}, "expected 2 or more different features"),
+        ({"path_rules": [("root-only", 7)]}, "names 7; expected one of the features"),
+        ({"old_tree": OLD}, "old_tree and max_changes belong together"),
+        ({"old_tree": Split(5, 0.0, Leaf(0), Leaf(1)), "max_changes": 1}, "old_tree reads feature 5"),
+        ({"path_rules": [("apart", 0, 1)], "monotone": [1, 0, 0]}, "leave one of them out"),
+    ],
+)
+def test_a_part_that_is_none_is_refused(options, message):
+    with pytest.raises(ProblemError, match=message):
+        asked(**options)
+
+
+def test_who_cannot_says_so():
+    problem = asked(fixed_splits={"ROOT": "x2"})
+    for method in ("cart", "search", "oct", "flow", "benders"):
+        with pytest.raises(ProblemError, match="does not know the problem's fixed_splits; use method 'exact'"):
+            solve(problem, method)
+    with pytest.raises(ProblemError, match="knows nothing of fixed_splits"):
+        near_optimal(problem, within=1)
+    with pytest.raises(ProblemError, match="does not know the problem's path_rules"):
+        solve(Problem(FEATURES, FEATURES[:, 0], depth=2, loss=SquaredError(), path_rules=[("root-only", 0)]))
+
+
+def test_given_and_old_thresholds_come_back_as_they_were_given():
+    fixed = solve(asked(fixed_splits={"ROOT": ("x0", 2.125)})).tree
+    assert (fixed.feature, fixed.threshold) == (0, 2.125)
+    kept = solve(asked(old_tree=OLD, max_changes=0)).tree
+    assert n_changes(kept, OLD) == 0
+
+
+def test_missing_readings_go_where_it_is_best_below_a_given_split():
+    features = FEATURES.copy()
+    features[::7, 0] = np.nan
+    free = solve(Problem(features, LABELS, depth=1, allowed_splits=[["x0"]]))
+    given = solve(Problem(features, LABELS, depth=1, fixed_splits={"ROOT": "x0"}))
+    assert given.is_optimal
+    assert given.objective == free.objective
+
+
+def test_a_search_that_is_stopped_claims_no_more_than_it_knows():
+    rng = np.random.default_rng(1)
+    problem = Problem(rng.normal(size=(400, 8)), rng.integers(0, 3, 400), depth=4, path_rules=[("apart", *range(8))])
+    solution = solve(problem, limits=Limits(seconds=0.3))
+    certify(problem, solution)
+    assert solution.bound <= solution.objective
+
+
+def test_a_tree_file_keeps_every_part(tmp_path):
+    problem = asked(fixed_splits={"ROOT": "x0<=2.25"}, path_rules=[("apart", 1, 2)], old_tree=OLD, max_changes=3)
+    write_tree_file(tmp_path / "t.json", record_tree(problem, solve(problem)))
+    file = read_tree_file(tmp_path / "t.json")
+    again = file.problem(FEATURES, LABELS, None)
+    assert (again.fixed_splits, again.path_rules, again.max_changes) == (
+        problem.fixed_splits,
+        problem.path_rules,
+        3,
+    )
+    assert again.old_tree == problem.old_tree
+    assert certify(again, file.solution).objective == file.solution.objective
+
+
+def test_the_classifier_takes_rules_by_column_and_splits_by_feature():
+    frame = pd.DataFrame(FEATURES, columns=["a", "b", "c"]).assign(d=np.where(FEATURES[:, 0] > 3, "u", "v"))
+    tree = OptimalTreeClassifier(max_depth=2, path_rules=[("apart", "d", "a")], fixed_splits={"ROOT": "a"})
+    tree.fit(frame, LABELS)
+    assert 0 in {tree.tree_.feature}
+    assert all(rule[0] == "apart" for rule in tree.problem_.path_rules)
+    with pytest.raises(ProblemError, match="with max_depth='auto'"):
+        OptimalTreeClassifier(path_rules=[("root-only", "a")]).fit(frame, LABELS)
+
+
+@pytest.fixture
+def solved(tmp_path, capsys):
+    table = tmp_path / "t.csv"
+    pd.DataFrame(FEATURES, columns=["a", "b", "c"]).assign(y=LABELS).to_csv(table, index=False)
+    tree = str(tmp_path / "tree.json")
+    assert main(["solve", str(table), "--label", "y", "--depth", "2", "--out", tree]) == 0
+    capsys.readouterr()
+    return str(table), tree, str(tmp_path / "new.json")
+
+
+def test_edit_says_what_a_change_costs_and_its_tree_is_certified(solved, capsys):
+    table, tree, new = solved
+    assert main(["edit", tree, table, "--set", "ROOT=c", "--out", new]) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    old, best = solve(asked()).objective, solve(asked(fixed_splits={"ROOT": "x2"})).objective
+    assert last == (
+        f"The best tree with this change has the objective {best:g}, proven: {best - old:g} more; the file's tree has "
+        f"the objective {old:g} (optimal)."
+    )
+    assert main(["certify", new, table]) == 0
+    assert main(["report", new, table, "--out", new.replace("json", "html")]) == 0
+    capsys.readouterr()
+    assert main(["edit", tree, table, "--max-changes", "0", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["n_changes"], found["objective"]) == (0, old)
+    assert main(["edit", tree, table]) == 2
+    assert "expected a node and its split" in capsys.readouterr().err
+
+
+def test_the_command_takes_every_part(solved, capsys):
+    table, tree, new = solved
+    words = ["--fix", "ROOT=b", "--path-rule", "apart=a,c", "--old-tree", tree, "--max-changes", "4", "--out", new]
+    assert main(["solve", table, "--label", "y", "--depth", "3", *words]) == 0
+    assert main(["certify", new, table]) == 0
+    capsys.readouterr()
+    assert main(["solve", table, "--label", "y", "--depth", "3", "--path-rule", "near=a"]) == 2
+    assert "expected not-below, apart, root-only" in capsys.readouterr().err
