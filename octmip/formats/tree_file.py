@@ -39,8 +39,9 @@ from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
 from octmip.trees.parts import address, words_of_rules
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import SIGNS
+from octmip.trees.shape import without_predictions
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits, without_predictions
+from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
 
 
 @dataclass(frozen=True, slots=True)

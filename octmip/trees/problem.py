@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts, Loss, NumberLoss
-from octmip.trees.parts import words_of_rules
 from octmip.trees.problem_values import (
     KEPT,
     distinct_labels,
@@ -27,7 +26,6 @@ from octmip.trees.problem_values import (
     labels_of,
     names_of_columns,
     numbers_of,
-    words_of,
 )
 from octmip.trees.shape import Shape, set_field
 from octmip.trees.tree import (
@@ -182,10 +180,7 @@ class Problem(Shape):
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
-        words += [f"monotone={words_of(self.feature_names, self.directions)}"] if self.monotone is not None else []
-        words += [part.words(self.feature_names) for part in self.given_splits]
-        words += [" ".join(rule) for rule in words_of_rules(self.rules_of_paths, self.feature_names)]
-        words += [f"max_changes={self.max_changes}"] if self.max_changes is not None else []
+        words += self.words_of_shape(self.feature_names)
         words += [f"{self.n_missing} readings missing"] if self.gaps else []
         words += [] if (self.weights == 1).all() else ["weighted"]
         words += [] if not isinstance(self.loss, ClassCosts) or self.loss.is_zero_one else ["with costs"]

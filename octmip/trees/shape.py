@@ -6,16 +6,16 @@ per split, total sensor cost at most `sensor_budget`.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.parts import GivenSplit, PathRule, address, given_splits, path_rules
-from octmip.trees.problem_values import directions_of, number_of, sensor_costs_of, whole_of
-from octmip.trees.tree import HyperplaneSplit, Node, features_used, splits, without_predictions
+from octmip.trees.parts import GivenSplit, PathRule, address, given_splits, path_rules, words_of_rules
+from octmip.trees.problem_values import directions_of, number_of, sensor_costs_of, whole_of, words_of
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, features_used, splits
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -30,6 +30,13 @@ def set_field(noun: object, name: str, value: object) -> None:
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
     object.__setattr__(noun, name, value)
+
+
+def without_predictions(tree: Node) -> Node:
+    """Return a tree with class 0 in every leaf: its splits alone."""
+    if isinstance(tree, Leaf):
+        return Leaf(0)
+    return replace(tree, left=without_predictions(tree.left), right=without_predictions(tree.right))
 
 
 def splits_of(most_leaves: int | None, split: str, name: str) -> int | None:
@@ -291,6 +298,13 @@ class Shape:
     def rules_of_paths(self) -> tuple[PathRule, ...]:
         """`path_rules` once they are checked."""
         return tuple(self.path_rules or ())  # type: ignore[arg-type]
+
+    def words_of_shape(self, names: Sequence[str]) -> list[str]:
+        """Return the order and the parts that are asked for, in short."""
+        words = [] if self.monotone is None else [f"monotone={words_of(names, self.directions)}"]
+        words += [part.words(names) for part in self.given_splits]
+        words += [" ".join(rule) for rule in words_of_rules(self.rules_of_paths, names)]
+        return words + ([] if self.max_changes is None else [f"max_changes={self.max_changes}"])
 
     @property
     def is_leaf_allowed(self) -> bool:

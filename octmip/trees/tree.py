@@ -364,13 +364,6 @@ def simplify(tree: Node) -> Node:
     return replace(tree, left=left, right=right)
 
 
-def without_predictions(tree: Node) -> Node:
-    """Return the tree with class 0 in every leaf: its splits alone."""
-    if isinstance(tree, Leaf):
-        return Leaf(0)
-    return replace(tree, left=without_predictions(tree.left), right=without_predictions(tree.right))
-
-
 def prediction(leaf: Leaf, name: Callable[[int], str]) -> str:
     """Return what a leaf predicts on one line, numbers to six digits, features by their `name`."""
     if not isinstance(leaf, ValueLeaf):

@@ -70,7 +70,7 @@ def test_a_tree_file_keeps_the_number_and_a_problem_file_says_that_it_cannot(tmp
     problem = asked(3, 2)
     write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
     assert read_tree_file(tmp_path / "tree.json").settings["max_splits"] == 2
-    with pytest.raises(ProblemError, match="max_splits or monotone is given, of which a problem file"):
+    with pytest.raises(ProblemError, match="max_splits, monotone or a part of the tree is given, of which"):
         encode(problem)
     assert len({question_digest(asked(3, most)) for most in (1, 2, 7, None)}) == 3  # 7 are no limit
 
