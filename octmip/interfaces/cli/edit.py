@@ -15,7 +15,7 @@ from octmip.interfaces.cli.answer import (
     then_written,
     verdict,
 )
-from octmip.interfaces.cli.samples.part_arguments import fixed_splits_of
+from octmip.interfaces.cli.samples.parts import fixed_splits_of
 from octmip.interfaces.cli.samples.training import read_training
 from octmip.interfaces.report.text import number, solution_text, tree_text
 from octmip.trees.certificate import certify

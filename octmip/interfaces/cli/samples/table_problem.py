@@ -26,7 +26,7 @@ from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
 from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
-from octmip.interfaces.cli.samples.part_arguments import parts_of
+from octmip.interfaces.cli.samples.parts import parts_of
 from octmip.interfaces.cli.samples.targets import refuse_quantity
 from octmip.interfaces.cli.samples.training import samples_of
 from octmip.trees.losses import ClassCosts, Loss, NumberLoss, number_loss
