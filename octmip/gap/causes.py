@@ -12,6 +12,7 @@ from enum import StrEnum
 from itertools import permutations
 
 import numpy as np
+from scipy.special import ndtr
 
 from octmip.gap.campaign.wandering import moves_together
 from octmip.gap.effects.words import words_at
@@ -215,14 +216,18 @@ def with_misfit(
 def _closes(closing: Shrinkage | None, n: int, error: float = 0.0) -> float:
     """Return how much less probable a cause is that closes too little of the gap on held-out readings, at most 1.
 
-    A right cause closes all of it but for noise and the relative error of its signature; another one any share.
+    A right cause closes all of it but for noise and the relative error of its signature, another one any share between
+    none and all. What twin and asset differ by is known to a factor: it blurs both.
     """
     if closing is None or not np.isfinite(closing.closed):
         return 1.0
     d_prime = np.sqrt(max(1.0, n * (closing.chi2_before - closing.chi2_after)))
-    spread = float(np.hypot(max(CLOSES_WITHIN, PER_SQUARE * error**2), PER_D_PRIME / d_prime))
-    missing = max(0.0, 1.0 - closing.closed) / spread
-    return min(1.0, float(np.exp(-0.5 * missing**2)) / (spread * float(np.sqrt(2.0 * np.pi))))
+    blur = closing.floor**2 / (closing.before**2 - closing.floor**2) + 1e-6
+    spread = float(np.linalg.norm([max(CLOSES_WITHIN, PER_SQUARE * error**2), PER_D_PRIME / d_prime, blur]))
+    missing = max(0.0, 1.0 - closing.closed)
+    of_another = float(ndtr(missing / blur) - ndtr((min(missing, 1.0) - 1.0) / blur))
+    of_right = float(np.exp(-0.5 * (missing / spread) ** 2)) / (spread * float(np.sqrt(2.0 * np.pi)))
+    return min(1.0, of_right / of_another)
 
 
 def credible_set(found: Sequence[Cause]) -> tuple[Cause, ...]:

@@ -17,9 +17,9 @@ RUN = measured(1000)
 SHAPE = np.linspace(-4.0, -1.0, 20)
 
 
-def closing(closed: float, chi2_before: float) -> Shrinkage:
+def closing(closed: float, chi2_before: float, floor: float = 0.0) -> Shrinkage:
     """Return a closing of readings whose chi-squared falls to 1 per reading."""
-    return Shrinkage(100.0, 10.0, 0.0, closed, closed, closed, (), chi2_before, 1.0, 0.5)
+    return Shrinkage(100.0, 10.0, floor, closed, closed, closed, (), chi2_before, 1.0, 0.5)
 
 
 def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half_of_it_nearly_all():
@@ -33,6 +33,13 @@ def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half
     assert _closes(closing(0.7, clear), 80, error=0.1) == pytest.approx(expected)
     # a large deflection: the wing's other models differ so far
     assert _closes(closing(0.7, clear), 80, error=0.3) > 0.5
+
+
+def test_a_gap_that_twin_and_asset_differ_by_says_little_of_how_far_a_cause_closes_it():
+    clear = 1.0 + 40.0**2 / 80
+    assert _closes(closing(0.3, clear), 80) < 1e-9
+    assert _closes(closing(0.3, clear, floor=67.0), 80) > 0.6
+    assert _closes(closing(-0.8, clear, floor=20.0), 80) < 1e-9
 
 
 def test_a_faint_gap_says_little_of_how_far_it_closes_and_one_that_is_not_clear_nothing():

@@ -7,7 +7,6 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, Campaign, diagnose
-from octmip.gap.inference.difference import Difference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, difference_at, linearise
 from tests.test_octmip.beam_twin import HEALTHY, Beam, measured
@@ -120,7 +119,14 @@ def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():
     assert np.sqrt(np.median(np.diag(wander[0]))) * scale < 5.0
 
 
-def test_a_difference_without_level_is_wander_alone():
-    difference: Difference = prepared(measured(3)).difference
-    rows = prepared(measured(3)).run.means.rows
-    assert not replace(difference, level=0.0).covariance(rows, rows).any()
+def test_a_run_tells_how_far_sound_readings_differ_so_that_the_level_is_of_what_damage_changes_alone():
+    campaign = measured(3, states=((0.3, 0.2),))
+    with_run, without = prepared(campaign), prepared(campaign, None)
+    rows = linearise(with_run, states_of(campaign)).means.rows
+    sound = replace(rows, change=np.zeros_like(rows.change))
+    learnt, usual = with_run.difference, without.difference
+    assert np.array_equal(learnt.at(4.0).covariance(sound, sound), learnt.covariance(sound, sound))
+    damage = [d.covariance(rows, rows) - d.covariance(sound, sound) for d in (learnt, learnt.at(4.0))]
+    assert damage[0].any()
+    assert np.allclose(damage[1], 16.0 * damage[0])
+    assert np.allclose(usual.at(4.0).covariance(rows, rows), 16.0 * usual.covariance(rows, rows))

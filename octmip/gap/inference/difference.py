@@ -97,7 +97,9 @@ class Difference:
     wander
         (2, n_gauges, n_gauges) covariance between tests over s_g s_h: constant and proportional to phi.
     level
-        of the whole.
+        of the whole; once a run has told the levels of kinds, of what damage changes alone.
+    is_learnt
+        whether a run has.
     """
 
     usual: Differences
@@ -108,6 +110,7 @@ class Difference:
     tail: Floats
     wander: Floats
     level: float = 1.0
+    is_learnt: bool = False
 
     def covariance(self, a: Rows, b: Rows) -> Floats:
         """Return K (n_a, n_b) with the wander of tests that both hold."""
@@ -125,11 +128,11 @@ class Difference:
         single = free * np.outer(*part) + u.constant**2 * np.outer(*flat) + u.bend**2 * np.outer(*bend)
         single += u.own**2 * np.outer(self.tail[a.gauge], self.tail[b.gauge]) * healthy
         found += np.where(same, single, 0.0)
+        found *= 1.0 if self.is_learnt else self.level**2
         if a.change.any() and b.change.any():
             states = ALL_STATES + (1.0 - ALL_STATES) * (a.state[:, None] == b.state[None, :])
             gauges = np.where(same, 1.0, ALL_GAUGES)
-            found += u.damage**2 * np.outer(a.change, b.change) * gauges * states
-        found *= self.level**2
+            found += (self.level * u.damage) ** 2 * np.outer(a.change, b.change) * gauges * states
         return found + self._wander(a, b) if self.wander.any() else found
 
     def _wander(self, a: Rows, b: Rows) -> Floats:
@@ -201,7 +204,7 @@ def learnt(difference: Difference, rows: Rows, residual: Floats, noise: Floats) 
     found = difference
     for _ in range(2):
         found = _with_tails(_with_levels(found, rows, residual, noise), rows, residual, noise)
-    return found
+    return replace(found, is_learnt=True)
 
 
 def _with_levels(known: Difference, rows: Rows, residual: Floats, noise: Floats) -> Difference:

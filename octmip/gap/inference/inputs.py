@@ -29,7 +29,7 @@ from octmip.gap.inference.difference import (
     wander_of,
 )
 from octmip.gap.inference.rows import Frame, Means
-from octmip.gap.odds import Differences, Odds
+from octmip.gap.odds import Odds
 from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
@@ -51,13 +51,17 @@ class Run:
     ----------
     campaign, averages, means
         its readings.
+    noises
+        covariance (n, n) of the noise of the means for every size of a walk or memory that its repeats leave open, each
+        with its log probability.
     noise
-        (n, n) covariance of the noise of the means.
+        the one that bears its readings best.
     """
 
     campaign: Campaign
     averages: tuple[AveragedCell, ...]
     means: Means
+    noises: tuple[tuple[Floats, float], ...]
     noise: Floats
 
     @property
@@ -207,7 +211,7 @@ def prepare(
     _refuse_nothing_predicted(campaign, asked, reference)
     frame = _frame(campaign, run, asked, reference)
     difference = usual_difference(asked, campaign.gauges, reference, odds.differences)
-    known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise, reference)
+    known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
     noises = sizes(noise, averages)
@@ -236,8 +240,10 @@ def relearnt(inputs: Inputs, run: Run) -> Inputs:
     """Return the inputs beside a run, the difference with what that alone says of it."""
     rows, residual = run.means.rows, run.residual
     usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-    wander = wander_of(usual, rows, residual, run.noise)
-    found = learnt(replace(usual, wander=wander), rows, residual, run.noise)
+    noise = max(run.noises, key=lambda one: one[1] + log_at_levels(usual, rows, residual, one[0]))[0]
+    run = replace(run, noise=noise)
+    wander = wander_of(usual, rows, residual, noise)
+    found = learnt(replace(usual, wander=wander), rows, residual, noise)
     return replace(inputs, run=run, difference=found)
 
 
@@ -272,7 +278,7 @@ def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference
     )
 
 
-def _read(run: Campaign, frame: Frame, noise: Noise, reference: Load) -> tuple[Run, list[str]]:
+def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
     """Return a commissioning run as rows, and notes on its noise.
 
     Raises
@@ -290,13 +296,11 @@ def _read(run: Campaign, frame: Frame, noise: Noise, reference: Load) -> tuple[R
     states = np.array([cell.state for cell in run.cells])[:, parameters]
     means = frame.means(run, averages, states, FIRST_OF_RUN)
     loads = [run.cells[part.cell].load for part in averages]
-    usual = usual_difference(frame.twin, noise.gauges, reference, Differences())
-    tried = []
-    for own, log_share in sizes(of_run, averages):
-        covariance = own.of_averages(averages, loads, means.average, means.gauge)
-        value = log_at_levels(usual, means.rows, means.measured - means.predicted, covariance)
-        tried.append((value + log_share, covariance))
-    return Run(run, averages, means, max(tried, key=lambda pair: pair[0])[1]), notes
+    noises = tuple(
+        (own.of_averages(averages, loads, means.average, means.gauge), log_share)
+        for own, log_share in sizes(of_run, averages)
+    )
+    return Run(run, averages, means, noises, noises[0][0]), notes
 
 
 WITHOUT_RUN = (

@@ -11,7 +11,7 @@ A set of k candidates has the prior P(k) / C(n_effects, k) * product of their sh
 member that the others already imitate are the same explanation twice and are left out.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb, inf, log
@@ -31,7 +31,10 @@ from octmip.gap.progress import Stage
 Floats = NDArray[np.float64]
 
 LEVELS = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
-"""Levels of the difference with their probabilities before any reading."""
+OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
+"""Levels of the difference, and with a run of what damage changes, with their probabilities before any reading.
+
+Of damage none is below 1: a gauge at which it acts by a third more than elsewhere has no fault."""
 VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
 """Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
 N_HEADS = (20, 8)
@@ -131,9 +134,10 @@ def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
     """Return what it weighs that no effect acts, about some states, at the level that bears it best."""
     columns = columns_of(inputs, states)
     usual = assembled(columns, inputs.noise, 1.0)
-    models = [again(columns, usual, level) for level in LEVELS]
-    best = max(models, key=lambda model: model.log_none + log(LEVELS[model.level]))
-    return _weigh([Inference(best)], [()])[0].times(log(LEVELS[best.level]))
+    levels = _levels(columns)
+    models = [again(columns, usual, level) for level in levels]
+    best = max(models, key=lambda model: model.log_none + log(levels[model.level]))
+    return _weigh([Inference(best)], [()])[0].times(log(levels[best.level]))
 
 
 def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
@@ -147,14 +151,22 @@ def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
     still = [pair for pair in noises if not pair[1].inputs.noise.walk_sd > 0.0][:1]
     least = still[0][0] + _best_single(still[0][1]) if still else -inf
     walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
+    open_ = list(_levels(columns).items())
     found: list[tuple[float, LinearModel]] = []
     for share, usual in [*still, *walks[:1]]:
-        levels = [usual if level == 1.0 else again(columns, usual, level) for level in LEVELS]
-        scored = sorted(((log(LEVELS[m.level]), m) for m in levels), key=lambda pair: -pair[0] - _best_single(pair[1]))
+        scored = [(log(share), usual if level == 1.0 else again(columns, usual, level)) for level, share in open_]
+        scored.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
         best = scored[0][0] + _best_single(scored[0][1])
         near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
         found += [(share + log_level, model) for log_level, model in near[:MOST_LEVELS]]
     return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
+
+
+def _levels(columns: Columns) -> Mapping[float, float]:
+    """Return the levels that are open: where nothing is damaged, a run of the sound asset leaves none."""
+    if columns.inputs.run is None:
+        return LEVELS
+    return OF_DAMAGE if columns.means.rows.change.any() else {1.0: 1.0}
 
 
 def _best_single(model: LinearModel) -> float:

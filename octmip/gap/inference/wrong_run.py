@@ -87,8 +87,9 @@ def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
         usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
         return replace(inputs, run=None, difference=usual)
     means = replace(run.means, measured=run.means.measured - wrong.correction)
-    noise = run.noise + np.outer(wrong.spread, wrong.spread)
-    return relearnt(inputs, replace(run, means=means, noise=noise))
+    added = np.outer(wrong.spread, wrong.spread)
+    noises = tuple((noise + added, share) for noise, share in run.noises)  # what was wrong may have looked like a walk
+    return relearnt(inputs, replace(run, means=means, noises=noises))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
