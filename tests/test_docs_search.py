@@ -81,6 +81,18 @@ QUESTIONS = {
     "monitor my machine by one command": "howto/monitor-command",
     "is it faster than pycontree": "benchmarks",
     "equations of the mixed-integer program": "examples/model",
+    "what is an optimal decision tree": "index",
+    "which python version": "install",
+    "resume an interrupted proof": "howto/large-tables",
+    "feature importance": "examples/scikit-learn",
+    "linear model in the leaves": "howto/regression-trees",
+    "what is a commissioning run": "gap",
+    "how often is the diagnosis right": "gap",
+    "how is the proof checked in Coq": "theory/proofs/verified",
+    "report a bug or contribute": "faq",
+    "exit code of the command": "examples/command",
+    "buckling load of the wing": "results/modes",
+    "which sensor has failed": "theory/sensing",
 }
 """What somebody asks who sees the site for the first time, in his words, and the page that answers."""
 
