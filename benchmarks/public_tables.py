@@ -50,3 +50,31 @@ class PrunedCart:
         """Return the class of each row."""
         found: NDArray[Any] = self.tree.predict(X)
         return found
+
+
+class CartOfLeaves:
+    """scikit-learn's CART, pruned by cost-complexity to so many leaves at most."""
+
+    def __init__(self, n_leaves: int) -> None:
+        self.n_leaves = n_leaves
+
+    def fit(self, X: NDArray[np.float64], y: NDArray[Any]) -> "CartOfLeaves":
+        """Grow the tree with the least price that leaves it small enough."""
+        prices = np.maximum(DecisionTreeClassifier(random_state=0).cost_complexity_pruning_path(X, y).ccp_alphas, 0.0)
+        low, high = 0, len(prices) - 1  # the last price leaves the root alone
+        while low < high:
+            middle = (low + high) // 2
+            fits = _grown(X, y, prices[middle]).get_n_leaves() <= self.n_leaves
+            low, high = (low, middle) if fits else (middle + 1, high)
+        self.tree = _grown(X, y, prices[low])
+        return self
+
+    def predict(self, X: NDArray[np.float64]) -> NDArray[Any]:
+        """Return the class of each row."""
+        found: NDArray[Any] = self.tree.predict(X)
+        return found
+
+
+def _grown(X: NDArray[np.float64], y: NDArray[Any], price: float) -> DecisionTreeClassifier:
+    # A price from the path prunes the link that it belongs to only if it is no less by rounding.
+    return DecisionTreeClassifier(random_state=0, ccp_alpha=price * (1 + 1e-9)).fit(X, y)

@@ -28,7 +28,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.data import SHARED
-from benchmarks.public_tables import PrunedCart, samples
+from benchmarks.public_tables import CartOfLeaves, PrunedCart, samples
 from benchmarks.tables import Line
 from octmip import OptimalTreeClassifier
 
@@ -56,18 +56,23 @@ LEARNERS: Mapping[str, Callable[[], Any]] = {
     "linear": linear_model,
 }
 
+AS_SMALL = "CART, as small"
+"""Pruned to as many leaves as the default has on the same fold."""
+
 
 def results(limit: float, threads: list[int], only: str = "") -> Iterator[Line]:
     """Yield the lines that the CSV lacks, and add them to it; `only` is part of a table's name.
 
     The limit and the threads have no effect: every learner has one thread and its own limit.
     """
-    done = {tuple(row[name] for name in FIELDS[:5]) for row in rows()}
+    done = {tuple(row[name] for name in FIELDS[:5]): row for row in rows()}
     for repeat, fold in ((r, f) for r in range(2) for f in range(5)):
         for table, half in ordered():
-            lacking = [name for name in LEARNERS if (table, half, str(repeat), str(fold), name) not in done]
+            key = (table, half, str(repeat), str(fold))
+            lacking = [name for name in (*LEARNERS, AS_SMALL) if (*key, name) not in done]
             if lacking and only in table:
-                for line in _judged(table, repeat, fold, lacking):
+                of_ours = done.get((*key, "octmip"), {})
+                for line in _judged(table, repeat, fold, lacking, of_ours.get("leaves")):
                     line = {"table": table, "half": half, "repeat": repeat, "fold": fold, **line}
                     _add(line)
                     yield {"size": table, "seed": repeat, **line}
@@ -98,7 +103,8 @@ def ordered() -> list[tuple[str, str]]:
     return [(name, half[name]) for name in sorted(names, key=lambda name: (half[name], size[name]))]
 
 
-def _judged(table: str, repeat: int, fold: int, learners: list[str]) -> Iterator[Line]:
+def _judged(table: str, repeat: int, fold: int, learners: list[str], n_leaves: str | int | None) -> Iterator[Line]:
+    """Yield a line of each learner; `n_leaves` of the default, where it is not among them."""
     X, y = samples(table)
     folds = StratifiedKFold(5, shuffle=True, random_state=repeat)
     with warnings.catch_warnings():
@@ -106,11 +112,14 @@ def _judged(table: str, repeat: int, fold: int, learners: list[str]) -> Iterator
         train, test = list(folds.split(X, y))[fold]
         for name in learners:
             start = time.process_time()
-            learner = LEARNERS[name]().fit(X[train], y[train])
+            learner = CartOfLeaves(int(n_leaves or 1)) if name == AS_SMALL else LEARNERS[name]()
+            learner.fit(X[train], y[train])
             seconds = time.process_time() - start
             errors = int((learner.predict(X[test]) != y[test]).sum())
             line: Line = {"learner": name, "rows": len(y), "columns": X.shape[1], "classes": len(np.unique(y))}
-            yield line | {"errors": errors, "tested": len(test), "cpu_seconds": round(seconds, 3), **_said(learner)}
+            line |= {"errors": errors, "tested": len(test), "cpu_seconds": round(seconds, 3), **_said(learner)}
+            n_leaves = line["leaves"] if name == "octmip" else n_leaves
+            yield line
 
 
 def _said(learner: Any) -> Line:
@@ -131,19 +140,19 @@ def summary(_: list[Line]) -> str:
     frame["error"] = frame.errors / frame.tested
     frame["leaves"] = pd.to_numeric(frame.leaves)
     whole = frame.groupby(["table", "half", "learner"])[["error", "leaves", "cpu_seconds"]].mean().reset_index()
-    counts = whole.groupby("table").learner.transform("count")
-    whole = whole[counts == len(LEARNERS)]
+    learners = [*LEARNERS, AS_SMALL]
+    whole = whole[whole.groupby("table").learner.transform("count") == len(learners)]
     parts = []
     for half in ("even", "odd"):
         part = whole[whole.half == half]
         if part.empty:
             continue
-        error = part.pivot_table(index="table", columns="learner", values="error")[list(LEARNERS)]
+        error = part.pivot_table(index="table", columns="learner", values="error")[learners]
         lines = [
             "| learner | error % | leaves | CPU s | below ours by 1 point on | above |",
             "|---|---|---|---|---|---|",
         ]
-        for name in LEARNERS:
+        for name in learners:
             of = part[part.learner == name]
             behind = int((error["octmip"] > error[name] + 0.01).sum())
             ahead = int((error["octmip"] < error[name] - 0.01).sum())
@@ -151,4 +160,27 @@ def summary(_: list[Line]) -> str:
             cells = [name, f"{100 * of.error.mean():.2f}", leaves, f"{of.cpu_seconds.mean():.2f}", behind, ahead]
             lines.append("| " + " | ".join(map(str, cells)) + " |")
         parts.append(f"{len(error)} tables of the {half} half\n\n" + "\n".join(lines))
-    return "\n\n".join(parts)
+    return "\n\n".join([*parts, _differences(frame)])
+
+
+def _differences(frame: pd.DataFrame) -> str:
+    """Return by how much the default errs less than CART on the folds that have both, by half and number of classes."""
+    lines = [
+        "| default less | half | classes | tables | folds | points | standard error |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name in ("CART, pruned", AS_SMALL):
+        pair = frame[frame.learner.isin(["octmip", name])]
+        pair = pair.pivot_table(index=["table", "half", "classes", "repeat", "fold"], columns="learner", values="error")
+        less = (pair["octmip"] - pair[name]).dropna().groupby(["table", "half", "classes"]).agg(["mean", "count"])
+        less = less.reset_index()
+        more = pd.to_numeric(less.classes) > 2
+        for half in ("even", "odd"):
+            for words, is_in in (("2", ~more), ("3 and more", more), ("any", more | ~more)):
+                part = less[is_in & (less.half == half)]
+                points, n = 100 * part["mean"], len(part)
+                if n > 1:
+                    error = points.std() / np.sqrt(n)
+                    cells = [name, half, words, n, part["count"].sum(), f"{points.mean():+.2f}", f"{error:.2f}"]
+                    lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return "\n".join(lines)
