@@ -35,7 +35,7 @@ FAMILIES = {
     "search_costs": "benchmarks.cases.search.costs",
     "search_growth": "benchmarks.cases.search.growth",
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
-    "fuzz_drift": "benchmarks.cases.fuzz.drift",
+    "fuzz_worst_case": "benchmarks.cases.fuzz.worst_case",
     "fuzz_exact": "benchmarks.cases.fuzz.exact",
     "fuzz_sample_costs": "benchmarks.cases.fuzz.sample_costs",
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",

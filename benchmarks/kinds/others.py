@@ -19,8 +19,6 @@ from benchmarks.oracles.wide_problems import wide_numbers
 from benchmarks.oracles.worst_case import least_worst_case
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
-from octmip.trees.drift import Bands, certify_drift
-from octmip.trees.drift import solve as solve_drift
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import NearOptimalSet, near_optimal
@@ -28,6 +26,8 @@ from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import Recount, certify_set, recount
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve
+from octmip.trees.worst_case import Bands, certify_worst_case
+from octmip.trees.worst_case import solve as solve_worst_case
 
 MARGINS = (0.0, 0.3, 0.5, 1.0, 2.0, 4.0)
 """How far above the optimum trees are counted."""
@@ -108,13 +108,13 @@ class WorstCases:
 
     def ask(self, question: Question, problem: Banded, log: Path | None) -> Solution:
         """Return the answer to a question."""
-        found = solve_drift(problem.problem, problem.bands, problem.off, question.limits, seed=question.seed)
+        found = solve_worst_case(problem.problem, problem.bands, problem.off, question.limits, seed=question.seed)
         return found.solution
 
     def complaint(self, problem: Banded, answer: Solution, truth: Fraction, log: Path) -> str:
         """Return what is wrong with a solution; '' when nothing is. The enumeration sums float64."""
         try:
-            found = certify_drift(problem.problem, answer, problem.bands, problem.off)
+            found = certify_worst_case(problem.problem, answer, problem.bands, problem.off)
         except CertificateError as error:
             return f"answer: {error}"
         slack = Fraction(answer.tolerance) + ROUNDING * truth

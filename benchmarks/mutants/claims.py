@@ -5,7 +5,7 @@ from benchmarks.mutants.mutant import Mutant
 NEARLY = "test_octmip/test_claims_nearly_right.py"
 CERTIFICATE = (NEARLY, "test_octmip/test_certificate.py")
 SETS = (NEARLY, "test_octmip/test_near_sets.py")
-DRIFT = (NEARLY, "test_octmip/test_drift.py")
+WORST = (NEARLY, "test_octmip/test_worst_case.py")
 NUMBERS = (
     NEARLY,
     "test_octmip/test_regression_grid.py",
@@ -90,29 +90,34 @@ CLAIMS = (
         SETS,
     ),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/worst_case/recount.py",
         "if abs(solution.objective - found.worst) > slack:",
         "if solution.objective - found.worst > slack:",
-        DRIFT,
+        WORST,
     ),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/worst_case/recount.py",
         "if solution.bound > least + solution.tolerance:",
         "if solution.bound > 2 * least + solution.tolerance:",
-        DRIFT,
+        WORST,
     ),
-    Mutant("octmip/trees/drift/recount.py", "min(found.worst, problem.baseline) + slack", "found.worst + slack", DRIFT),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/worst_case/recount.py",
+        "min(found.worst, problem.baseline) + slack",
+        "found.worst + slack",
+        WORST,
+    ),
+    Mutant(
+        "octmip/trees/worst_case/recount.py",
         "high[:, node.feature] > node.threshold",
         "high[:, node.feature] >= node.threshold",
-        DRIFT,
+        WORST,
     ),
     Mutant(
-        "octmip/trees/drift/recount.py",
+        "octmip/trees/worst_case/recount.py",
         "combinations(read, min(off, len(read)))",
         "combinations(read, min(1, len(read)))",
-        DRIFT,
+        WORST,
     ),
     Mutant(
         "octmip/trees/certificate.py",

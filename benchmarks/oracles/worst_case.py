@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.drift import Bands
 from octmip.trees.problem import Problem
+from octmip.trees.worst_case import Bands
 
 Floats = NDArray[np.float64]
 Child = tuple[int | None, NDArray[np.bool_], list[Floats]]

@@ -390,7 +390,7 @@ def regression(
     `squares` are rounded to the grid `grain`; `slopes` as `octmip.trees.losses.exact_sums.Slopes`, None: squared.
     """
 
-def drift(
+def worst_case(
     problem: Problem,
     band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
     incumbent: tuple[int, list[NodeRow]] | None,
@@ -404,7 +404,7 @@ def drift(
     `band_row`: by name `low` and `high` (n_features, n_samples) ranks, `n_off` most sensors off, `n_labels`.
     """
 
-def drift_search(
+def worst_case_search(
     problem: Problem,
     band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
     starts: list[list[NodeRow]],

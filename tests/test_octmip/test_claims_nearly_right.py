@@ -11,7 +11,6 @@ import pytest
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
 from octmip.errors import CertificateError, SolverError
 from octmip.monitor import calibrated_content
-from octmip.trees.drift import certify_drift
 from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
 from octmip.trees.near_sets.whole_numbers import whole_problem
@@ -19,6 +18,7 @@ from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
 from octmip.trees.tree import Node, ValueLeaf
 from octmip.trees.uncertainty import CredibleSets
+from octmip.trees.worst_case import certify_worst_case
 
 
 def five_values(labels: str = "aabab", **options: object) -> Problem:
@@ -61,18 +61,18 @@ def test_objectives_in_whole_numbers_are_compared_to_the_last_unit() -> None:
 def test_a_worst_case_claimed_too_low_is_refused_as_one_too_high() -> None:
     problem = five_values("aaabb")
     tree = Split(0, 2.5, Leaf(0), Leaf(1))
-    assert certify_drift(problem, claim(tree, 1.0, 0.0), 0.5).worst == 1.0
+    assert certify_worst_case(problem, claim(tree, 1.0, 0.0), 0.5).worst == 1.0
     for objective in (0.0, 2.0):
         with pytest.raises(CertificateError, match="claims the worst case"):
-            certify_drift(problem, claim(tree, objective, 0.0), 0.5)
+            certify_worst_case(problem, claim(tree, objective, 0.0), 0.5)
 
 
 def test_no_worst_case_has_a_bound_above_the_best_leaf() -> None:
     problem = five_values("aaabb")
     crossed = Split(0, 2.5, Leaf(1), Leaf(0))
-    assert certify_drift(problem, claim(crossed, 5.0, 2.0), 0.0).worst == 5.0
+    assert certify_worst_case(problem, claim(crossed, 5.0, 2.0), 0.0).worst == 5.0
     with pytest.raises(CertificateError, match=r"one of 2\.0 is known"):
-        certify_drift(problem, claim(crossed, 5.0, 3.0), 0.0)
+        certify_worst_case(problem, claim(crossed, 5.0, 3.0), 0.0)
 
 
 class Claimed:

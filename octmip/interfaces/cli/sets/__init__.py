@@ -2,6 +2,6 @@
 
 amount        what "within" means on a command line
 near_optimal  octmip near-optimal: the set itself
-drift         octmip drift: the tree of least worst case while gauges are off
+worst_case    octmip worst-case: the tree of least worst case while gauges are off
 sensors       octmip sensors: what each sensor is worth
 """

@@ -7,7 +7,6 @@
 
 pub mod control;
 mod costs;
-pub mod drift;
 pub mod effort;
 pub mod exact;
 mod interval;
@@ -21,6 +20,7 @@ pub mod supervise;
 mod switches;
 pub mod tree;
 pub mod two_feature;
+pub mod worst_case;
 
 pub use octmip_check::problem;
 

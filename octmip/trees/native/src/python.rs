@@ -1,7 +1,6 @@
 //! The Python border: arrays in, a flat node table and counters out. No logic of trees lives here.
 
 mod check;
-mod drift;
 mod exact;
 mod near_optimal;
 mod problem;
@@ -14,6 +13,7 @@ mod search;
 mod sequential;
 mod two_feature;
 mod workers;
+mod worst_case;
 
 use pyo3::prelude::*;
 
@@ -38,8 +38,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
-    module.add_function(wrap_pyfunction!(drift::drift, module)?)?;
-    module.add_function(wrap_pyfunction!(drift::drift_search, module)?)?;
+    module.add_function(wrap_pyfunction!(worst_case::worst_case, module)?)?;
+    module.add_function(wrap_pyfunction!(worst_case::worst_case_search, module)?)?;
     two_feature::register(module)?;
     exact::register(module)
 }

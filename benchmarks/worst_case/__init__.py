@@ -1,0 +1,1 @@
+"""Enumeration of trees that survive reading errors."""
