@@ -101,7 +101,7 @@ def _found(arguments: argparse.Namespace, tables: Sequence[Path], limits: Limits
     Raises
     ------
     OctmipError
-        no table can be asked about, with the reason of the first.
+        no table can be used, with the reason of the first.
     """
     found: list[Found] = []
     for path in tables:
@@ -121,7 +121,7 @@ def _found(arguments: argparse.Namespace, tables: Sequence[Path], limits: Limits
         if is_heard():
             break
     if not any(one.n_samples for one in found):
-        raise DataError(f"no table of {arguments.data} can be asked about; the first: {found[0].notes[0]}")
+        raise DataError(f"no table of {arguments.data} can be used; the first fault: {found[0].notes[0]}")
     return found
 
 

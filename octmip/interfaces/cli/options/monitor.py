@@ -58,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--only",
         metavar="STATE,...",
         default="",
-        help="states that the trees tell; the watch looks for the others (default: all of the twin, none is left out)",
+        help="states that the trees tell apart; the watch looks for the others (default: all states)",
     )
     reads(
         loop.add_argument(

@@ -66,7 +66,7 @@ def depth_words(evidence: Evidence, measure: Measure) -> dict[str, Any]:
     rows = [[p.depth, figure(p.objective), _bound(p, measure), figure(p.greedy_objective)] for p in points]
     caption = f"Training {measure.noun} of the best tree found and of the greedy tree, by depth."
     if any(not p.is_proven for p in points):
-        caption += " A line below a point shows how far a better tree is not ruled out."
+        caption += " A line below a point reaches the bound: a better tree may lie on it."
     caption += f" Each lower depth had at most {figure(evidence.seconds, 2)} s."
     if any(p.greedy_objective is None for p in points):
         caption += f" The greedy tree, {figure(evidence.greedy.seconds, 2)} s each, was not grown for every depth."

@@ -158,7 +158,7 @@ class OfClasses(Measure):
     @property
     def detail_heading(self) -> str:
         """Heading of the tables of confusions."""
-        return "Which classes are taken for which"
+        return "Which classes the tree confuses"
 
     def details(self, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
         """Return samples by true and predicted class, in training and held out."""

@@ -66,5 +66,5 @@ def _limits(file: TreeFile, evidence: Evidence | None) -> list[str]:
         "may do better, and the proof says nothing about new samples."
     ]
     if evidence is not None and evidence.held_out is not None:
-        out.append("About new samples only the samples held out say something; they were used for nothing else.")
+        out.append("Only the samples held out say something about new samples; nothing else used them.")
     return out

@@ -15,7 +15,7 @@ from octmip.trees.tree import ValueLeaf, leaves, splits
 
 STOPS = {
     Stop.OPTIMAL: "the proof was complete",
-    Stop.FINISHED: "the method had done all it does",
+    Stop.FINISHED: "the method had finished",
     Stop.GAP: "the gap asked for was reached",
     Stop.TIME: "the time was over",
     Stop.NODES: "the number of search nodes was reached",
