@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from benchmarks.wing import kinds
 from benchmarks.wing.buildable import PARAMETERS, SKINS, buildable_design
 from benchmarks.wing.confusion import confusion, pair_rows
 from benchmarks.wing.design import WingDesign
 from benchmarks.wing.envelope import N_DRAWS, SHARED, drawn
 from benchmarks.wing.regions import LEVELS, bayes, labels
 from benchmarks.wing.regions import drawn as drawn_readings
+from femlib.dataset.samples import study_states_percent
 from femlib.wing.built import built_materials
 
 
@@ -77,3 +79,18 @@ def test_a_confusion_has_a_row_of_shares_for_each_damaged_region():
     rows = pair_rows({"rule": table}, [str(k) for k in range(29)])
     assert {"true": "3", "named": "7", "rule %": 100.0} in rows
     assert len(rows) == 29
+
+
+def test_kinds_of_sensors_share_a_budget_and_an_inspection_is_paid_once():
+    lost = study_states_percent()[:, 1].astype(float)
+    gauge = kinds.Kind(("g1",), ("g1",), lost[:, None], np.array([40.0]))
+    found = {"gauge": gauge, "inspection": kinds.inspected(lost)}
+    readings, state = kinds.drawn(found, 400, 0)
+    told = readings["inspection"].argmax(axis=1)
+    true = np.searchsorted(kinds.LIMITS_OF_RESULTS, lost[state])
+    assert (told != true).mean() == pytest.approx(kinds.MISNAMED, abs=0.01)
+    rows = [kinds.row_of(found, chosen, 4.0, 10.0) for chosen in (("gauge",), ("inspection",), ("gauge", "inspection"))]
+    assert [row["cost"] for row in rows] == [1.0, 3.0, 4.0]
+    assert rows[2]["reads"] == "g1, inspection"
+    assert rows[2]["MAE training %"] < min(rows[0]["MAE training %"], rows[1]["MAE training %"])
+    assert all(row["proven"] for row in rows)
