@@ -34,7 +34,6 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=None, help="folder for campaigns, diagnoses and tables")
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
     parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
-    parser.add_argument("--trees", type=int, default=20, help="cases whose tree is retrained")
     parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
     parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
     parser.add_argument("--no-limit", action="store_true", help="leave out the limit of information")
@@ -58,7 +57,6 @@ def main() -> None:
         options.jobs,
         options.without,
         options.lasso,
-        options.trees,
         tuple(options.family or available()),
         options.asset_mesh,
         options.twin_mesh,

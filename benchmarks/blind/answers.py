@@ -18,7 +18,7 @@ from octmip.gap import AugmentedTwin, Campaign, Diagnosis, Differences, Odds, di
 from octmip.gap.diagnosis import library_of
 from octmip.gap.twins.cached import CachedTwin
 from octmip.interfaces.report.diagnosis.as_json import as_object
-from octmip.twin import Effect, amounts_of
+from octmip.twin import Effect
 
 HELD_LOAD = 2.5
 MOST_PROBABLE = 6
@@ -83,15 +83,6 @@ class CauseRecord(TypedDict):
     parameters: list[ParameterRecord]
 
 
-class AugmentedRecord(TypedDict):
-    """The parts of an augmented twin: additions (effect, place, size), calibration at a load, end of the campaign."""
-
-    additions: list[tuple[str, str, float]]
-    calibration: list[float]
-    load: float
-    end: float
-
-
 class Found(TypedDict):
     """The diagnosis of one case, with the commissioning run (`calibrated`) or without.
 
@@ -115,7 +106,6 @@ class Found(TypedDict):
     ranking: str
     residual: list[float]
     lasso: str | None
-    augmented: AugmentedRecord
 
 
 def twin(refinement: float = 1.0) -> CachedTwin:
@@ -161,7 +151,6 @@ def diagnosed(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign |
         "ranking": _chi_squared_ranking(diagnosis),
         "residual": _features(diagnosis),
         "lasso": group_lasso(diagnosis) if task.lasso and is_calibrated else None,
-        "augmented": _augmented(diagnosis, model, campaign),
     }
 
 
@@ -180,17 +169,6 @@ def _correction(diagnosis: Diagnosis, model: CachedTwin) -> list[float]:
     moved = augmented.predict(state, HELD_LOAD, end) - plain.predict(state, HELD_LOAD)
     correction: list[float] = moved[list(inputs.order)].tolist()
     return correction
-
-
-def _augmented(diagnosis: Diagnosis, model: CachedTwin, campaign: Campaign) -> AugmentedRecord:
-    """Return what makes the augmented twin, to be put together again once the keys are open."""
-    augmented = diagnosis.augmented(model)
-    return {
-        "additions": [(a.effect.name, a.place, a.size) for a in augmented.additions],
-        "calibration": np.asarray(augmented.calibration).tolist(),
-        "load": amounts_of(augmented.calibration_load)[0],
-        "end": float(np.nanmax(campaign.time) - np.nanmin(campaign.time)),
-    }
 
 
 def _chi_squared_ranking(diagnosis: Diagnosis) -> str:

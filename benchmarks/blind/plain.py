@@ -15,7 +15,6 @@ def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | Non
     start = time.process_time()
     selection = select(campaign, model, run)
     seconds = time.process_time() - start
-    first = campaign.cells[0]
     state = dict(zip(model.parameters, selection.states[0].tolist(), strict=True))
     augmented = AugmentedTwin(model, _additions(selection.causes[0]))
     end = max(cell.time for cell in campaign.cells)
@@ -37,12 +36,6 @@ def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | Non
         "ranking": "",
         "residual": [],
         "lasso": None,
-        "augmented": {
-            "additions": [(a.effect.name, a.place, a.size) for a in augmented.additions],
-            "calibration": [0.0] * len(model.gauges),
-            "load": first.load_factor,
-            "end": float(end),
-        },
     }
 
 

@@ -16,15 +16,12 @@ from benchmarks.blind.assets.shells import REFINEMENT
 from benchmarks.blind.limit.limits import limits
 from benchmarks.blind.reliability import draw
 from benchmarks.blind.rotation.constants import settled
-from benchmarks.blind.score import Pair
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
 from benchmarks.blind.tables import all_tables, foreign
-from benchmarks.blind.trees import Retraining, recovered, tree_figures
 from benchmarks.seals import open_keys
 from benchmarks.tables import whole_lines
-from octmip.gap.retrain import Recovery
 
 
 @dataclass(frozen=True)
@@ -37,8 +34,8 @@ class Plan:
         of the set; processes.
     without
         share of the cases diagnosed without commissioning run too.
-    lasso, trees
-        numbers of cases for the group lasso and for retraining.
+    lasso
+        number of cases for the group lasso.
     families
         of assets, each with its share of the cases.
     asset_mesh, twin_mesh
@@ -59,7 +56,6 @@ class Plan:
     jobs: int = 2
     without: float = 1.0
     lasso: int = 60
-    trees: int = 60
     families: tuple[str, ...] = available()
     asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
@@ -129,7 +125,7 @@ def begun_seed(folder: Path) -> int | None:
 
 def _seal(folder: Path, keys: Path, plan: Plan) -> None:
     assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
-    seal(folder, keys, plan.seed, plan.count, assets, plan.trees, plan.strata)
+    seal(folder, keys, plan.seed, plan.count, assets, plan.strata)
 
 
 def _answered(folder: Path, plan: Plan, selector: str) -> list[Found]:
@@ -202,7 +198,7 @@ def _tables(
     with_run = [(f, a) for f, a in next(iter(told.values())) if f["calibrated"]]
     draw(folder / "reliability.svg", "Foreign families, with the commissioning run", foreign(with_run))
     selected = [(f, answers[f["name"]]) for f in _limits(keys, answers, plan)]
-    return all_tables(told, selected, tree_figures(_recoveries(with_run, plan)))
+    return all_tables(told, selected)
 
 
 def _called(selector: str) -> str:
@@ -216,14 +212,6 @@ def _limits(keys: Path, answers: Mapping[str, Key], plan: Plan) -> list[Found]:
         return []
     assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
     return limits(answers, {asset.family: asset for asset in assets}, keys.with_suffix(".limits.json"))
-
-
-def _recoveries(with_run: Sequence[Pair], plan: Plan) -> list[Recovery]:
-    tasks = [Retraining(f, a, plan.twin_mesh) for f, a in with_run if "tree_means" in a]
-    if plan.jobs == 1 or len(tasks) < plan.jobs:
-        return [recovered(task) for task in tasks]
-    with ProcessPoolExecutor(plan.jobs) as pool:
-        return list(pool.map(recovered, tasks))
 
 
 def _heading(plan: Plan, count: int, clock: Sequence[float]) -> str:

@@ -12,12 +12,11 @@ from typing import NotRequired, TypedDict
 
 import numpy as np
 
-from benchmarks.blind.assets.asset import TREE_STATES, Asset, neighbours
+from benchmarks.blind.assets.asset import Asset, neighbours
 from benchmarks.blind.assets.families import slug
 from benchmarks.blind.assets.moment import Moment
 from benchmarks.blind.cases import (
     ALL_LOADS,
-    INTERVAL,
     REPEATS,
     Case,
     draw_cases,
@@ -33,7 +32,6 @@ from benchmarks.seals import fingerprint
 from femlib.arrays import FloatArray
 
 HELD_LOAD = 2.5  # never measured: the correction is judged there
-TREE_LOAD = 3.0
 LEAST = 0.003
 """Without a commissioning run: what two models of one wing differ by at every gauge, of the mean strain."""
 DAMAGE = 0.5
@@ -82,15 +80,11 @@ class CaseRecord(TypedDict):
 
 
 class Key(Facts):
-    """The opened key of a case, with its mean readings (n_cells, n_gauges).
-
-    `tree_means` (n_states, n_gauges) are there where its retrained tree is scored.
-    """
+    """The opened key of a case, with its mean readings (n_cells, n_gauges)."""
 
     case: CaseRecord
     salt: str
     means: list[list[float]]
-    tree_means: NotRequired[list[list[float]]]
 
 
 def seal(
@@ -99,10 +93,9 @@ def seal(
     seed: int,
     count: int,
     assets: Sequence[Asset],
-    n_trees: int = 0,
     strata: str = "main",
 ) -> None:
-    """Write campaigns and seals to `folder`, the answers to `keys`; `n_trees` of them with the states of a tree."""
+    """Write campaigns and seals to `folder`, the answers to `keys`."""
     for asset in assets:
         place = folder / slug(asset.family)
         (place / "campaigns").mkdir(parents=True, exist_ok=True)
@@ -119,9 +112,6 @@ def seal(
             write_run(place / "runs" / f"{case.name}.csv", asset, seed, case.run)
         answer: dict[str, object] = {"case": asdict(case), "salt": secrets.token_hex(16), **facts(case, asset)}
         answer["means"] = means.tolist()
-        if n_trees > 0 and asset.knows_every_state and _is_for_tree(case):
-            answer["tree_means"] = tree_means(case, asset)
-            n_trees -= 1
         seals[case.name] = fingerprint(answer)
         answers[case.name] = answer
     keys.write_text(json.dumps(answers))
@@ -216,16 +206,3 @@ def mean_covariance(case: Case, asset: Asset, is_calibrated: bool) -> FloatArray
             tangent = np.kron(own, (asset.strain(near) - asset.strain(state)) / step)
             covariance += DAMAGE**2 * np.outer(tangent, tangent)
     return covariance
-
-
-def _is_for_tree(case: Case) -> bool:
-    """Return whether a case is one of those whose retrained tree is scored."""
-    return case.is_known and case.stratum in ("single", "single, damaged")
-
-
-def tree_means(case: Case, asset: Asset) -> list[list[float]]:
-    """Return the asset's mean readings (n_states, n_gauges) in the states of a tree, after the campaign."""
-    last = len(case.cells) * REPEATS * INTERVAL
-    history = (*moments(case)[-1].history, (TREE_LOAD, last - REPEATS * INTERVAL))
-    at = [Moment(state, TREE_LOAD, np.array([last]), history) for state in TREE_STATES]
-    return [mean_readings(case.truths, asset, moment)[0].tolist() for moment in at]

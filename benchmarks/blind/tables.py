@@ -16,7 +16,7 @@ Told = Mapping[str, Sequence[Pair]]
 """Answers with their keys, by what answered."""
 
 
-def all_tables(told: Told, limits: Sequence[Pair], retrained: Sequence[Figure]) -> list[str]:
+def all_tables(told: Told, limits: Sequence[Pair]) -> list[str]:
     """Return the tables of a main set: of the first selector, and a column for each other and for the limit.
 
     `limits` are the same cases as the selector that knows the generator answers them.
@@ -33,7 +33,7 @@ def all_tables(told: Told, limits: Sequence[Pair], retrained: Sequence[Figure]) 
     return [
         table(
             "With the commissioning run",
-            {"known healthy state, loads 0 to 3": [*figures(standard), *retrained], **_beside(with_run, limit_with)},
+            {"known healthy state, loads 0 to 3": figures(standard), **_beside(with_run, limit_with)},
         ),
         table("Without a commissioning run", _beside(without, limit_without)),
         table("Families, with the commissioning run", _families(with_run, limit_with)),

@@ -19,7 +19,6 @@ from femlib.arrays import FloatArray
 T = TypeVar("T")
 
 STATES: tuple[State, ...] = ((0.0, 0.0), (0.2, 0.0), (0.0, 0.4), (0.25, 0.45), (0.6, 0.2), (0.1, 0.7), (0.35, 0.1))
-TREE_STATES: tuple[State, ...] = tuple((round(0.2 * i, 1), round(0.2 * j, 1)) for i in range(5) for j in range(5))
 DAMAGED: State = (0.3, 0.0)
 """State of an asset that was damaged before its commissioning run."""
 PARAMETERS = ("mu1", "mu2")
@@ -77,8 +76,6 @@ class Asset(ABC):
         how many places there are of effects that are expensive to compute; 0: not in this family.
     outside
         kinds of change that no library holds.
-    knows_every_state
-        whether it answers any state at once, and not only those of its tests.
     differs
         what another model of the wing differs by without a commissioning run, in common and per gauge: 1 %, or what
         was measured where that is more.
@@ -99,7 +96,6 @@ class Asset(ABC):
         "spar_skin_debond": 8,
     }
     outside: ClassVar[tuple[str, ...]] = ()
-    knows_every_state: ClassVar[bool] = False
     differs: ClassVar[tuple[float, float]] = (0.01, 0.01)
     gauges: tuple[str, ...]
     eta: FloatArray

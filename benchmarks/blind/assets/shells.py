@@ -14,7 +14,6 @@ from benchmarks.blind.assets.asset import (
     LENGTH,
     PARAMETERS,
     STATES,
-    TREE_STATES,
     Asset,
     Flaw,
     log_uniform,
@@ -96,12 +95,11 @@ class FemlibAsset(ShellAsset):
     """The wing on a finer mesh, its gauges reading (1 + own difference) times its strain."""
 
     family = "femlib, other mesh"
-    knows_every_state: ClassVar[bool] = True
     outside: ClassVar[tuple[str, ...]] = ("quadratic_gauges", "rib_field", "passing_sun")
 
     def __init__(self, seed: int, refinement: float = REFINEMENT) -> None:
         super().__init__(seed, refinement)
-        every = [*STATES, DAMAGED, *TREE_STATES, *(near for state in STATES for near in neighbours(state))]
+        every = [*STATES, DAMAGED, *(near for state in STATES for near in neighbours(state))]
         self.every = tuple(dict.fromkeys(every))
 
     def strain(self, state: State) -> FloatArray:

@@ -45,7 +45,6 @@ def limit(case: Case, asset: Asset, means: FloatArray, is_calibrated: bool) -> F
         "ranking": "",
         "residual": [],
         "lasso": None,
-        "augmented": {"additions": [], "calibration": [], "load": 1.0, "end": 0.0},
     }
 
 

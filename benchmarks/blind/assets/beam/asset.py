@@ -57,7 +57,6 @@ class BeamAsset(Asset):
     }
     outside: ClassVar[tuple[str, ...]] = ("buckled_panel", "tip_cable", "moist_skin")
 
-    knows_every_state: ClassVar[bool] = True
     differs: ClassVar[tuple[float, float]] = (0.01, 0.014)
 
     def __init__(self, seed: int, n_stations: int = N_STATIONS) -> None:
