@@ -53,6 +53,11 @@ class Block:
         own = corner_strains[self.corners]
         return np.asarray(np.tensordot(own[:, :3] + self.height * own[:, 3:], self.ply.strain_turn(), (1, 1)))
 
+    def free_strain(self, warmth: FloatArray) -> FloatArray:
+        """Return the thermal strains (m, 3) in fibre axes of temperatures and gradients (m, 2) of the corners."""
+        rise = warmth[:, 0] + self.height * warmth[:, 1]
+        return np.outer(rise, [self.ply.expansion_1, self.ply.expansion_2, 0.0])
+
     def factors(self, strain: FloatArray, criterion: str) -> FloatArray:
         """Return the factors (m,) on a load at which the ply fails, of its strains (m, 3) in fibre axes."""
         ply, strength = self.ply, self.ply.strength
@@ -156,6 +161,7 @@ def ply_stresses(
     factor: FloatArray | None = None,
     error: float = float("nan"),
     faces: Sequence[Faces] | None = None,
+    warmth: FloatArray | None = None,
 ) -> Stresses:
     """Return strains and stresses of plies of shells that moved by (n_dofs,) [m, rad].
 
@@ -169,6 +175,9 @@ def ply_stresses(
         Estimated error to carry.
     faces : sequence, optional
         As for `blocks_of`.
+    warmth : FloatArray, optional
+        Temperature of each shell's middle and its rise toward the top (n_shells, 2) [K, K/m]; the free strains that
+        they cause are taken off.
 
     Raises
     ------
@@ -179,6 +188,8 @@ def ply_stresses(
     element, node = corner_elements(shells), np.concatenate([shells.mesh.quads.ravel(), shells.mesh.trias.ravel()])
     left = shells.scale if factor is None else shells.scale * factor[: shells.mesh.n_elements]
     strain = [block.strain(strains) for block in blocks]
+    if warmth is not None:
+        strain = [own - b.free_strain(warmth[element[b.corners]]) for b, own in zip(blocks, strain, strict=True)]
     stress = [
         left[element[b.corners], None] * (own @ fibre_stiffness(b.ply)) for b, own in zip(blocks, strain, strict=True)
     ]

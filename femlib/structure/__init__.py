@@ -1,6 +1,7 @@
 """Structures of the user's own: from a mesh with named sets to strains under damage."""
 
 from femlib.elements.beam2 import BeamSection, rectangular_beam
+from femlib.structure.heat import Heated, heated
 from femlib.structure.model import Structure
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.parts import Spring
@@ -10,10 +11,12 @@ from femlib.structure.vtu import write_vtu
 
 __all__ = [
     "BeamSection",
+    "Heated",
     "NamedMesh",
     "ReducedStructure",
     "Spring",
     "Structure",
+    "heated",
     "read",
     "rectangular_beam",
     "reduce",

@@ -10,7 +10,7 @@ from femlib.errors import InputError, SolveError
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.rom.capability import full_limits
 from femlib.strength import Strength, strain_factors, tsai_wu_factors, von_mises, yielding_at
-from femlib.structure import Structure, read
+from femlib.structure import Structure, heated, read
 from femlib.structure.strength import structure_limits
 from tests.test_femlib.own_meshes import plate_mesh, plate_with_mast
 
@@ -201,3 +201,28 @@ def test_strains_of_a_coarse_mesh_are_refused():
     coarse = cantilever(isotropic_plate(70e9, 0.3, 2e-3), n_x=5)
     with pytest.raises(SolveError, match="estimated to be"):
         coarse.stresses({}, coarse.line_load("right", (0.0, 0.0, 100.0)), strain_limit=0.001)
+
+
+def test_a_warm_strip_has_no_stress_where_it_is_free_and_its_own_where_it_is_held():
+    """alpha T of length, whatever is damaged; E alpha T between held ends; curvature alpha T'."""
+    section = isotropic_plate(70e9, 0.0, 2e-3, expansion=23e-6, strength=yielding_at(250e6))
+    free, held = cantilever(section), cantilever(section)
+    grown = heated(free, {"skin": (50.0, 0.0)})
+    tip = free.mesh.nodes_of("right")
+    np.testing.assert_allclose(np.asarray(grown.displacements)[tip, 0], 23e-6 * 50.0 * 0.2, rtol=1e-6)
+    inner = free.mesh.nodes[grown.stresses.node][:, 0] > 0.14  # away from the clamp, which hinders it across
+    assert np.abs(grown.stresses.stress[inner]).max() < 1e-4 * 70e9 * 23e-6 * 50.0
+    held = Structure(held.mesh, {"skin": section}, {"left": "clamped", "right": "x z rx ry rz"}, damage=("middle",))
+    pushed = heated(held, {"skin": (50.0, 0.0)}, limit=1.0).stresses
+    middle = np.abs(held.mesh.nodes[pushed.node][:, 0] - 0.1) < 0.02
+    np.testing.assert_allclose(pushed.stress[middle, 0], -70e9 * 23e-6 * 50.0, rtol=1e-3)
+    assert pushed.failure_factors("von mises")[middle].min() == pytest.approx(250e6 / (70e9 * 23e-6 * 50.0), rel=2e-3)
+    bent = np.asarray(heated(free, {"skin": (0.0, 1000.0)}, limit=1.0).displacements)
+    assert bent[tip, 2].mean() == pytest.approx(-0.5 * 23e-6 * 1000.0 * 0.2**2, rel=0.02)
+    softer = heated(free, {"skin": (50.0, 0.0)}, {"middle": 0.5})
+    places = [np.asarray(found.displacements)[:, :3] for found in (softer, grown)]
+    np.testing.assert_allclose(*places, atol=1e-3 * 23e-6 * 50.0 * 0.2)
+    with pytest.raises(InputError, match="where no shell expands"):
+        heated(cantilever(isotropic_plate(70e9, 0.0, 2e-3)), {"skin": (50.0, 0.0)})
+    with pytest.raises(InputError, match="expected kelvin and kelvin per metre"):
+        heated(free, {"skin": (50.0, float("nan"))})

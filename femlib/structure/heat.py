@@ -1,0 +1,103 @@
+"""A structure whose shells are warm: displacements and stresses under temperatures and a load.
+
+A hindered thermal strain pushes like the forces of `femlib.assembly.thermal_load`, a damaged part in proportion to the
+stiffness that it keeps. Stresses are those of the strains less the free thermal ones.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from femlib.arrays import FloatArray, Judged, judged
+from femlib.assembly import MOST_ERROR, Stresses, ply_stresses, thermal_load
+from femlib.components import damage_row
+from femlib.errors import InputError, frozen_floats, is_number
+from femlib.mesh import DOFS_PER_NODE
+from femlib.structure.model import Structure
+
+Warmth = Mapping[str, tuple[float, float]]
+"""Temperature [K] above the stress-free one of the middle of the shells of each set, and its rise toward their top
+side [K/m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heated:
+    """A warm structure.
+
+    Attributes
+    ----------
+    displacements : Judged
+        (n_nodes, 6) [m, rad], with their estimated error.
+    stresses : Stresses
+        Strains less the free thermal ones, and stresses, of all plies; their factors are on load and warmth together.
+    """
+
+    displacements: Judged
+    stresses: Stresses
+
+
+def heated(
+    structure: Structure,
+    warmth: Warmth,
+    state: Mapping[str, float] | None = None,
+    load: FloatArray | None = None,
+    limit: float = MOST_ERROR,
+) -> Heated:
+    """Return the displacements and stresses of a structure with warm shells.
+
+    Beams have no expansion. Whether the heat buckles the shells is not checked.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    warmth : mapping
+        Temperature of element sets; other shells have that of the stress-free state.
+    state : mapping, optional
+        Named damage fractions; undamaged if not given.
+    load : FloatArray, optional
+        Nodal forces (n_dofs,) [N, N m] besides.
+    limit : float
+        Estimated error of the displacements beyond which they are refused.
+
+    Raises
+    ------
+    InputError
+        If a set is unknown or has no shell that expands, or a temperature, state or load is bad.
+    SolveError
+        If the displacements are estimated to be farther off than `limit`.
+    """
+    shells, named = structure.built, state or {}
+    left = structure.stiffness_left(named)
+    warm = _warmth_of_elements(structure, warmth)
+    kept = warm * left[: shells.mesh.n_elements, None]
+    force = thermal_load(shells, kept[:, 0], kept[:, 1])
+    if load is not None:
+        force = force + frozen_floats(load, "load", force.shape)
+    row = damage_row(named, structure.parameters)
+    pristine, moved = structure.damaged.solve(np.stack([0.0 * row, row]), force)
+    error = 0.0
+    if np.any(moved):
+        quality = structure.judge.quality(force, moved, pristine, left)
+        quality.refuse(limit)
+        error = quality.displacement_error
+    stresses = ply_stresses(shells, moved, left, float(np.sqrt(error)), warmth=warm)
+    return Heated(judged(moved.reshape(-1, DOFS_PER_NODE), error), stresses)
+
+
+def _warmth_of_elements(structure: Structure, warmth: Warmth) -> FloatArray:
+    """Return temperature and gradient of each shell (n_shells, 2)."""
+    mesh, shells = structure.mesh, structure.built
+    found = np.zeros((mesh.n_shells, 2))
+    expands = np.array([any(p.expansion_1 or p.expansion_2 for p in own.plies) for own in shells.laminates])
+    for name, own in warmth.items():
+        inside = mesh.elements_of(name)[: mesh.n_shells]
+        if len(own) != 2 or not all(map(is_number, own)):
+            raise InputError(f"warmth of {name!r} is {own!r}; expected kelvin and kelvin per metre; give two numbers")
+        if not (inside & expands[shells.section]).any():
+            raise InputError(
+                f"warmth acts on {name!r}, where no shell expands; expected a section that does; give it an expansion"
+            )
+        found[inside] = own
+    return found
