@@ -40,6 +40,7 @@ FAMILIES = {
     "fuzz_sample_costs": "benchmarks.cases.fuzz.sample_costs",
     "fuzz_gaps": "benchmarks.cases.fuzz.gaps",
     "fuzz_parts": "benchmarks.cases.fuzz.parts",
+    "fuzz_subsets": "benchmarks.cases.fuzz.subsets",
     "gaps_strains": "benchmarks.cases.missing_readings",
     "fuzz_proofs": "benchmarks.cases.fuzz.exact_proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",

@@ -6,14 +6,17 @@ version 2 of the tree file, a number with missing cells is two complete features
 missing cells below every number, the second above, so a cut `x <= t` of the first sends missing cells left and of the
 second right; a cut below the least number asks whether the cell is missing.
 
-A text is one yes/no feature (1: yes) for each of its values, or, where it has an order, its rank.
+A text is one yes/no feature (1: yes) for each of its values, or for each set of them, or, where it has an order, its
+rank. A set and the rest of the values part the rows alike, so sets without the first value are enough: 2^(n-1) - 1.
 
 Source: Twala, Jones & Hand (2008), "Good methods for coping with missing data in decision trees".
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -27,12 +30,14 @@ from octmip.formats.columns.written import FORMS, number_words
 from octmip.formats.messages import shown
 from octmip.trees.tree import Split
 
-FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "order"]
+FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]
+MOST_LEVELS = 12
+"""Different texts of a column, missing cells one of them, of which every set is a feature."""
 
 CONTENT = Record(
     {
         "column": Text(),
-        "kind": Choice(("number", "values", "order")),
+        "kind": Choice(("number", "values", "subsets", "order")),
         "has_missing": Truth(),
         "least": Number(),
         "most": Number(),
@@ -53,6 +58,20 @@ class Feature:
     column: str
     kind: FeatureKind
     value: str = ""
+    members: tuple[str | None, ...] = ()
+    """The texts that are answered by yes, None a missing cell, where sets are asked for."""
+
+
+@lru_cache(maxsize=256)
+def _sets(column: str, levels: tuple[str | None, ...]) -> tuple[Feature, ...]:
+    """Return a feature for each set of levels that lacks the first, small sets first."""
+    members = [chosen for size in range(1, len(levels)) for chosen in combinations(levels[1:], size)]
+    return tuple(Feature(f"{column} in {set_words(one)}", column, "among", members=one) for one in members)
+
+
+def set_words(levels: Iterable[str | None]) -> str:
+    """Return a set of texts in braces, missing cells by that word."""
+    return "{" + ", ".join("missing" if level is None else level for level in levels) + "}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +83,8 @@ class Column:
     name
         of the column.
     kind
-        "number", "values" (text, one yes/no feature per value) or "order" (text, its rank).
+        "number", "values" (text, one yes/no feature per value), "subsets" (text, one per set of values) or "order"
+        (text, its rank).
     has_missing
         whether a cell was missing in training; where none was, a missing cell is refused later.
     least, most
@@ -78,7 +98,7 @@ class Column:
     """
 
     name: str
-    kind: Literal["number", "values", "order"]
+    kind: Literal["number", "values", "subsets", "order"]
     has_missing: bool
     least: float = 0.0
     most: float = 0.0
@@ -89,13 +109,24 @@ class Column:
     @property
     def lacks_numbers(self) -> bool:
         """Whether its feature is NaN where a cell is missing."""
-        return self.has_missing and self.kind != "values" and not self.is_doubled
+        return self.has_missing and not self.asks_texts and not self.is_doubled
+
+    @property
+    def asks_texts(self) -> bool:
+        """Whether its features are yes/no questions, which a missing cell answers too."""
+        return self.kind in ("values", "subsets")
+
+    @property
+    def _levels(self) -> tuple[str | None, ...]:
+        return (*self.values, None) if self.has_missing else self.values
 
     @property
     def features(self) -> tuple[Feature, ...]:
         """The features in the order of the columns of `encode`."""
         if self.kind == "values":
             return self._questions()
+        if self.kind == "subsets":
+            return _sets(self.name, self._levels)
         plain: FeatureKind = "number" if self.kind == "number" else "order"
         if not self.is_doubled:
             return (Feature(self.name, self.name, plain),)
@@ -138,6 +169,8 @@ class Column:
             words = self.words_of(cells)
             is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
             return np.column_stack(is_value).astype(np.float64)
+        if self.kind == "subsets":
+            return self._memberships(self.words_of(cells))
         numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells))
         if not self.is_doubled:
             return numbers[:, None]
@@ -146,6 +179,14 @@ class Column:
         # a number outside the training's range counts as its end, and stays on its side of every cut.
         left, right = np.maximum(numbers, least), np.minimum(numbers, most)
         return np.column_stack((np.where(is_missing, below, left), np.where(is_missing, above, right)))
+
+    def _memberships(self, words: NDArray[Any]) -> NDArray[np.float64]:
+        """Return the answers of some texts (n_rows, n_features); one that training had not is in no set."""
+        place = {level: k for k, level in enumerate(self._levels)}
+        answers = np.zeros((len(place) + 1, len(self.features)))
+        for j, feature in enumerate(self.features):
+            answers[[place[member] for member in feature.members], j] = 1.0
+        return np.asarray(answers[[place.get(word, len(place)) for word in words.tolist()]])
 
     def words_of(self, cells: Cells) -> NDArray[Any]:
         """Return the texts of some cells, (n_rows,); numbers by the text of training that means the same number.
@@ -179,6 +220,12 @@ class Column:
             return f"{self.name} is not {feature.value}"
         if feature.kind == "is-missing":
             return f"{self.name} is not missing"
+        if feature.kind == "among":
+            rest = [level for level in self._levels if level not in feature.members]
+            is_short = len(rest) <= len(feature.members)
+            return (
+                f"{self.name} in {set_words(rest)}" if is_short else f"{self.name} not in {set_words(feature.members)}"
+            )
         least, most = self._range
         if feature.kind == "missing-left" and threshold < least:
             return f"{self.name} is missing"
@@ -223,6 +270,8 @@ class Column:
             raise DataError(f"column {shown(taken['column'])}: texts have no form of numbers; write the file anew")
         if (taken["kind"] == "number") == bool(taken["values"]):
             raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
+        if taken["kind"] == "subsets" and len(taken["values"]) + taken["has_missing"] > MOST_LEVELS:
+            raise DataError(f"column {shown(taken['column'])}: sets are made of {MOST_LEVELS} texts at most")
         return cls(
             taken["column"],
             taken["kind"],

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.checked import ListOf, Record
 from octmip.formats.columns.cells import Cells, read_cells
-from octmip.formats.columns.column import CONTENT, Column, Feature
+from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
 from octmip.formats.columns.written import words_of
-from octmip.formats.messages import shown
+from octmip.formats.messages import MOST_NAME, shown
 from octmip.trees.tree import Split
 
-Categories = Literal["yes-no", "order", "refuse"]
+Categories = Literal["yes-no", "subsets", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]
 MOST_VALUES = 100
 """Different texts of a column that becomes yes/no questions."""
@@ -68,8 +68,9 @@ class Columns:
         frame
             the columns to split on: numbers, booleans, text or pandas categories, cells missing or not.
         categories
-            text becomes yes/no features ("yes-no"), its rank in alphabetical order or that of an ordered category
-            ("order"), or is refused ("refuse"). An ordered category becomes its rank in the first case too.
+            text becomes yes/no features, one per value ("yes-no") or one per set of values ("subsets"), its rank in
+            alphabetical order or that of an ordered category ("order"), or is refused ("refuse"). An ordered category
+            becomes its rank in the first two cases too.
         missing
             missing cells go to whichever side of a split is better ("either-side"), or are refused ("refuse").
         doubled
@@ -172,7 +173,7 @@ class Columns:
         DataError
             there are such columns; the sentence ends with `cure`.
         """
-        gaps = [shown(column.name) for column in self.columns if column.has_missing and column.kind != "values"]
+        gaps = [shown(column.name) for column in self.columns if column.has_missing and not column.asks_texts]
         if gaps:
             named = ", ".join(gaps[:5]) + (f" and {len(gaps) - 5} more" if len(gaps) > 5 else "")
             raise DataError(
@@ -184,7 +185,7 @@ class Columns:
         """Return a sentence for each column of text with values that training had not."""
         found = []
         for column in self.columns:
-            if column.kind == "values":
+            if column.asks_texts:
                 words = column.words_of(read_cells(frame[column.name], column.form)).tolist()
                 new = sorted(set(words) - {None, *column.values})
                 if new:
@@ -201,6 +202,8 @@ class Columns:
         ranked = [column for column in self.columns if column.kind == "order"]
         gaps = [column for column in self.columns if column.has_missing]
         found = []
+        if sets := [column for column in self.columns if column.kind == "subsets"]:
+            found.append(f"a split may ask for any set of the texts in {_listed(sets)}")
         if asked:
             questions = sum(len(column.features) for column in asked)
             found.append(f"text in {_listed(asked)} became {questions} yes/no question{'s' * (questions != 1)}")
@@ -263,6 +266,17 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
     n_values = len(cells.values)
     if n_values > FEW_VALUES and n_values > MOST_UNIQUE * n_rows:
         raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
+    n_levels = n_values + (cells.n_missing > 0)
+    if categories == "subsets" and n_levels > MOST_LEVELS:
+        raise DataError(
+            f"holds {n_levels} different texts; expected at most {MOST_LEVELS}, of which every set is tried; merge "
+            "values, leave it out, or set categories to 'yes-no' or 'order'"
+        )
+    if categories == "subsets" and sum(map(len, cells.values)) > MOST_NAME // 2:
+        raise DataError(
+            f"holds texts of {sum(map(len, cells.values))} characters in all; expected at most {MOST_NAME // 2}, as "
+            "sets are named by them; shorten them"
+        )
     if n_values > MOST_VALUES and categories == "yes-no":
         raise DataError(
             f"holds {n_values} different texts; expected at most {MOST_VALUES} yes/no questions; leave it out, merge "
@@ -278,7 +292,8 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -
     has_missing = cells.n_missing > 0
     is_doubled = doubled and has_missing
     if cells.is_text:
-        kind: Literal["order", "values"] = "order" if cells.is_ordered or categories == "order" else "values"
+        kind: Literal["order", "subsets", "values"] = "subsets" if categories == "subsets" else "values"
+        kind = "order" if cells.is_ordered or categories == "order" else kind
         return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
     least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
     column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form)
@@ -288,7 +303,7 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -
 
 
 def _encoded(column: Column, cells: Cells, takes_gaps: bool) -> NDArray[np.float64]:
-    if cells.n_missing and not (column.has_missing or (takes_gaps and column.kind != "values")):
+    if cells.n_missing and not (column.has_missing or (takes_gaps and not column.asks_texts)):
         raise DataError(f"has {_gaps(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")

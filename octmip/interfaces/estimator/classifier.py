@@ -61,8 +61,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     sensor_budget
         at most so much sensor cost in the whole tree; None: no limit.
     categories
-        text and pandas categories become yes/no questions ("yes-no"), their rank ("order"), or are refused
-        ("refuse"); an ordered pandas category becomes its rank.
+        text and pandas categories become yes/no questions, one per value ("yes-no") or one per set of at most 12 values
+        ("subsets"), their rank ("order"), or are refused ("refuse"); an ordered pandas category becomes its rank.
     missing
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
         Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.

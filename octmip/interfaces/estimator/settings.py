@@ -44,7 +44,7 @@ class Settings:
     sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
     sensor_budget: float | None = None
-    categories: Literal["yes-no", "order", "refuse"] = "yes-no"
+    categories: Literal["yes-no", "subsets", "order", "refuse"] = "yes-no"
     missing: Literal["either-side", "refuse"] = "either-side"
     method: Method = "auto"
     options: Options | None = None

@@ -7,7 +7,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature
-from octmip.formats.columns.column import Column
+from octmip.formats.columns.column import Column, set_words
 from octmip.formats.columns.written import words_of
 from octmip.formats.names import shown
 from octmip.trees.shape import MAX_DEPTH
@@ -38,6 +38,8 @@ def _input_of(column: Column, feature: Feature) -> str:
         return f"1 where {column.name} is {feature.value}, else 0"
     if feature.kind == "is-missing":
         return f"1 where {column.name} is missing, else 0"
+    if feature.kind == "among":
+        return f"1 where {column.name} is in {set_words(feature.members)}, else 0"
     ranks = ", ".join(f"{k}: {value}" for k, value in enumerate(column.values))
     number = column.name if column.kind == "number" else f"the rank of {column.name} ({ranks})"
     if column.form:

@@ -69,9 +69,9 @@ def add_column_arguments(group: argparse._ArgumentGroup) -> list[argparse.Action
         group.add_argument("--weights", metavar="COL", help="column with the risk weight of each row (default: all 1)"),
         group.add_argument(
             "--categories",
-            choices=("yes-no", "order", "refuse"),
-            help="text becomes a yes/no question per value, its rank in alphabetical order, or is refused (default "
-            "yes-no)",
+            choices=("yes-no", "subsets", "order", "refuse"),
+            help="text becomes a yes/no question per value, or per set of values (12 at most), its rank in "
+            "alphabetical order, or is refused (default yes-no)",
         ),
         group.add_argument(
             "--missing",

@@ -139,6 +139,7 @@
   function featureOf(asked, value) {
     if (asked.kind === "is") return value === asked.value ? 1 : 0;
     if (asked.kind === "is-missing") return value === null ? 1 : 0;
+    if (asked.kind === "among") return asked.members.includes(value) ? 1 : 0;
     if (value === null) return asked.kind === "missing-left" ? -Infinity : asked.kind === "missing-right" ? Infinity : NaN;
     const number = asked.isOrder ? asked.values.indexOf(value) : Number(value);
     if (asked.kind === "missing-left") return Math.max(number, asked.least);

@@ -180,7 +180,7 @@ def _missing(node: Split | HyperplaneSplit, wording: Wording) -> str:
 
 def _asks_for_gaps(node: Split | HyperplaneSplit, wording: Wording) -> bool:
     """Whether the question itself is whether a value is missing, or is one of text, which has an answer of its own."""
-    is_text = isinstance(node, Split) and wording.feature(node.feature).kind in ("is", "is-missing")
+    is_text = isinstance(node, Split) and wording.feature(node.feature).kind in ("is", "is-missing", "among")
     return is_text or (isinstance(node, Split) and node.threshold is None)
 
 

@@ -68,6 +68,7 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
         "unit": wording.unit(item.column).strip(),
         "kind": item.kind,
         "value": item.value,
+        "members": list(item.members),
         "hasMissing": node.missing is not None,
     }
     if wording.columns is None:
@@ -76,7 +77,7 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
     asked |= {"values": list(column.values), "shown": [short_name(value) for value in column.values]}
     ends = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
     return asked | {
-        "hasMissing": column.has_missing or (node.missing is not None and column.kind != "values"),
+        "hasMissing": column.has_missing or (node.missing is not None and not column.asks_texts),
         "least": ends[0],
         "most": ends[1],
         "isOrder": column.kind == "order",
