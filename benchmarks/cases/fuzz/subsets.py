@@ -40,7 +40,7 @@ def table(rng: np.random.Generator) -> tuple[pd.DataFrame, "np.ndarray[tuple[int
     frame = pd.DataFrame({f"c{j}": np.array(list("abcdef"))[rng.integers(0, k, n)] for j, k in enumerate(n_texts)})
     if rng.random() < 0.3:
         frame.loc[rng.random(n) < 0.3, "c0"] = None
-        frame.loc[0, "c0"] = "a"
+    frame.loc[:1, "c0"] = ["a", "b"]  # a column of one text is no feature
     if rng.random() < 0.5:
         frame["x"] = rng.integers(0, 4, n).astype(float)
     labels = rng.integers(0, int(rng.integers(2, 4)), n)
