@@ -21,6 +21,10 @@ class ProblemError(OctmipError, ValueError):
     """The problem as stated is not one that a tree can answer (wrong shape, range or type)."""
 
 
+class NoTreeError(ProblemError):
+    """No tree has all that is asked for, such as a given split that leaves a side empty."""
+
+
 class DataError(OctmipError, ValueError):
     """A file or table does not hold what was announced (missing column, text in a number, unseen label)."""
 

@@ -17,6 +17,8 @@ from octmip.trees.tree import Leaf, Node, Split
 
 MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
 """By depth: the list of all trees grows with their power."""
+SENSOR = "sensor"
+"""What the first two features are read from."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +71,7 @@ def parted_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
         weights=rng.integers(1, 4 if rng.random() < 0.5 else 2, n).astype(float),
         leaf_size=int(rng.choice([1, 1, 2])),
         leaf_penalty=float(rng.choice([0, 0, 1])),
+        sensor_of_feature=[SENSOR, SENSOR, "other"][:p],
         **parts,
     )
 
@@ -78,7 +81,8 @@ def _given(rng: Generator, depth: int, p: int) -> dict[str, Any]:
     for _ in range(int(rng.integers(1, 4))):
         path = "".join(rng.choice(["L", "R"], int(rng.integers(0, depth))))
         threshold = float(rng.choice([0.5, 1.0, 1.5, 2.5])) if rng.random() < 0.4 else None
-        found[path or "ROOT"] = (int(rng.integers(0, p)), threshold)
+        is_sensor = p > 1 and rng.random() < 0.2
+        found[path or "ROOT"] = SENSOR if is_sensor else (int(rng.integers(0, p)), threshold)
     free = [path + turn for path in ["" if key == "ROOT" else key for key in found] for turn in "LR"]
     leaf = str(rng.choice(free))
     if rng.random() < 0.2 and not any(key.startswith(leaf) for key in found):

@@ -40,17 +40,17 @@ def _costs(
     if len(rows) < problem.leaf_size:
         return found
     here = asked.get(path)
-    is_split_below = any(part.feature is not None and one.startswith(path) for one, part in asked.items())
+    is_split_below = any(part.features and one.startswith(path) for one, part in asked.items())
     if not is_split_below:
         leaf = min(Fraction(float(cost)) for cost in problem.class_costs(rows))
         found[0, _n_splits(old)] = leaf
-    if len(path) == problem.depth or (here is not None and here.feature is None):
+    if len(path) == problem.depth or (here is not None and not here.features):
         return found
     for feature in range(problem.n_features):
         if not all(_may_follow(rule, feature, above) for rule in rules):
             continue
         for threshold in _thresholds(problem, feature):
-            if here is not None and (here.feature != feature or here.threshold not in (None, threshold)):
+            if here is not None and (feature not in here.features or here.threshold not in (None, threshold)):
                 continue
             is_left = problem.features[rows, feature] <= threshold
             is_old = isinstance(old, Split) and (old.feature, old.threshold) == (feature, threshold)
@@ -79,7 +79,9 @@ def _may_follow(rule: tuple[str, tuple[int, ...]], feature: int, above: tuple[in
 def _thresholds(problem: Problem, feature: int) -> list[float]:
     values = np.unique(problem.features[:, feature])
     found = set(((values[:-1] + values[1:]) / 2).tolist())
-    found |= {part.threshold for part in problem.given_splits if part.feature == feature and part.threshold is not None}
+    found |= {
+        part.threshold for part in problem.given_splits if feature in part.features and part.threshold is not None
+    }
     return sorted(found | _old_thresholds(problem.old_tree, feature))
 
 

@@ -19,10 +19,10 @@ def missing_part(tree: Node, given: Sequence[GivenSplit], names: Sequence[str]) 
     by_path = dict(places(tree))
     for part in given:
         node = by_path.get(part.path)
-        if part.feature is None:
+        if not part.features:
             if isinstance(node, Leaf | None):
                 continue
-        elif isinstance(node, Split) and node.feature == part.feature and part.threshold in (None, node.threshold):
+        elif isinstance(node, Split) and node.feature in part.features and part.threshold in (None, node.threshold):
             continue
         return f"the tree has not {part.split_words(names)} at {address(part.path)}, which fixed_splits asks for"
     return None

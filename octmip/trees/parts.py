@@ -1,7 +1,8 @@
 """Parts of a tree that a Problem asks for: given splits by their address, and rules for the features on a path.
 
 The address of a node is the way to it from the root, a letter for each split: "ROOT", "L" (left of the root), "LR"
-(right of that). A given split is a feature, "g05", with a threshold, "g05<=3.2", or "leaf": nothing is split there.
+(right of that). A given split is a feature, "g05", with a threshold, "g05<=3.2", any feature of a sensor, such as all
+questions for a column of texts, or "leaf": nothing is split there.
 
     ("not-below", "g07", "g05")    g07 is never split below a split of g05 (or of others that follow)
     ("apart", "g01", "g02")        no path from the root to a leaf splits two of these features
@@ -32,15 +33,18 @@ class GivenSplit:
     ----------
     path
         "" for the root, else letters L and R.
-    feature
-        by index; None: a leaf stands here.
+    features
+        by index, one of which is split here; none: a leaf stands here.
     threshold
-        None: any.
+        of the one feature; None: any.
+    sensor
+        whose features they are; "" where one feature is named.
     """
 
     path: str
-    feature: int | None
+    features: tuple[int, ...]
     threshold: float | None = None
+    sensor: str = ""
 
     def words(self, names: Sequence[str]) -> str:
         """Return it as the command takes it: L=g05<=3.2."""
@@ -48,9 +52,9 @@ class GivenSplit:
 
     def split_words(self, names: Sequence[str]) -> str:
         """Return what stands there: g05, g05<=3.2 or leaf."""
-        if self.feature is None:
+        if not self.features:
             return LEAF
-        return names[self.feature] + ("" if self.threshold is None else f"<={self.threshold!r}")
+        return self.sensor or names[self.features[0]] + ("" if self.threshold is None else f"<={self.threshold!r}")
 
 
 def address(path: str) -> str:
@@ -58,7 +62,9 @@ def address(path: str) -> str:
     return path or ROOT
 
 
-def given_splits(given: object, names: tuple[str, ...], what: str) -> tuple[GivenSplit, ...] | None:
+def given_splits(
+    given: object, names: tuple[str, ...], what: str, sensor_of_feature: Sequence[str] = ()
+) -> tuple[GivenSplit, ...] | None:
     """Return given splits in the order of their addresses, None where there are none.
 
     Parameters
@@ -70,6 +76,8 @@ def given_splits(given: object, names: tuple[str, ...], what: str) -> tuple[Give
         of the features.
     what
         is given, for an error.
+    sensor_of_feature
+        (n_features,) names of sensors, each of which may stand for all its features.
 
     Raises
     ------
@@ -79,12 +87,12 @@ def given_splits(given: object, names: tuple[str, ...], what: str) -> tuple[Give
     if given is None:
         return None
     if isinstance(given, Mapping):
-        found = [_given_split(key, value, names, what) for key, value in given.items()]
+        found = [_given_split(key, value, names, what, sensor_of_feature) for key, value in given.items()]
     elif isinstance(given, tuple) and all(isinstance(entry, GivenSplit) for entry in given):
         found = list(given)
     else:
         raise ProblemError(f"{what} is {given!r}; expected a mapping from addresses to splits, such as ROOT to 'g05'")
-    leaves = [entry.path for entry in found if entry.feature is None]
+    leaves = [entry.path for entry in found if not entry.features]
     below = [entry for entry in found for leaf in leaves if entry.path != leaf and entry.path.startswith(leaf)]
     if below or len({entry.path for entry in found}) < len(found):
         where = address(below[0].path) if below else "an address twice"
@@ -92,12 +100,16 @@ def given_splits(given: object, names: tuple[str, ...], what: str) -> tuple[Give
     return tuple(sorted(found, key=lambda entry: entry.path)) or None
 
 
-def _given_split(key: object, value: Any, names: tuple[str, ...], what: str) -> GivenSplit:
+def _given_split(
+    key: object, value: Any, names: tuple[str, ...], what: str, sensor_of_feature: Sequence[str]
+) -> GivenSplit:
     path = "" if key == ROOT else key
     if not isinstance(path, str) or set(path) - set("LR"):
         raise ProblemError(f"{what} names the address {key!r}; expected ROOT, or a way from it such as L or LR")
     if isinstance(value, str) and value == LEAF and LEAF not in names:
-        return GivenSplit(path, None)
+        return GivenSplit(path, ())
+    if isinstance(value, str) and value not in names and value in sensor_of_feature:
+        return GivenSplit(path, tuple(j for j, of in enumerate(sensor_of_feature) if of == value), None, value)
     feature, threshold = value if isinstance(value, list | tuple) and len(value) == 2 else (value, None)
     if isinstance(value, str) and value not in names and "<=" in value:
         feature, _, number = value.rpartition("<=")
@@ -107,7 +119,8 @@ def _given_split(key: object, value: Any, names: tuple[str, ...], what: str) -> 
             raise ProblemError(f"{what} of {key} is {value!r}; expected a number after <=, such as g05<=3.2") from None
     if threshold is not None and not math.isfinite(threshold):
         raise ProblemError(f"{what} of {key} has the threshold {threshold}; expected a finite number")
-    return GivenSplit(path, _index(feature, names, f"{what} of {key}"), None if threshold is None else float(threshold))
+    index = _index(feature, names, f"{what} of {key}")
+    return GivenSplit(path, (index,), None if threshold is None else float(threshold))
 
 
 def _index(feature: object, names: tuple[str, ...], what: str) -> int:

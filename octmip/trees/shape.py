@@ -216,9 +216,13 @@ class Shape:
             )
 
     def _set_parts(self, feature_names: tuple[str, ...]) -> None:
-        set_field(self, "fixed_splits", given_splits(self.fixed_splits, feature_names, "fixed_splits"))
+        set_field(
+            self,
+            "fixed_splits",
+            given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ()),
+        )
         set_field(self, "path_rules", path_rules(self.path_rules, feature_names, "path_rules"))
-        deep = [part for part in self.given_splits if len(part.path) >= self.depth + (part.feature is None)]
+        deep = [part for part in self.given_splits if len(part.path) >= self.depth + (not part.features)]
         if deep:
             raise ProblemError(
                 f"fixed_splits names {address(deep[-1].path)} but depth is {self.depth}; give a depth of "
@@ -310,7 +314,7 @@ class Shape:
     def is_leaf_allowed(self) -> bool:
         """Whether a tree without a split has the parts that are asked for."""
         gone = 0 if self.old_tree is None else len(splits(self.old_tree))
-        return all(part.feature is None for part in self.given_splits) and gone <= (self.max_changes or 0)
+        return all(not part.features for part in self.given_splits) and gone <= (self.max_changes or 0)
 
     @property
     def directions(self) -> tuple[int, ...]:

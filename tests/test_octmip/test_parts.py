@@ -58,6 +58,10 @@ def test_a_certificate_refutes_a_tree_without_the_part(parts, tree, message):
     ("options", "message"),
     [
         ({"fixed_splits": {"TOP": "x0"}}, "names the address 'TOP'; expected ROOT, or a way"),
+        (
+            {"fixed_splits": {"ROOT": ("s", 1.0)}, "sensor_of_feature": ["s", "s", "t"]},
+            "fixed_splits of ROOT names 's'",
+        ),
         ({"fixed_splits": {"ROOT": "x9"}}, "fixed_splits of ROOT names 'x9'"),
         ({"fixed_splits": {"ROOT": "x0<=a"}}, "expected a number after <="),
         ({"fixed_splits": {"ROOT": "leaf", "L": "x0"}}, "nothing below a leaf"),
@@ -159,6 +163,11 @@ def test_edit_says_what_a_change_costs_and_its_tree_is_certified(solved, capsys)
     assert main(["edit", tree, table, "--max-changes", "0", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["n_changes"], found["objective"]) == (0, old)
+    assert main(["edit", tree, table, "--set", "ROOT=?", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["rows"]
+    assert {row["split"]: row["objective"] for row in rows}["c"] == best
+    assert [row["objective"] for row in rows] == sorted(row["objective"] for row in rows)
+    assert rows[0]["more"] == 0
     assert main(["edit", tree, table]) == 2
     assert "expected a node and its split" in capsys.readouterr().err
 

@@ -3,8 +3,9 @@
 import argparse
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import NoTreeError, ProblemError, SolverError
 from octmip.formats.tree_file import TreeFile, finite_or_none, leaf_counts, read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.cli.answer import (
     ElapsedLine,
@@ -12,11 +13,13 @@ from octmip.interfaces.cli.answer import (
     describe,
     print_json,
     printable,
+    rounded,
     then_written,
     verdict,
 )
 from octmip.interfaces.cli.samples.parts import fixed_splits_of
 from octmip.interfaces.cli.samples.training import read_training
+from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, solution_text, tree_text
 from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back
@@ -26,6 +29,9 @@ from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve
 from octmip.trees.tree import Node
 
+EVERY = "?"
+"""In place of a split: every column, one after the other."""
+
 
 def run(arguments: argparse.Namespace) -> int:
     """Solve with the part, show it beside the tree of the file, write."""
@@ -34,6 +40,8 @@ def run(arguments: argparse.Namespace) -> int:
         options = {"form": arguments.format, "label": arguments.label, "weights": arguments.weights}
         training = read_training(file, arguments.data, source=arguments.tree, **options)
         old = certify(training.problem, file.solution).objective
+    if (word := next((word for word in arguments.set if word.endswith(f"={EVERY}")), None)) is not None:
+        return _show_prices(arguments, word, training.problem, file, old)
     problem = edited(training.problem, arguments.set, file.tree, arguments.max_changes)
     with ProgressLine() as progress:
         solution = solve(problem, "exact", Limits(seconds=arguments.seconds), progress=progress)
@@ -53,6 +61,35 @@ def run(arguments: argparse.Namespace) -> int:
                 print(printable(solution_text(problem, solution, certificate)) + "\n")
                 print(printable(_tree(file, problem, solution.tree)) + "\n")
                 print(printable(verdict(problem, solution, certificate)))
+    return 0
+
+
+def _show_prices(arguments: argparse.Namespace, word: str, problem: Problem, file: TreeFile, old: float) -> int:
+    """Show what the best tree costs with each column at a node."""
+    node, others = word.rpartition("=")[0], [one for one in arguments.set if one != word]
+    if arguments.out is not None:
+        raise ProblemError(f"--set {word} asks for every column and --out for one tree; name a column, or leave --out")
+    each = Limits(seconds=arguments.seconds / len(problem.sensors))
+    rows: list[dict[str, Any]] = []
+    with ProgressLine(f"{node}: ") as progress:
+        for sensor in problem.sensors:
+            try:
+                asked = edited(problem, [*others, f"{node}={sensor}"], file.tree, arguments.max_changes)
+                found = solve(asked, "exact", each, progress=progress)
+            except NoTreeError:
+                rows.append({"split": sensor, "objective": None, "bound": None, "more": None, "proven": "no such tree"})
+                continue
+            objective, bound = finite_or_none(found.objective), finite_or_none(found.bound)
+            more = None if objective is None else objective - old
+            proven = "yes" if found.is_optimal else f"no ({found.stop})"
+            rows.append({"split": sensor, "objective": objective, "bound": bound, "more": more, "proven": proven})
+    rows.sort(key=lambda row: (row["objective"] is None, row["objective"]))
+    if arguments.json:
+        print_json({"node": node, "old_objective": old, "rows": rows})
+        return 0
+    shown = [{name: rounded(cell) if isinstance(cell, float) else cell for name, cell in row.items()} for row in rows]
+    print(printable(markdown_table(shown, ("split", "objective", "bound", "more", "proven"))))
+    print(f"\nThe best tree with each column at {node}; the file's tree has the objective {number(old)}.")
     return 0
 
 

@@ -42,9 +42,9 @@ def _given_rows(problem: Problem, ranks: Ranks) -> list[NamedRow]:
     def row(path: str) -> NamedRow:
         part = given.get(path)
         sides = [row_of.get(path + turn) for turn in "LR"]
-        if part is None or part.feature is None:
+        if part is None or not part.features:
             return [], part is not None, sides
-        return _splits(part.feature, part.threshold, ranks), False, sides
+        return [cut for one in part.features for cut in _splits(one, part.threshold, ranks)], False, sides
 
     return [row(path) for path in paths]
 

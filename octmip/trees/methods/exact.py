@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from octmip.errors import ProblemError
+from octmip.errors import NoTreeError, ProblemError
 from octmip.formats.files import check_writable
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, Future, opened
@@ -286,13 +286,13 @@ class _Search:
 
         Raises
         ------
-        ProblemError
+        NoTreeError
             there is none.
         """
         if stop is not Stop.OPTIMAL:
             return stop
         asked = [name for name in ("fixed_splits", "path_rules", "max_changes") if getattr(self.problem, name)]
-        raise ProblemError(
+        raise NoTreeError(
             f"no tree of depth {self.problem.depth} with leaves of {self.problem.leaf_size} samples or more has what "
             f"{' and '.join(asked) or 'max_changes'} asks for: a given split, or one that must stay, leaves a side "
             "empty or too small; ask for less, or give more depth"

@@ -2,7 +2,8 @@
 
 Everything else is as it was asked of the tree: table, depth, costs, limits. All other splits are free, or, with
 --max-changes, at most so many of the file's splits change. A node is named by the way to it: ROOT, L (left of the
-root: the first branch that is printed), R, LL, LR and so on.
+root: the first branch that is printed), R, LL, LR and so on. With ? for a split, the best tree with each column there
+is listed.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from octmip.interfaces.cli.samples.part_arguments import FIX_HELP
 EXAMPLES = """\
   octmip edit tree.json iris.csv --set ROOT=petal_width
   octmip edit tree.json iris.csv --set ROOT="petal_width<=0.8" --set R=sepal_length --out edited.json
+  octmip edit tree.json iris.csv --set ROOT=?
   octmip edit tree.json iris.csv --set L=leaf --max-changes 2
 """
 

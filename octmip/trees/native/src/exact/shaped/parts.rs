@@ -297,8 +297,11 @@ impl<'a> Parts<'a> {
         search.forget();
         let whole = search.shallower_bound(own, asked.depth, upper);
         let n_left = self.lefts[asked.free].columns.len();
-        let ranges: Vec<_> =
-            if wanted.len() == n_left { vec![0..n_left] } else { wanted.iter().map(|&g| g..g + 1).collect() };
+        let ranges: Vec<_> = if wanted.len() == n_left {
+            std::iter::once(0..n_left).collect()
+        } else {
+            wanted.iter().map(|&g| g..g + 1).collect()
+        };
         let mut cuts = Vec::new();
         for range in ranges {
             search.forget();
