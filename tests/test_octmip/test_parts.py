@@ -9,7 +9,7 @@ import pytest
 from benchmarks.cases.fuzz.parts import fault
 from benchmarks.kinds.parted import PART_KINDS
 from octmip import Leaf, Limits, Problem, Split, certify, solve
-from octmip.errors import CertificateError, ProblemError
+from octmip.errors import CertificateError, NoTreeError, ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
@@ -95,6 +95,13 @@ def test_given_and_old_thresholds_come_back_as_they_were_given():
     assert (fixed.feature, fixed.threshold) == (0, 2.125)
     kept = solve(asked(old_tree=OLD, max_changes=0)).tree
     assert n_changes(kept, OLD) == 0
+
+
+def test_a_given_threshold_beside_another_one_of_the_old_tree_is_a_change():
+    moved = {"fixed_splits": {"ROOT": ("x0", 2.75)}, "old_tree": OLD}  # parts the rows as 2.25 does
+    assert n_changes(solve(asked(**moved, max_changes=1)).tree, OLD) == 1
+    with pytest.raises(NoTreeError, match="no tree of depth 2"):
+        solve(asked(**moved, max_changes=0))
 
 
 def test_missing_readings_go_where_it_is_best_below_a_given_split():
