@@ -27,6 +27,7 @@ from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import tree_text
+from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split
 
@@ -123,7 +124,7 @@ def run_picture(names: Sequence[str]) -> list[str]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            figure = counted_tree_figure(file.tree, file.leaf_counts, file.feature_names, file.class_names)
+            figure = counted_tree_figure(file.tree, Wording(file.feature_names, file.class_names), file.leaf_counts)
             buffer = io.BytesIO()
             figure.savefig(buffer, format="png", dpi=40)
     except (Warning, ValueError, RuntimeError) as error:

@@ -74,10 +74,10 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "monitor": 10,
         "sensing": 11,
         "gap": 11,
-        "interfaces.plot": 11,
+        "interfaces.plot": 13,
         "interfaces.report": 12,
-        "interfaces.estimator": 13,
-        "interfaces.cli": 13,
+        "interfaces.estimator": 14,
+        "interfaces.cli": 14,
     },
     "femlib": {
         "errors": 0,

@@ -32,7 +32,6 @@ from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.curve import depth_curve
-from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
@@ -201,20 +200,6 @@ def test_depths_end_with_the_tree_of_the_file_and_never_rise():
     assert [point.objective for point in points] == sorted((point.objective for point in points), reverse=True)
     assert points[-1].objective == file.solution.objective
     assert all(point.bound <= point.objective for point in points)
-
-
-def test_no_box_of_a_drawing_lies_on_another():
-    problem = xor(60, depth=4)
-    tree = solve(dataclasses.replace(problem, targets=np.random.default_rng(3).permutation(problem.targets))).tree
-    assert tree is not None
-    counts = np.ones((len(leaves(tree)), 2), dtype=np.int64)
-    drawing = draw_tree(tree, Wording(("a" * 90, "b", "c"), ("x", "y" * 300)), counts)
-    places = [(b.x - b.width / 2, b.x + b.width / 2, b.y, b.y + b.height) for b in drawing.boxes]
-    assert all(left >= 0 and right <= drawing.width and bottom <= drawing.height for left, right, _, bottom in places)
-    for k, (left, right, top, bottom) in enumerate(places):
-        for other in places[:k]:
-            assert right <= other[0] or other[1] <= left or bottom <= other[2] or other[3] <= top
-    assert [box.index for box in drawing.boxes] == list(range(len(drawing.boxes)))
 
 
 def test_a_chart_has_a_point_for_each_depth_and_marks_what_is_open():

@@ -59,7 +59,7 @@ def test_a_tree_of_numbers_has_the_page_of_a_tree_of_classes_in_words_of_its_los
 def test_the_bar_of_a_number_says_where_it_lies_between_the_least_and_the_greatest():
     tree = Split(0, 0.0, ValueLeaf(-2.0), Split(1, 0.0, ValueLeaf(1.0), ValueLeaf(4.0)))
     boxes = draw_tree(tree, Wording(("a", "b"), ()), np.array([[3], [2], [5]])).boxes
-    bars = [(box.width, sum(width for _, width, _ in box.bar)) for box in boxes if box.label is not None]
+    bars = [(box.width, sum(bar.width for bar in box.bars)) for box in boxes if box.label is not None]
     room = bars[0][0] - 18
     assert [width / room for _, width in bars] == pytest.approx([0.0, 0.5, 1.0])
 

@@ -23,9 +23,8 @@ if TYPE_CHECKING:
     from octmip.interfaces.report.page import Masthead
     from octmip.interfaces.report.tree.evidence import Evidence
 
-WITH_DATA = (".html", ".md", ".txt")
 GREEDY = "greedy tree"
-DRAWN = (".dot", ".svg", ".png", ".pdf")
+PICTURES = (".svg", ".png", ".pdf")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -49,8 +48,13 @@ def run(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace, kind: str) -> None:
     if kind not in KINDS:
         raise DataError(f"--out {arguments.out} ends with {kind!r}; expected one of {', '.join(KINDS)}")
-    if arguments.data and kind not in WITH_DATA:
-        raise DataError(f"{kind} shows the tree alone; leave DATA out, or write one of {', '.join(WITH_DATA)}")
+    if arguments.data and kind == ".dot":
+        raise DataError(".dot shows the tree alone; leave DATA out, or write one of the other kinds")
+    if arguments.dark and kind not in PICTURES:
+        raise DataError(f"--dark is for pictures; write one of {', '.join(PICTURES)} (a page follows its reader)")
+    if arguments.histograms and (not arguments.data or kind not in (".html", *PICTURES)):
+        kinds = ", ".join((".html", *PICTURES))
+        raise DataError(f"--histograms needs the training table, and --out of {kinds}; give DATA behind TREE.json")
     for option in ("test", "holdout", "proof"):
         if getattr(arguments, option) is not None and not arguments.data:
             raise DataError(f"--{option} needs the table that the tree was trained on; give DATA behind TREE.json")
@@ -114,25 +118,40 @@ def _content(
     units: dict[str, str],
     masthead: "Masthead | None",
 ) -> bytes:
-    if kind in DRAWN:
-        return _drawing(file, kind)
+    if kind in (".dot", *PICTURES):
+        return _drawing(arguments, kind, file, evidence, units)
     if kind == ".html":
         from octmip.interfaces.report.html import tree_page  # slow to import, and words do without
 
         data = _name_of(arguments.data) if arguments.data else None
-        page = tree_page(file, Path(arguments.tree).name, evidence, data=data, units=units, masthead=masthead)
+        page = tree_page(
+            file,
+            Path(arguments.tree).name,
+            evidence,
+            data=data,
+            units=units,
+            masthead=masthead,
+            histograms=arguments.histograms,
+        )
         return page.encode()
     return ((_markdown(file, evidence) if kind == ".md" else _words(file, evidence)) + "\n").encode()
 
 
-def _drawing(file: TreeFile, kind: str) -> bytes:
+def _drawing(
+    arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
+) -> bytes:
     if kind == ".dot":
         return (tree_dot(file.tree, file.feature_names, file.class_names, file.columns) + "\n").encode()
     from octmip.interfaces.plot import counted_tree_figure  # needs the extra "plot", which words do not
+    from octmip.interfaces.report.tree.contents import measure_of
+    from octmip.interfaces.report.tree.seen import Seen
+    from octmip.interfaces.report.tree.words import Wording
 
+    wording = Wording(file.feature_names, file.class_names, file.columns, units)
+    seen = Seen.of(evidence.problem, file.tree, arguments.histograms) if evidence else None
+    answer = measure_of(file).answer
+    figure = counted_tree_figure(file.tree, wording, file.leaf_counts, answer=answer, seen=seen, dark=arguments.dark)
     buffer = io.BytesIO()
-    names = file.feature_names, file.class_names
-    figure = counted_tree_figure(file.tree, file.leaf_counts, *names, columns=file.columns)
     figure.savefig(buffer, format=kind[1:], dpi=150)
     return buffer.getvalue()
 

@@ -1,14 +1,15 @@
 """A fitted tree for people: words, a figure, a page, and the picture below scikit-learn's diagram in a notebook."""
 
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike, check_writable, write_bytes
 from octmip.formats.tree_file import TreeFile, leaf_counts
-from octmip.interfaces.estimator.notebook import MOST_LEAVES, drawing_svg, notebook_html
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.drawing import draw_tree
+from octmip.interfaces.report.tree.seen import Seen
+from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.certificate import certify
 from octmip.trees.problem import Problem
@@ -18,6 +19,9 @@ from octmip.trees.tree import Node, leaves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+MOST_LEAVES = 64
+"""With more leaves the picture in a notebook is too wide to be read, and the tree is shown as text."""
 
 
 def words_of(problem: Problem, tree: Node, columns: Columns) -> str:
@@ -39,14 +43,16 @@ def notebook_picture(problem: Problem, solution: Solution, columns: Columns) -> 
         picture = f"<pre>{escape(words_of(problem, tree, columns))}</pre>"
     else:
         wording = Wording(problem.feature_names, problem.class_names, _encoded(columns))
-        picture = drawing_svg(draw_tree(tree, wording, leaf_counts(problem, tree)))
+        counts, seen = leaf_counts(problem, tree), Seen.of(problem, tree)
+        picture = drawing_svg(draw_tree(tree, wording, counts, seen=seen))
     good = problem.loss.words_of(certify(problem, solution).measures, problem.n_samples)
     claim = str(solution).splitlines()[0]
-    return notebook_html(picture, f"training: {good}; {claim}")
+    below = f'<div style="margin-top:4px;font-family:sans-serif;font-size:13px">training: {good}; {escape(claim)}</div>'
+    return f'<div style="overflow-x:auto;margin-top:8px">{picture}</div>{below}'
 
 
-def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None) -> "Figure":
-    """Return the drawing of a tree.
+def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None, **shown: Any) -> "Figure":
+    """Return the drawing of a tree; `shown` are further arguments of `octmip.interfaces.plot.tree_figure`.
 
     Raises
     ------
@@ -55,7 +61,7 @@ def figure_of(problem: Problem, tree: Node, columns: Columns, title: str | None)
     """
     from octmip.interfaces.plot import tree_figure  # needs the extra "plot", which fitting does not
 
-    return tree_figure(problem, tree, title, _encoded(columns))
+    return tree_figure(problem, tree, title, _encoded(columns), **shown)
 
 
 def write_page(path: PathLike, problem: Problem, file: TreeFile, held_out: Samples | None, seconds: float) -> None:

@@ -183,16 +183,38 @@ class FittedTree(Settings):
         check_is_fitted(self, "solution_")
         return words_of(self.problem_, self.tree_, self.columns_)
 
-    def plot(self, title: str | None = None) -> "Figure":
+    def plot(
+        self,
+        title: str | None = None,
+        *,
+        histograms: bool = False,
+        sample: ArrayLike | None = None,
+        dark: bool = False,
+    ) -> "Figure":
         """Return a drawing of the tree, a matplotlib Figure made without pyplot; save it with ``figure.savefig``.
+
+        Parameters
+        ----------
+        title
+            above the tree.
+        histograms
+            whether each split shows the values of the training samples that come to it, and its threshold.
+        sample
+            one row like those of X, shape (1, n_features_in_), whose way through the tree is marked.
+        dark
+            light lines on a dark ground.
 
         Raises
         ------
         MissingExtraError
             matplotlib is not installed.
+        ProblemError
+            `sample` has more rows than one.
         """
         check_is_fitted(self, "solution_")
-        return figure_of(self.problem_, self.tree_, self.columns_, title)
+        row = None if sample is None else read_samples(self, sample)
+        how = {"histograms": histograms, "sample": row, "dark": dark}
+        return figure_of(self.problem_, self.tree_, self.columns_, title, **how)
 
     def report(
         self, path: PathLike, X_test: ArrayLike | None = None, y_test: ArrayLike | None = None, seconds: float = 10.0

@@ -15,7 +15,7 @@ with needed_by("a picture"):
         progress_figure,
         reliability_figure,
     )
-    from octmip.interfaces.plot.drawing import counted_tree_figure, split_text, tree_figure
+    from octmip.interfaces.plot.drawing import counted_tree_figure, tree_figure
     from octmip.interfaces.plot.plane import partition_figure
     from octmip.interfaces.plot.sensors import sensors_figure
     from octmip.interfaces.plot.style import class_colours
@@ -30,6 +30,5 @@ __all__ = [
     "progress_figure",
     "reliability_figure",
     "sensors_figure",
-    "split_text",
     "tree_figure",
 ]

@@ -23,8 +23,17 @@ def drawn(name: object) -> str:
     if len(text) > LONGEST:
         half = (LONGEST - 1) // 2
         text = f"{text[:half]}…{text[-half:]}"
+    return in_font(text)
+
+
+def in_font(text: str) -> str:
+    """Return a text without isolates, with characters that no font of the drawing has as escapes."""
+    if text.isascii():
+        return text
     families = tuple(matplotlib.rcParams["font.family"])
-    return text if text.isascii() else "".join(_drawn_character(character, families) for character in text)
+    return "".join(
+        _drawn_character(character, families) for character in text if character not in ISOLATE + END_ISOLATE
+    )
 
 
 def plain(text: Text) -> Text:

@@ -1,6 +1,7 @@
 """Colours and frames that all figures share."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
@@ -14,6 +15,21 @@ from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
 
 INK, QUIET, PAPER = "#1f2933", "#7b8794", "#ffffff"
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Colours of text, of lines, of the ground, of what is lit; and how far class colours are moved to white."""
+
+    ink: str
+    quiet: str
+    paper: str
+    accent: str
+    whiter: float
+
+
+LIGHT = Ground(INK, QUIET, PAPER, "#1c5cab", 0.0)
+DARK = Ground("#e6e9ed", "#8b96a1", "#14171b", "#82b4f5", 0.3)
 # Okabe & Ito (2008), yellow last: distinct for all common kinds of colour blindness.
 DISTINCT = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "#f0e442")
 
@@ -27,12 +43,6 @@ def class_colours(class_names: Sequence[Any]) -> list[tuple[float, float, float]
         scale = matplotlib.colormaps["viridis"]
         return [to_rgb(scale(0.02 + 0.86 * r / (k - 1))) for r in rank.tolist()]
     return [to_rgb(colour) for colour in DISTINCT[:k]]
-
-
-def luminance(colour: Any) -> float:
-    """Return how bright a colour looks, 0 to 1."""
-    red, green, blue = to_rgb(colour)
-    return 0.299 * red + 0.587 * green + 0.114 * blue
 
 
 def quiet_frame(axes: Axes) -> None:

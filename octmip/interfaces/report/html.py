@@ -17,6 +17,7 @@ def tree_page(
     data: str | None = None,
     units: Mapping[str, str] | None = None,
     masthead: Masthead | None = None,
+    histograms: bool = False,
 ) -> str:
     """Return the HTML page of a tree.
 
@@ -35,9 +36,11 @@ def tree_page(
         of the columns' values, by column.
     masthead
         heading, asset and day; by default the heading names the label's column.
+    histograms
+        whether the splits show the values of the samples that come to them, which needs evidence.
     """
     wording = Wording(file.feature_names, file.class_names, file.columns, units or {})
     made = masthead.made if masthead else None
     facts = page_facts(data, file.sha256, made, **({"Tree file": source} if source else {}))
-    page = page_contents(file, source, evidence, wording, data)
+    page = page_contents(file, source, evidence, wording, data, histograms)
     return render("tree.html", masthead=masthead, styles=["tree.css"], scripts=["tree.js"], facts=facts, **page)

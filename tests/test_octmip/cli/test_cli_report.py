@@ -70,11 +70,25 @@ def test_another_table_is_refused(run, data, solved, tmp_path):
     assert "is not the table" in err
 
 
+def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, solved, tmp_path):
+    drawn = []
+    for words in ((), (data, "--unit", "a=mm", "--histograms", "--dark", "--seconds", 0)):
+        assert run("report", solved, *words, "--out", tmp_path / "tree.svg")[0] == 0
+        drawn.append((tmp_path / "tree.svg").read_text())
+    assert ["#14171b" in text for text in drawn] == [False, True]
+    assert ["mm?" in text for text in drawn] == [False, True]
+    assert drawn[1].count("<path") > drawn[0].count("<path") + 5
+    pages = [page_of(run, tmp_path, solved, data, "--seconds", 0, *words) for words in ((), ("--histograms",))]
+    assert pages[1].count('<rect class="class-') > pages[0].count('<rect class="class-')
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         (("--holdout", 0.2), "--holdout needs the table"),
-        (("DATA", "--out", "page.svg"), ".svg shows the tree alone"),
+        (("DATA", "--out", "page.dot"), ".dot shows the tree alone"),
+        (("--histograms", "--out", "tree.svg"), "--histograms needs the training table"),
+        (("--dark", "--out", "page.html"), "--dark is for pictures"),
         (("DATA", "--unit", "w=kg"), "'w', which is no column of numbers"),
         (("DATA", "--seconds", "nan"), "--seconds is nan"),
         (("DATA", "--threads", 0), "--threads is 0"),

@@ -33,8 +33,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
     )
     add_held_out_arguments(group)
-    group = parser.add_argument_group("page")
+    group = parser.add_argument_group("page and drawing")
     add_page_arguments(group, "COL", "unit of the numbers, of one column or of all; may be given several times")
+    group.add_argument(
+        "--histograms",
+        action="store_true",
+        help="show at each split the values of the samples that come to it, in a page or a drawing; needs DATA",
+    )
+    group.add_argument("--dark", action="store_true", help="draw .svg, .png or .pdf on a dark ground")
     reads(group.add_argument("--proof", metavar="LOG", help="also check this proof log of octmip solve --proof"))
     group.add_argument(
         "--seconds",

@@ -26,6 +26,7 @@
   nodes.forEach((node, index) => {
     if ("left" in node) [node.left, node.right].forEach((side) => parents.set(side, index));
   });
+  const sides = (node) => (node.yesIsLeft ? [node.left, node.right] : [node.right, node.left]);  // as drawn: yes, no
   const leaves = nodes.flatMap((node, index) => ("label" in node ? [index] : []));
 
   // ---- a look into one node
@@ -64,7 +65,7 @@
   }
 
   function splitTable(node) {
-    const [yes, no] = node.yesIsLeft ? [node.left, node.right] : [node.right, node.left];
+    const [yes, no] = sides(node);
     const row = (name, counts) => make("tr", {}, make("th", { scope: "row" }, name), make("td", { class: "n" }, grouped(counts)));
     const head = ["", "yes", "no"].map((name, k) => make("th", { scope: "col", class: k ? "n" : false }, name));
     const line = (name, a, b) => {
@@ -100,10 +101,11 @@
   function move(from, key) {
     const node = nodes[from], up = parents.get(from);
     if (key === "ArrowUp") return up;
-    if (key === "ArrowDown") return node.left;
+    if (key === "ArrowDown") return "left" in node ? sides(node)[0] : undefined;
     const step = key === "ArrowRight" ? 1 : -1;  // along the level
     const level = (index) => (parents.has(index) ? 1 + level(parents.get(index)) : 0);
-    const row = nodes.map((_, index) => index).filter((index) => level(index) === level(from));
+    const below = (index) => [index, ...("left" in nodes[index] ? sides(nodes[index]).flatMap(below) : [])];
+    const row = below(0).filter((index) => level(index) === level(from));
     return row[row.indexOf(from) + step];
   }
 

@@ -15,17 +15,29 @@ from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.of_classes import OfClasses
 from octmip.interfaces.report.tree.of_numbers import OfNumbers
 from octmip.interfaces.report.tree.proof import certificate_words
+from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
 from octmip.interfaces.report.tree.summary import figures, subtitle, title, verdict
+from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording, percent, question
 from octmip.trees.tree import Leaf, Node, leaves
 
+WIDE = 1100
+"""A drawing wider than this takes the whole width of the page [px]."""
+
 
 def page_contents(
-    file: TreeFile, source: str | None, evidence: Evidence | None, wording: Wording, data: str | None
+    file: TreeFile,
+    source: str | None,
+    evidence: Evidence | None,
+    wording: Wording,
+    data: str | None,
+    histograms: bool = False,
 ) -> dict[str, Any]:
     """Return the context of `tree.html`."""
     measure = measure_of(file)
+    seen = Seen.of(evidence.problem, file.tree, histograms) if evidence else None
+    drawing = draw_tree(file.tree, wording, file.leaf_counts, measure.answer, seen)
     page = {
         "kicker": measure.kicker,
         "title": title(file),
@@ -34,10 +46,11 @@ def page_contents(
         "figures": figures(file, evidence, measure, wording),
         "legend": measure.legend(),
         "leaf_note": measure.leaf_note,
-        "drawing": draw_tree(file.tree, wording, file.leaf_counts, measure.answer),
+        "is_wide": drawing.width > WIDE,
+        "drawing_svg": drawing_svg(drawing, "The tree; arrow keys move, Enter selects", "tree"),
         "quality": quality(file, evidence, measure),
         "comparison": comparison(file, evidence, measure, wording),
-        "greedy_drawing": _greedy_drawing(evidence, measure, wording),
+        "greedy_svg": _greedy_svg(evidence, measure, wording, histograms),
         "detail_heading": measure.detail_heading,
         "details": measure.details(evidence, wording),
         "reads": reads(file, wording),
@@ -57,12 +70,13 @@ def measure_of(file: TreeFile) -> Measure:
     return OfClasses.of(file) if file.loss.predicts == "class" else OfNumbers(file)
 
 
-def _greedy_drawing(evidence: Evidence | None, measure: Measure, wording: Wording) -> Any:
+def _greedy_svg(evidence: Evidence | None, measure: Measure, wording: Wording, histograms: bool) -> str:
     if evidence is None:
-        return None
+        return ""
     tree = evidence.greedy.tree
     assert tree is not None
-    return draw_tree(tree, wording, leaf_counts(evidence.problem, tree), measure.answer)
+    counts, seen = leaf_counts(evidence.problem, tree), Seen.of(evidence.problem, tree, histograms)
+    return drawing_svg(draw_tree(tree, wording, counts, measure.answer, seen), "The greedy tree")
 
 
 def _depths(evidence: Evidence | None, measure: Measure) -> dict[str, Any]:

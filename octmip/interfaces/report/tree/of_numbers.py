@@ -136,7 +136,10 @@ class OfNumbers(Measure):
     @property
     def leaf_note(self) -> str:
         """What a leaf shows."""
-        shows = "A leaf shows its answer, and the samples that end there with their share of all."
+        shows = (
+            "A leaf shows its answer, behind ± the standard deviation of its samples where the data are at hand, and "
+            "the samples that end there with their share of all."
+        )
         if self.file.settings["leaf_model"] == "linear":
             return shows
         return f"{shows} Its bar says where the answer lies between the least of all leaves and the greatest."

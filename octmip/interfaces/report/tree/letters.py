@@ -1,0 +1,49 @@
+"""How wide a text of a drawing is [px]: an estimate that is wide enough for common fonts, and what fits into a room.
+
+Measured over the letters of DejaVu Sans at 12.5 px, in which matplotlib writes, and of Arial at 14 px.
+"""
+
+import unicodedata
+
+from octmip.formats.names import END_ISOLATE, ISOLATE
+
+CHARACTER, BROAD, WIDER, WIDE = 8.0, 10.5, 12.8, 16.0
+"""Width of a small letter or a digit, of a capital or a sign, of an m, and of one as wide as it is high [px]."""
+MOST_CHARACTERS = 60
+BREAKS = " _-/.,"
+"""Characters behind which a name may go on in the next line."""
+
+
+def text_width(text: str) -> float:
+    """Return the width of a text [px]."""
+    return sum(_character_width(character) for character in text)
+
+
+def _character_width(character: str) -> float:
+    if unicodedata.combining(character) or character in (ISOLATE, END_ISOLATE):
+        return 0.0
+    if unicodedata.east_asian_width(character) in "WF" or ord(character) > 0x2E80:
+        return WIDE
+    if character in "mwMW@%…—":
+        return WIDER
+    return BROAD if character.isupper() or unicodedata.category(character) == "Sm" else CHARACTER
+
+
+def wrapped(text: str, room: float) -> tuple[str, ...]:
+    """Return a text on one line, or on two that fit into a room [px]; what is longer ends in dots."""
+    if text_width(text) <= room or text.startswith(ISOLATE):
+        return (fitting(text, room),)
+    most = max(k for k in range(len(text)) if text_width(text[:k]) <= room)
+    at = max((k + 1 for k in range(most // 3, most) if text[k] in BREAKS), default=most)
+    return text[:at].rstrip(), fitting(text[at:], room)
+
+
+def fitting(text: str, room: float) -> str:
+    """Return a text that fits into a room [px], its end replaced by dots where it does not."""
+    if text_width(text) <= room:
+        return text
+    room, kept = room - text_width("…"), 0
+    while kept < MOST_CHARACTERS and text_width(text[: kept + 1]) <= room:
+        kept += 1
+    closing = END_ISOLATE if text.startswith(ISOLATE) else ""
+    return f"{text[:kept]}{closing}…"
