@@ -175,7 +175,10 @@ def matrix_buckling(
     # a fixed start vector makes the result the same in every run
     start = np.cos(np.arange(held.shape[0], dtype=np.float64))
     try:
-        most = np.abs(eigsh(pressed, 1, M=held, Minv=inverse, v0=start, tol=0.1, return_eigenvectors=False)[0])
+        most = float(eigsh(pressed, 1, M=held, Minv=inverse, v0=start, tol=0.1, return_eigenvectors=False)[0])
+        if most > 0.0 and _only_pulls(held, pressed / (LEAST * most), supports):
+            return []  # the iteration below would seek modes among the many motions of 1 / factor 0
+        most = abs(most)
         # moved away from 0, where the many motions that the load does no work on would never converge
         moved = sparse.csc_array(most * held - pressed)
         found, shapes = eigsh(moved, n_modes, M=held, Minv=inverse, which="LA", v0=start, tol=TOLERANCE)
@@ -184,6 +187,15 @@ def matrix_buckling(
     inverses = found - most
     order = [k for k in np.argsort(-inverses) if inverses[k] > LEAST * most]
     return [BucklingMode(float(1.0 / inverses[k]), _scaled(supports.expand(shapes[:, k]))) for k in order]
+
+
+def _only_pulls(held: sparse.csc_array, pressed: sparse.csc_array, supports: Supports) -> bool:
+    """Return whether K + K_sigma is positive definite: nothing buckles up to that load."""
+    try:
+        factors = factorise(sparse.csc_array(held + pressed), supports.groups, definite=False)
+    except SolveError:
+        return False
+    return not factors.has_negative_pivot()
 
 
 def _scaled(shape: FloatArray) -> FloatArray:

@@ -50,6 +50,8 @@ class ReducedBuckling:
     def factor(self, damage: FloatArray, parts: FloatArray) -> float:
         """Return the factor on the load of damages (n_parameters,) with the model's parts (n_parts,); inf for none."""
         n = self.pressed.shape[1]
+        if n == 0:  # no sampled state buckles
+            return float("inf")
         hit = damage.nonzero()[0]
         share = self.forces[0] @ parts - np.tensordot(damage[hit], self.forces[hit + 1] @ parts, 1)
         stiffness = np.eye(n) - np.tensordot(damage[hit], self.lost[hit], 1)
@@ -113,7 +115,7 @@ def _basis(structure: DamagedStructure, motion: FloatArray, solved: Sampled) -> 
         pressed = geometric_stiffness(shells, motion @ part, factor)
         modes = matrix_buckling(stiffness, pressed, supports, MODES_EACH * (3 if number == 0 else 1))
         found += [mode.shape / np.sqrt(mode.shape @ (sound @ mode.shape)) for mode in modes]
-    return orthonormal(np.array(found).T, sound, SAME)
+    return orthonormal(np.array(found).T, sound, SAME) if found else np.zeros((supports.n_dofs, 0))
 
 
 def _slopes(shells: Shells, basis: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -124,7 +126,8 @@ def _slopes(shells: Shells, basis: FloatArray) -> tuple[FloatArray, IntArray]:
             continue
         moved = basis[dofs_of_nodes(kind.corners).reshape(len(kind.corners), -1)]
         rows = slope_rows(shells, kind)
-        slopes.append(np.einsum("emaik,ekn->emain", rows, moved, optimize=True).reshape(-1, 2, 3, basis.shape[1]))
+        n_points, n = rows.shape[0] * rows.shape[1], basis.shape[1]
+        slopes.append(np.einsum("emaik,ekn->emain", rows, moved, optimize=True).reshape(n_points, 2, 3, n))
         elements.append(np.repeat(first + np.arange(len(kind.corners)), rows.shape[1]))
         first += len(kind.corners)
     return np.concatenate(slopes), np.concatenate(elements)
@@ -140,4 +143,4 @@ def _pressed(forces: FloatArray, slopes: FloatArray) -> FloatArray:
     """Return Phi' K_sigma Phi (N, N) of forces (n_points, 2, 2)."""
     n = slopes.shape[-1]
     pulled = np.einsum("pab,pbin->pain", forces, slopes, optimize=True)
-    return np.asarray(slopes.reshape(-1, n).T @ pulled.reshape(-1, n))
+    return np.asarray(slopes.reshape(slopes.size // max(n, 1), n).T @ pulled.reshape(pulled.size // max(n, 1), n))

@@ -4,7 +4,7 @@ A hindered thermal strain pushes like the forces of `femlib.assembly.thermal_loa
 stiffness that it keeps. Stresses are those of the strains less the free thermal ones.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,6 +68,8 @@ def heated(
     SolveError
         If the displacements are estimated to be farther off than `limit`.
     """
+    if not isinstance(warmth, Mapping):
+        raise InputError(f"warmth is a {type(warmth).__name__}; expected temperatures by set name; give a mapping")
     shells, named = structure.built, state or {}
     left = structure.stiffness_left(named)
     warm = _warmth_of_elements(structure, warmth)
@@ -93,7 +95,7 @@ def _warmth_of_elements(structure: Structure, warmth: Warmth) -> FloatArray:
     expands = np.array([any(p.expansion_1 or p.expansion_2 for p in own.plies) for own in shells.laminates])
     for name, own in warmth.items():
         inside = mesh.elements_of(name)[: mesh.n_shells]
-        if len(own) != 2 or not all(map(is_number, own)):
+        if not isinstance(own, Sequence) or len(own) != 2 or not all(map(is_number, own)):
             raise InputError(f"warmth of {name!r} is {own!r}; expected kelvin and kelvin per metre; give two numbers")
         if not (inside & expands[shells.section]).any():
             raise InputError(

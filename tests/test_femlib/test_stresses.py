@@ -186,6 +186,37 @@ def test_a_strip_that_only_bends_never_buckles():
     assert found.limits(np.zeros((1, 1)))[0, 1] > 1e6
 
 
+def test_a_pulled_strip_bears_strength_times_area_and_never_buckles():
+    strip = cantilever(isotropic_plate(70e9, 0.0, 2e-3, strength=yielding_at(250e6)))
+    pull = strip.line_load("right", (1000.0, 0.0, 0.0))
+    found = strip.capability(pull, "right", (1.0, 0.0, 0.0), 1.0, n_states=4, n_checks=1)
+    ply, stretch = 250e6 * 2e-3 / 1000.0, 70e9 * 2e-3 / (1000.0 * 0.2)
+    expected = [[ply, np.inf, stretch], [ply / 2, np.inf, stretch / (1 + strip_share(strip))]]
+    np.testing.assert_allclose(found.limits(np.array([[0.0], [0.5]])), expected, rtol=1e-6)
+    assert strip.buckling_modes({}, pull) == []
+
+
+def strip_share(strip):
+    """Return the share of a strip's length that its part "middle" takes."""
+    corners = strip.mesh.nodes[strip.mesh.quads[strip.mesh.elements_of("middle")[: len(strip.mesh.quads)]].ravel()]
+    return float(np.ptp(corners[:, 0])) / 0.2
+
+
+def test_a_heated_plate_that_nothing_hinders_has_no_stress():
+    own = cantilever(isotropic_plate(70e9, 0.3, 2e-3, expansion=23e-6)).mesh
+    corner = np.flatnonzero((own.nodes[:, 0] == 0.0) & (own.nodes[:, 1] == 0.0))
+    mesh = replace(own, node_sets={**own.node_sets, "corner": corner})
+    plate = Structure(
+        mesh,
+        {"skin": isotropic_plate(70e9, 0.3, 2e-3, expansion=23e-6)},
+        {"left": "x z", "corner": "y rz", "right": "z"},
+        damage=("middle",),
+    )
+    found = heated(plate, {"skin": (50.0, 0.0)}, {"middle": 0.5})
+    assert np.abs(found.stresses.stress).max() < 1e-6 * 70e9 * 23e-6 * 50.0
+    np.testing.assert_allclose(np.asarray(found.displacements)[:, :2], 23e-6 * 50.0 * own.nodes[:, :2], atol=1e-9)
+
+
 def test_what_is_missing_for_strength_is_said():
     strip = cantilever(isotropic_plate(70e9, 0.3, 2e-3))
     found = strip.stresses({}, strip.line_load("right", (0.0, 0.0, 100.0)))
@@ -224,5 +255,8 @@ def test_a_warm_strip_has_no_stress_where_it_is_free_and_its_own_where_it_is_hel
     np.testing.assert_allclose(*places, atol=1e-3 * 23e-6 * 50.0 * 0.2)
     with pytest.raises(InputError, match="where no shell expands"):
         heated(cantilever(isotropic_plate(70e9, 0.0, 2e-3)), {"skin": (50.0, 0.0)})
-    with pytest.raises(InputError, match="expected kelvin and kelvin per metre"):
-        heated(free, {"skin": (50.0, float("nan"))})
+    for bad in ((50.0, float("nan")), 50.0):
+        with pytest.raises(InputError, match="expected kelvin and kelvin per metre"):
+            heated(free, {"skin": bad})
+    with pytest.raises(InputError, match="warmth is a list; expected temperatures by set name"):
+        heated(free, [("skin", (50.0, 0.0))])

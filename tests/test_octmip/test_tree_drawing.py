@@ -142,3 +142,12 @@ def test_yes_is_on_the_left_where_the_tree_has_it_on_the_right_and_the_histogram
     assert [bar.x < split.mark[0] - 1 for bar in split.bars] == [True, False]
     shown = model.plot(histograms=True, sample=table.iloc[[0]], dark=True)
     assert to_hex(shown.get_facecolor()) == DARK.paper
+
+
+def test_a_title_longer_than_its_tree_is_not_cut_off_and_is_no_formula():
+    problem = Problem(POINTS, PROBLEM.codes, depth=1)
+    figure = tree_figure(problem, Leaf(0), "A title of $5 or $6 WHICH IS LONGER THAN ITS TREE")
+    place = figure.axes[0].title.get_window_extent(FigureCanvasAgg(figure).get_renderer())
+    assert place.x0 >= 0.0
+    assert place.x1 <= figure.bbox.width
+    assert figure.axes[0].title.get_parse_math() is False

@@ -16,6 +16,7 @@ from octmip.formats.tree_file import leaf_counts
 from octmip.interfaces.plot.names import in_font, plain
 from octmip.interfaces.plot.style import DARK, LIGHT, Ground, check_names, class_colours
 from octmip.interfaces.report.tree.drawing import Answer, Box, draw_tree
+from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.problem import Problem
@@ -30,6 +31,8 @@ TITLE = 30
 """Height that a title takes [px]."""
 TINT = 0.15
 """Share of the class colour in the ground of a leaf."""
+TITLE_LETTERS = 1.15
+"""Size of a title's letters over that of the other text."""
 Colour = tuple[float, float, float]
 
 
@@ -94,11 +97,13 @@ def counted_tree_figure(
     """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`."""
     drawing = draw_tree(tree, wording, counts, answer, seen, way, in_font)
     ground, height = DARK if dark else LIGHT, drawing.height + (TITLE if title else 0)
-    scale = min(1.0, WIDEST * PIXELS_PER_INCH / drawing.width)
-    size = (drawing.width * scale / PIXELS_PER_INCH, height * scale / PIXELS_PER_INCH)
+    beside = max(0.0, TITLE_LETTERS * text_width(title or "") - drawing.width) / 2
+    width = drawing.width + 2 * beside
+    scale = min(1.0, WIDEST * PIXELS_PER_INCH / width)
+    size = (width * scale / PIXELS_PER_INCH, height * scale / PIXELS_PER_INCH)
     figure = Figure(figsize=size, facecolor=ground.paper)
     axes = figure.add_axes((0.0, 0.0, 1.0, drawing.height / height))
-    axes.set(xlim=(0, drawing.width), ylim=(drawing.height, 0))
+    axes.set(xlim=(-beside, drawing.width + beside), ylim=(drawing.height, 0))
     axes.set_axis_off()
     colours = [_whiter(colour, ground) for colour in class_colours(wording.classes or ("number",))]
     points = LETTERS * scale * 72 / PIXELS_PER_INCH
@@ -107,7 +112,7 @@ def counted_tree_figure(
     for box in drawing.boxes:
         _draw_box(axes, box, colours, ground, points)
     if title:
-        axes.set_title(title, fontsize=points * 1.15, color=ground.ink)
+        plain(axes.set_title(in_font(title), fontsize=points * TITLE_LETTERS, color=ground.ink))
     return figure
 
 
