@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
+from octmip.errors import DataError, ProblemError
 from octmip.monitor import (
     Finding,
     Library,
@@ -34,7 +34,7 @@ from octmip.trees.certificate import certify
 from octmip.trees.prediction import predict
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.tree import Leaf, Node, condition
+from octmip.trees.tree import Leaf, Node, condition, features_used
 from octmip.twin import Load, State, Twin, TwinAround, predict_states, state_limits_of, state_parameters, units_of
 
 Floats = NDArray[np.float64]
@@ -107,10 +107,10 @@ class Seen:
     ----------
     library, candidates
         what it knows, and how many damages outside it looks for.
-    n_readings
-        readings that it saw.
+    n_readings, n_tested
+        readings that it saw, and those with gauges enough to disagree with the library.
     alarm
-        number of the reading at which it was raised; None: never.
+        number of the reading at which it was raised, from 1; None: never.
     finding
         its cause by all readings, or by those up to the alarm where only these name one; None without an alarm.
     faulty
@@ -120,6 +120,7 @@ class Seen:
     library: Library
     candidates: int
     n_readings: int
+    n_tested: int
     alarm: int | None
     finding: Finding | None
     faulty: tuple[str, ...]
@@ -169,7 +170,7 @@ class Enriched:
     changes
         one for each tree.
     told
-        (n_later,) what the new tree says of each reading since the damage was there.
+        (n_later,) what the new tree says of each reading since the damage was there that has the gauges it reads.
     again
         the watch over those readings by the enriched library: no alarm where it explains them.
     largest_bound
@@ -204,27 +205,37 @@ def watched(
     largest = max((library.checked_load(load) for load in loads), default=1.0)
     watch = Watch(library, candidates, rate, horizon=len(readings), largest_load=largest)
     rows = [[None if np.isnan(value) else value for value in row] for row in readings.tolist()]
-    alarm, first, state, faulty = None, None, 0, []
+    alarm, first, state, start, faulty = None, None, 0, 0, []
     for result in Monitor(selector, watch=watch).run(zip(loads, rows, strict=True)):
         if not isinstance(result, Result) or result.finding is None:
             continue
         state = result.state or 0
         if result.finding.kind == "gauge":
             faulty.append(result.finding.name)
+            start = result.number + 1  # the watch begins again
             continue
-        alarm, first = result.number, result.finding
+        alarm, first = result.number + 1, replace(result.finding, since=start + result.finding.since)
         break
     finding = first
+    n_tested = sum(_can_disagree(watch, row) for row in readings)
     if first is not None:
-        known = np.where(np.isin(library.gauges, faulty), np.nan, readings)
         kept = watch.start()
-        for row, load in zip(known, loads, strict=True):
-            kept = watch.observe(kept, row[None], load)
+        for row, load in zip(np.where(np.isin(library.gauges, faulty), np.nan, readings), loads, strict=True):
+            kept = watch.observe(kept, row[None], load) if _can_disagree(watch, row) else kept
         later = explain(watch, kept, 0, state)
         # Many readings of a large damage show that its signature is another beside other damages: then nothing fits
         # them. The enriched library, which knows it beside them, is tried on all of them.
         finding = first if later.kind == "unknown" else later
-    return Seen(library, len({one.name for one in candidates}), len(readings), alarm, finding, tuple(faulty))
+    n_damages = len({one.name for one in candidates})
+    return Seen(library, n_damages, len(readings), n_tested, alarm, finding, tuple(faulty))
+
+
+def _can_disagree(watch: Watch, row: Floats) -> bool:
+    """Return whether a reading (n_gauges,), NaN where missing, has gauges enough that the states leave some free."""
+    try:
+        return watch.parity.degrees(~np.isnan(row)) > 0
+    except ProblemError:
+        return False
 
 
 def enrich(
@@ -290,7 +301,7 @@ def enrich(
     later, at = readings[since:], list(loads[since:])
     per_unit = np.array([row / library.checked_load(one) for row, one in zip(later, at, strict=True)])
     new = design.trees[-1]
-    has_all = ~np.isnan(per_unit).any(axis=1)
+    has_all = ~np.isnan(per_unit[:, list(features_used(new.tree))]).any(axis=1)
     told = np.array(new.values)[predict(new.tree, per_unit[has_all])] if has_all.any() else np.zeros(0)
     again = watched(twin, design.selector, later, at)
     return Enriched(added, library.n_states, design, changes, told, again, _largest_bound(whole, design))

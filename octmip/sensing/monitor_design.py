@@ -144,6 +144,8 @@ def design_monitor(
     names = state_parameters(twin)
     if not names:
         raise ProblemError("the twin has no state parameter, so there is nothing to monitor; name one among its states")
+    if n_draws < 1:
+        raise ProblemError(f"n_draws is {n_draws}; expected 1 or more readings of each state; correct it")
     given = dict(levels or {})
     _refuse_unknown("levels", given, names)
     _refuse_unknown("costs", costs or {}, twin.gauges)

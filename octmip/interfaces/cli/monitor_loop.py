@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
-from octmip.formats.files import read_bytes, write_bytes
+from octmip.errors import DataError, OctmipError
+from octmip.formats.files import make_folder, read_bytes, write_bytes
 from octmip.formats.names import visible
 from octmip.formats.tree_file import read_tree_file
 from octmip.gap.campaign.reader import read_campaign
@@ -21,7 +21,7 @@ from octmip.interfaces.report.change import change_page
 from octmip.interfaces.report.text import number
 from octmip.monitor import ModelSelector, ParameterTree
 from octmip.monitor.library import Applied
-from octmip.sensing.enrichment import SIGNIFICANT, Enriched, Seen, TreeChange, enrich, watched
+from octmip.sensing.enrichment import SIGNIFICANT, Enriched, PartOf, Seen, TreeChange, enrich, watched
 from octmip.trees.tree import depth
 from octmip.twin import Twin, amounts_of, loads_of
 
@@ -34,8 +34,9 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
     old, out = Path(arguments.deployed), Path(arguments.out)
     if out.resolve() == old.resolve():
         raise DataError(f"--out {out} is the deployed folder; expected another, so that both can be compared; name one")
-    selector = ModelSelector.read(old / "monitor.json")
-    trees = [ParameterTree.of(read_tree_file(old / f"{name}.json"), name, 1.0) for name in selector.library.parameters]
+    selector, trees = _deployed(old)
+    if arguments.inspected:  # refused before anything is watched
+        PartOf(twin, (arguments.inspected,))
     readings, loads = _series(arguments.readings, twin, selector)
     with ElapsedLine("watching"):
         seen = watched(twin, selector, readings, loads)
@@ -45,6 +46,7 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
         print("\n".join(_watch_words(arguments.readings, seen, added)))
     if added:
         since = seen.finding.since if seen.finding else 0
+        make_folder(out)  # a name that no folder may have is refused before trees are trained
         settings |= {"depth": max(arguments.depth, *(depth(one.tree) for one in trees))}
         with ElapsedLine(f"training trees that know {added}"):
             enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
@@ -57,6 +59,29 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
     if arguments.json:
         print_json(found)
     return 0
+
+
+def _deployed(folder: Path) -> tuple[ModelSelector, list[ParameterTree]]:
+    """Return the library at work, and one tree for each of its parameters.
+
+    Raises
+    ------
+    DataError
+        the folder is none that the command wrote, or a tree is that of another state.
+    """
+    if not (folder / "monitor.json").is_file():
+        raise DataError(
+            f"--deployed {folder} has no monitor.json; expected a folder that octmip monitor wrote; give its --out"
+        )
+    selector, trees = ModelSelector.read(folder / "monitor.json"), []
+    for name in selector.library.parameters:
+        file = read_tree_file(folder / f"{name}.json")
+        if file.target_column not in (None, name):
+            raise DataError(
+                f"{folder / name}.json is a tree of {file.target_column!r}; expected one of {name!r}; copy it again"
+            )
+        trees.append(ParameterTree.of(file, name, 1.0))
+    return selector, trees
 
 
 def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.float64], list[Applied]]:
@@ -72,6 +97,11 @@ def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.
     for cell in campaign.cells:
         for row in cell.rows.tolist():
             applied[row] = cell.load if len(names) == 1 else dict(zip(names, amounts_of(cell.load), strict=True))
+    for load, line in zip(applied, campaign.numbers, strict=True):
+        try:
+            selector.library.checked_load(load)
+        except OctmipError as error:
+            raise DataError(f"{path}, row {line}: {error}") from error
     return readings, applied
 
 
@@ -79,6 +109,7 @@ def _watch_json(seen: Seen) -> dict[str, Any]:
     finding = seen.finding
     return {
         "n_readings": seen.n_readings,
+        "n_tested": seen.n_tested,
         "damages_looked_for": seen.candidates,
         "alarm": seen.alarm,
         "faulty_gauges": list(seen.faulty),
@@ -92,8 +123,16 @@ def _watch_json(seen: Seen) -> dict[str, Any]:
 
 def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
     lines = [f"{visible(source)}: gauge {visible(name)} is faulty and left out" for name in seen.faulty]
+    if seen.finding is None and not seen.n_tested:
+        lines.append(
+            f"{visible(source)}: no reading has gauges enough to disagree with the library, so nothing was tested; "
+            "expected more gauges than the library has states to tell apart; add columns"
+        )
+        return lines
     if seen.finding is None:
-        lines.append(f"{visible(source)}: no alarm in {seen.n_readings} readings; the library explains them")
+        some = "" if seen.n_tested == seen.n_readings else f" ({seen.n_tested} with gauges enough to be tested)"
+        number_of = f"{seen.n_readings} reading{'s' * (seen.n_readings != 1)}"
+        lines.append(f"{visible(source)}: no alarm in {number_of}{some}; the library explains them")
         return lines
     lines.append(
         f"{visible(source)}: alarm at reading {seen.alarm} of {seen.n_readings}. {visible(seen.finding.words)}"

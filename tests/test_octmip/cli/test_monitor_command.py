@@ -176,7 +176,7 @@ def test_the_loop_goes_from_an_alarm_to_a_proven_tree_that_reads_the_damage(plat
     assert size
     assert 50 <= int(size[1]) <= 70
     change = json.loads(Path("new/change.json").read_text())
-    assert 15 <= change["watch"]["alarm"] <= 17
+    assert 16 <= change["watch"]["alarm"] <= 18  # the sixteenth reading is the first of the damage
     assert (change["added"], change["states_before"], change["states"]) == ("three", 25, 125)
     one, two, three = change["trees"]
     assert (one["change"], three["change"]) == ("kept", "new")
@@ -199,6 +199,39 @@ def test_a_faulty_gauge_or_a_state_of_the_library_changes_no_tree(plate, capsys)
     assert not Path("new").exists()
 
 
+def test_a_reading_that_lacks_gauges_is_tested_and_told_as_far_as_it_can_be(plate, capsys):
+    plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
+    table = pd.read_csv("flight.csv")
+    table[["test", "load_factor", "g2"]].to_csv("lone.csv", index=False)
+    capsys.readouterr()
+    assert main([*AGAIN, "lone.csv"]) == 0
+    assert "so nothing was tested" in capsys.readouterr().out
+    table.loc[30, [f"g{k}" for k in range(1, 9)]] = np.nan  # a reading of no gauge but the one that is dropped
+    table.loc[20, ["g1", "g3", "g4", "g5", "g6", "g7", "g8"]] = np.nan
+    table.drop(columns="g9").to_csv("eight.csv", index=False)
+    assert main([*AGAIN, "eight.csv", "--draws", "6", "--json"]) == 0
+    change = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert change["watch"]["n_tested"] == 38
+    assert sum(change["told_since"].values()) == change["readings_since"] - 2
+
+
+def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
+    plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
+    table = pd.read_csv("flight.csv")
+    table.loc[5, "load_factor"] = 0.0
+    table.to_csv("unloaded.csv", index=False)
+    capsys.readouterr()
+    assert main([*AGAIN, "unloaded.csv"]) == 2
+    assert "unloaded.csv, row 7: load_factor is 0.0" in capsys.readouterr().err
+    assert main([*AGAIN, "flight.csv", "--out", "flight.csv"]) == 1
+    assert "folder 'flight.csv' cannot be made" in capsys.readouterr().err
+    assert main([*AGAIN, "flight.csv", "--draws", "0"]) == 2
+    assert "n_draws is 0; expected" in capsys.readouterr().err
+    shutil.copy("old/one.json", "old/two.json")
+    assert main([*AGAIN, "flight.csv"]) == 2
+    assert "two.json is a tree of 'one'; expected one of 'two'" in capsys.readouterr().err
+
+
 def test_an_inspection_names_the_damage_where_the_watch_does_not(plate, capsys):
     plate("sound.csv", lambda k: (0.0, 0.0))
     assert main([*AGAIN, "sound.csv", "--inspected", "three", "--draws", "12", "--json"]) == 0
@@ -214,6 +247,7 @@ def test_an_inspection_names_the_damage_where_the_watch_does_not(plate, capsys):
         (("--readings", "x.csv"), "--readings is given without --deployed"),
         (("--inspected", "three", "--noise", "1"), "--inspected is given without --readings"),
         (("--readings", "x.csv", "--deployed", "old", "--noise", "1"), "--noise stands beside --deployed"),
+        (("--readings", "x.csv", "--deployed", "old"), "--deployed old has no monitor.json; expected a folder"),
         (("--readings", "x.csv", "--deployed", "out"), "--out out is the deployed folder"),
         ((), "--noise is missing"),
         (("--noise", "1", "--only", "one,four"), r"the twin has no state 'one'; expected among \['crack'\]"),
