@@ -176,7 +176,7 @@ def matrix_buckling(
     start = np.cos(np.arange(held.shape[0], dtype=np.float64))
     try:
         most = float(eigsh(pressed, 1, M=held, Minv=inverse, v0=start, tol=0.1, return_eigenvectors=False)[0])
-        if most > 0.0 and _only_pulls(held, pressed / (LEAST * most), supports):
+        if most > 0.0 and _only_pulls(held, sparse.csc_array(pressed / (LEAST * most)), supports):
             return []  # the iteration below would seek modes among the many motions of 1 / factor 0
         most = abs(most)
         # moved away from 0, where the many motions that the load does no work on would never converge
