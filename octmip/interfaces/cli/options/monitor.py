@@ -82,7 +82,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     more.add_argument(
         "--cost", metavar="READING=COST", action="append", default=[], help="cost of a sensor (default 1 each)"
     )
-    more.add_argument("--depth", metavar="D", type=int, default=2, help="levels of splits of each tree (default 2)")
+    more.add_argument(
+        "--depth",
+        metavar="D",
+        type=int,
+        default=2,
+        help="levels of splits of each tree (default 2; in the loop as many as a deployed tree has, at least)",
+    )
     more.add_argument("--linear", action="store_true", help="readings are proportional to the loads")
     more.add_argument("--draws", metavar="N", type=int, default=40, help="readings drawn of each state (default 40)")
     more.add_argument("--seconds", metavar="S", type=float, default=math.inf, help="most seconds of a solve")
