@@ -179,13 +179,16 @@ def rules_of_columns(rules: Sequence[Sequence[str]], column_of_feature: Sequence
     def features(column: str) -> list[int]:
         found = [j for j, of in enumerate(column_of_feature) if of == column]
         if not found:
-            raise ProblemError(
-                f"a rule names {column!r}; expected one of the columns {', '.join(column_of_feature[:8])}"
-            )
+            columns = ", ".join(list(dict.fromkeys(column_of_feature))[:8])
+            raise ProblemError(f"a rule names {column!r}; expected one of the columns {columns}")
         return found
 
     found: list[tuple[str | int, ...]] = []
     for kind, *columns in rules:
+        if len(set(columns)) < max(len(columns), RULES[kind]):
+            raise ProblemError(
+                f"the rule {kind} names {', '.join(columns)}; expected {RULES[kind]} or more different columns"
+            )
         groups = [features(column) for column in columns]
         if kind == "not-below":
             found += [(kind, one, *(j for group in groups[1:] for j in group)) for one in groups[0]]
