@@ -12,7 +12,7 @@ coarse    a problem that may cut each feature in a few places only
 from octmip.trees.encoding.coarse import Coarse
 from octmip.trees.encoding.costs import CAPACITY, IntegerCosts
 from octmip.trees.encoding.grid import integer_costs
-from octmip.trees.encoding.parts import rules_of, with_given_thresholds
+from octmip.trees.encoding.parts import rules_of, with_given_thresholds, with_old_sides
 from octmip.trees.encoding.ranks import Ranks, native_arguments, native_problem, rank_features
 from octmip.trees.encoding.rows import NodeRow, cut_as_split, rows_from_tree, split_as_cut, tree_from_rows
 
@@ -32,4 +32,5 @@ __all__ = [
     "split_as_cut",
     "tree_from_rows",
     "with_given_thresholds",
+    "with_old_sides",
 ]

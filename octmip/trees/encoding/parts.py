@@ -121,3 +121,21 @@ def with_given_thresholds(problem: Problem, tree: Node) -> Node:
         return found
 
     return told(tree, problem.old_tree, "", np.arange(problem.n_samples))
+
+
+def with_old_sides(problem: Problem, tree: Node) -> Node:
+    """Return a tree whose splits that stayed send missing readings where the old tree does, if none of its samples is.
+
+    Nothing was learnt of the side there, and another one would be a change.
+    """
+
+    def told(node: Node, old: Node | None, rows: NDArray[np.int64]) -> Node:
+        if not isinstance(node, Split) or not isinstance(old, Split):
+            return node
+        is_left = goes_left(node, problem.features, rows)
+        left, right = told(node.left, old.left, rows[is_left]), told(node.right, old.right, rows[~is_left])
+        is_alike = (old.feature, old.threshold) == (node.feature, node.threshold)
+        is_free = is_alike and old.missing is not None and not np.isnan(problem.features[rows, node.feature]).any()
+        return replace(node, left=left, right=right, missing=old.missing if is_free else node.missing)
+
+    return told(tree, problem.old_tree, np.arange(problem.n_samples))

@@ -28,6 +28,7 @@ from octmip.trees.encoding import (
     rules_of,
     tree_from_rows,
     with_given_thresholds,
+    with_old_sides,
 )
 from octmip.trees.methods.checkpoint.exact_state import ExactState, KnownRow, exact_state_of
 from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
@@ -170,7 +171,7 @@ class _Search:
     def solution(self, seed: int, ties: dict[str, str]) -> Solution:
         """Return what was found and proven."""
         return Solution(
-            tree=None if self.tree is None else self.problem.with_sides(self.tree),
+            tree=None if self.tree is None else with_old_sides(self.problem, self.problem.with_sides(self.tree)),
             objective=self.objective,
             bound=self.bound,
             stop=self.stop,
