@@ -195,16 +195,17 @@ class Shape:
         set_field(self, "depth", AnyDepth(MAX_DEPTH))
 
     def _end_depth(self, of_leaf: float, n_samples: int) -> None:
-        """Set any depth to levels of which no tree of more costs less than the best leaf, MAX_DEPTH at most.
+        """Set any depth to levels of which no tree of more is better than all others, MAX_DEPTH at most.
 
         A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
-        sample in each of its leaves.
+        sample in each of its leaves. Where splits have to stand, their price comes to that of the leaf.
         """
         most = min(MAX_DEPTH, max(1, n_samples - 1))
         if self.max_splits is not None:
             most = min(most, max(1, self.max_splits))
-        if of_leaf < most * self.leaf_penalty:
-            most = math.floor(of_leaf / self.leaf_penalty) + 1
+        of_least = of_leaf + self.most_asked_splits * self.leaf_penalty
+        if of_least < most * self.leaf_penalty:
+            most = math.floor(of_least / self.leaf_penalty) + 1
         set_field(self, "depth", AnyDepth(most))
 
     def _set_monotone(self, feature_names: tuple[str, ...]) -> None:
@@ -315,6 +316,18 @@ class Shape:
         """Whether a tree without a split has the parts that are asked for."""
         gone = 0 if self.old_tree is None else len(splits(self.old_tree))
         return all(not part.features for part in self.given_splits) and gone <= (self.max_changes or 0)
+
+    @property
+    def most_asked_splits(self) -> int:
+        """So many splits at most have to stand, 0 where a leaf is a tree: the best leaf and their price bound the best.
+
+        They are the given ones, those above them, and those of the old tree: a tree that has the parts still has them
+        once all other splits are pruned, lowest first, and no leaf of it costs more than the best single leaf did.
+        """
+        if self.is_leaf_allowed:
+            return 0
+        given = {part.path[:k] for part in self.given_splits for k in range(len(part.path) + 1)}
+        return len(given) + (0 if self.old_tree is None else len(splits(self.old_tree)))
 
     @property
     def directions(self) -> tuple[int, ...]:

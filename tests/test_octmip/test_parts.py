@@ -16,6 +16,7 @@ from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.part_check import n_changes
+from octmip.trees.parts import rules_of_columns
 
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.integers(0, 8, (60, 3)).astype(float), RNG.integers(0, 2, 60)
@@ -187,3 +188,33 @@ def test_the_command_takes_every_part(solved, capsys):
     capsys.readouterr()
     assert main(["solve", table, "--label", "y", "--depth", "3", "--path-rule", "near=a"]) == 2
     assert "expected not-below, apart, root-only" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("penalty", [1.5, 100.0])
+@pytest.mark.parametrize("weight", [1.0, 0.1])
+def test_the_price_of_splits_that_must_stand_is_paid_in_full(penalty, weight):
+    x = np.array([[0.0, 1, 0, 1, 0, 1, 1]]).T
+    settings = {"weights": np.full(7, weight), "leaf_penalty": penalty, "fixed_splits": {"L": "x0", "ROOT": "x1"}}
+    features = np.column_stack((x, [0.0, 0, 0, 0, 0, 1, 1]))
+    for depth in (3, None):
+        found = solve(Problem(features, np.array([0, 1, 0, 0, 1, 1, 0]), depth=depth, **settings), "exact")
+        assert found.is_optimal
+        assert found.objective == pytest.approx(2 * penalty + 3 * weight)
+
+
+def test_a_kept_split_keeps_its_side_for_missing_readings():
+    old = Split(0, 1.5, Leaf(0), Leaf(0), missing="right")
+    rows = np.array([[0.0], [1.0], [1.0], [2.0]])
+    for gap in ([], [[np.nan]]):
+        features = np.array([*rows.tolist(), *gap])
+        settings = {"depth": 1, "gaps": [True], "old_tree": old, "max_changes": 0}
+        found = solve(Problem(features, np.arange(len(features)) % 2, **settings), "exact")
+        assert found.tree.missing == "right"
+
+
+def test_a_rule_of_one_column_is_refused():
+    for rule in (["apart", "a"], ["not-below", "a", "a"]):
+        with pytest.raises(ProblemError, match="2 or more different columns"):
+            rules_of_columns([rule], ["a", "b"])
+    with pytest.raises(ProblemError, match=r"one of the columns a, b$"):
+        rules_of_columns([["root-only", "z"]], ["a", "a", "b"])

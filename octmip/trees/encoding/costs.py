@@ -82,13 +82,15 @@ def whole_costs(problem: Problem) -> IntegerCosts | None:
     most = float(weights.sum(dtype=np.float64)) * max(float(costs.max()), 1.0)
     if most + 1 >= CAPACITY:
         return None
-    # A penalty above every other cost is cut to just above: no tree with a split is optimal either way.
+    # A penalty above every other cost is cut to just above: no tree with a split is optimal either way, where none must
+    # have one.
     price = Fraction(problem.leaf_penalty) * power_of_two(weight_exponent + cost_exponent)
-    more = price.denominator.bit_length() - 1 if price < most + 1 else 0
-    if most * 2.0**more + 1 >= CAPACITY:
+    n_asked = problem.most_asked_splits
+    more = price.denominator.bit_length() - 1 if price < most + 1 or n_asked else 0
+    if (Fraction(most) + n_asked * price) * 2**more + 1 >= CAPACITY:
         return None
     above_all = int(weights.sum()) * max(int(costs.max()) << more, 1) + 1
-    penalty = min(int(price * 2**more), above_all)
+    penalty = int(price * 2**more) if n_asked else min(int(price * 2**more), above_all)
     exponent = weight_exponent + cost_exponent + more
     zero = Fraction(0)
     return IntegerCosts(weights, problem.codes, costs << more, penalty, exponent, weight_exponent, zero, False, 0.0)

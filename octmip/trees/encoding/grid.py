@@ -53,6 +53,8 @@ class _Excess:
         weight times cost is ``2**scale`` times these.
     most
         what the best known tree costs, or a little more: costs above need not be distinguished.
+    asked
+        price of the splits that have to stand, on the same scale.
     """
 
     weights: NDArray[np.float64]
@@ -60,6 +62,7 @@ class _Excess:
     costs: NDArray[np.float64]
     scale: int
     most: float
+    asked: float
 
     @classmethod
     def of(cls, problem: Problem, known: Node | None) -> "_Excess":
@@ -68,19 +71,21 @@ class _Excess:
         scales = [int(np.frexp(top)[1]) for top in (problem.weights.max(), float(max(map(max, exact))))]
         weights = np.ldexp(problem.weights, -scales[0])
         costs = np.array([[float(cost * power_of_two(-scales[1])) for cost in row] for row in exact])
-        most = float((np.bincount(problem.codes, weights, problem.n_classes) @ costs).min())
+        price = Fraction(problem.leaf_penalty) * power_of_two(-sum(scales))
+        asked = float(problem.most_asked_splits * price)
+        most = float((np.bincount(problem.codes, weights, problem.n_classes) @ costs).min()) + asked
         if known is not None:
-            penalty = complexity(known) * Fraction(problem.leaf_penalty) * power_of_two(-sum(scales))
+            penalty = complexity(known) * price
             if penalty < most:
                 paid = math.fsum(weights * costs[problem.codes, predict(known, problem.features)])
                 most = min(most, paid + float(penalty))
-        return cls(weights, exact, costs, sum(scales), most * LOWERED)
+        return cls(weights, exact, costs, sum(scales), most * LOWERED, asked)
 
 
 def _rounded_costs(problem: Problem, known: Node | None) -> IntegerCosts:
     excess = _Excess.of(problem, known)
     highest = excess.weights * excess.costs.max(axis=1)[problem.codes]
-    total = float(np.minimum(highest, 4 * excess.most).sum()) or 1.0
+    total = float(np.minimum(highest, 4 * excess.most).sum()) + excess.asked or 1.0
     exponent = math.floor(math.log2(CAPACITY) - math.log2(total)) - excess.scale
     exact = whole_exponent(problem.weights) + whole_exponent(problem.costs)
     exponent = min(exponent, max(exact, whole_exponent(np.array([problem.leaf_penalty]))))
@@ -123,9 +128,10 @@ class _Grid:
 
     @property
     def total(self) -> float:
-        """Sum of the largest cost of each sample."""
+        """Sum of the largest cost of each sample, and of what splits that have to stand cost."""
         highest = np.array([float(max(row or [0])) for row in self.table])
-        return float((self.weights.astype(float) * highest[self.rows]).sum())
+        asked = math.ldexp(self.excess.asked, self.excess.scale + self.exponent)
+        return float((self.weights.astype(float) * highest[self.rows]).sum()) + asked
 
     def _add(self, c: int, row: list[int], members: NDArray[np.int64], weights: NDArray[np.int64]) -> None:
         """Give some samples of class c this row: the class's own, if nobody has it yet, else one more."""

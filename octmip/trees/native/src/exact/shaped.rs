@@ -56,7 +56,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
     let base = samples.base_cost();
     let given = options.incumbent.as_ref().map(|(objective, tree)| (samples.counted(objective - base), tree.clone()));
     // One above the leaf, so that the search finds the leaf itself where nothing is better.
-    let beyond = if options.rules.is_some() { Parts::beyond(&samples, &view) } else { view.leaf() + 1 };
+    let beyond = options.rules.as_ref().map_or(view.leaf() + 1, |rules| Parts::beyond(&samples, &view, rules));
     let start = given.map_or((beyond, None), |(cost, tree)| (cost, Some(tree)));
     let known = Known::new(start);
     let control = Control::reading(supervision.flag());

@@ -79,9 +79,9 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// More than any tree of these samples costs.
-    pub(super) fn beyond(samples: &Samples, view: &View) -> i64 {
-        view.total_range + samples.penalty * samples.n as i64 + 1
+    /// More than the best tree costs: one that has the parts has them still once only their splits are left.
+    pub(super) fn beyond(samples: &Samples, view: &View, rules: &Rules) -> i64 {
+        view.total_range + samples.penalty * (rules.given.len() + rules.old.len()) as i64 + 1
     }
 
     /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more.
