@@ -17,6 +17,7 @@ from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.part_check import n_changes
 from octmip.trees.parts import rules_of_columns
+from octmip.trees.tradeoff import choose_tree
 
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.integers(0, 8, (60, 3)).astype(float), RNG.integers(0, 2, 60)
@@ -218,3 +219,9 @@ def test_a_rule_of_one_column_is_refused():
             rules_of_columns([rule], ["a", "b"])
     with pytest.raises(ProblemError, match=r"one of the columns a, b$"):
         rules_of_columns([["root-only", "z"]], ["a", "a", "b"])
+
+
+@pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": 0}}, {"old_tree": OLD, "max_changes": 0}])
+def test_a_choice_among_prices_names_the_part_that_allows_no_leaf(parts):
+    with pytest.raises(ProblemError, match=f"{list(parts)[-1]} allows no leaf"):
+        choose_tree(asked(**parts))

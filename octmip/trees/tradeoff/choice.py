@@ -191,7 +191,7 @@ def choose_tree(
     Raises
     ------
     ProblemError
-        folds, depths or rule are not as described, or the training rows of a fold make no problem.
+        folds, depths or rule are not as described, a split has to stand, or training rows of a fold make no problem.
     SolverError
         a solver failed.
     KeyboardInterrupt
@@ -201,6 +201,12 @@ def choose_tree(
     from joblib import effective_n_jobs  # only here: every command would wait for it
 
     start = time.perf_counter()
+    if not problem.is_leaf_allowed:
+        asked = "fixed_splits" if any(part.features for part in problem.given_splits) else "max_changes"
+        raise ProblemError(
+            f"choose_tree compares trees of every price of a split, down to a leaf, and {asked} allows no leaf; "
+            "expected parts that a leaf has; give solve a depth or a leaf_penalty, or leave it out"
+        )
     kinds = [Family(d, method) for d in _checked_depths(problem, depths)] if families is None else list(families)
     pairs = checked_folds(problem, folds) if isinstance(folds, Sequence) else stratified_folds(problem, folds, seed)
     if rule not in RULES:
