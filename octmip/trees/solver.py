@@ -4,7 +4,9 @@ method    solver                                    starts from          bound f
 cart      scikit-learn's CART                       nothing              none
 search    local search                              itself               none
 exact     branch and bound over thresholds          search from depth    exact
-                                                    5 on
+                                                    5 on; below, search
+                                                    follows a proof that
+                                                    time or memory ends
           hyperplanes of at most two features to    the best axis-       exact
           depth 2: boxes of lines                   aligned tree
 oct       Bertsimas & Dunn's OCT, HiGHS             CART or search       HiGHS
@@ -40,7 +42,7 @@ from octmip.trees.methods.options import (
 )
 from octmip.trees.methods.pruning import ordered, pruned
 from octmip.trees.problem import Problem
-from octmip.trees.registry import TWO_FEATURE, options_for, solvers_of
+from octmip.trees.registry import EXACT, TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -49,7 +51,10 @@ from octmip.trees.tree import Node
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 UNKNOWN = {
     "any_depth": ("depth of None", ["give a depth, such as 3"]),
-    "gaps": ("gaps", ["fill missing readings, or let an estimator or the command encode them", "leave gaps out"]),
+    "takes_missing": (
+        "missing readings",
+        ["fill missing readings, or let an estimator or the command encode them", "leave those rows out"],
+    ),
 }
 """Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
 SEARCH_SHARE = 0.2
@@ -71,10 +76,11 @@ def solve(
 ) -> Solution:
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
-    Where no incumbent is given, an exact proof begins with a local search for at most a fifth of the time limit unless
-    it is quicker without, and HiGHS with CART's tree (`MipOptions(start="search")`: one of local search). The better of
-    incumbent and proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree
-    so far (`Stop.INTERRUPTED`).
+    Where no incumbent is given, an exact proof from depth 5 on begins with a local search for at most a fifth of the
+    time limit. To depth 4 one follows where four fifths of the time, or the memory, did not suffice for the proof.
+    HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
+    proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
+    (`Stop.INTERRUPTED`).
 
     Parameters
     ----------
@@ -310,8 +316,12 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
         first = _first_tree(call, name)
         if first.stop is Stop.INTERRUPTED:
             return first
+    is_alone = first is None and solvers_of(call.problem)[name] is EXACT
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
-    solution = checked_solution(call.problem, _solved(call, name, first))
+    solution = checked_solution(call.problem, _solved(call, name, first, 1.0 - SEARCH_SHARE if is_alone else 1.0))
+    if is_alone and solution.stop in {Stop.TIME, Stop.MEMORY}:
+        # A search knows no bound: what was shown of the proof's stays the last that is shown.
+        first = _first_tree(replace(call, run=replace(call.run, progress=None)), name, share=1.0)
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)
@@ -326,23 +336,23 @@ def _finder(solution: Solution, name: str, first: Solution | None) -> str:
     return "cart" if isinstance(began, dict) and began["objective"] <= solution.objective else name
 
 
-def _first_tree(call: _Call, name: str) -> Solution:
+def _first_tree(call: _Call, name: str, share: float = SEARCH_SHARE) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
-        return replace(call, problem=axis).solve("exact", None, share=SEARCH_SHARE)
+        return replace(call, problem=axis).solve("exact", None, share=share)
     options = SearchOptions(restarts=FIRST_RESTARTS, cluster=call.run.options.cluster)
-    return call.solve("search", None, share=SEARCH_SHARE, options=options)
+    return call.solve("search", None, share=share, options=options)
 
 
-def _solved(call: _Call, name: str, first: Solution | None) -> Solution:
+def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
         options, tree = call.run.options, first.tree if first else None
         if isinstance(options, MipOptions) and options.assist:
             return _assisted(call, name, tree, options)
-        return call.solve(name, tree, options=options)
+        return call.solve(name, tree, share=share, options=options)
     except KeyboardInterrupt:
         if first is None:
             raise

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
 from benchmarks.cases import calibration_beside
-from benchmarks.cases.exact import large
+from benchmarks.cases.exact import boundaries, large
 from benchmarks.data import SHARED, numeric_sets, published, synthetic_uav
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
@@ -37,6 +37,13 @@ def test_large_tables_are_measured_with_memory_and_predictions(way):
     assert line["predictions_per_second"] > 0
     assert 0 <= line["objective"] < 200
     assert line["outcome"] in {"proven", "greedy", "finished", "optimal", "time", "a tree a class"}
+
+
+def test_boundaries_have_an_exponent_of_their_proven_sizes():
+    lines = list(boundaries.results(5.0, [1], [400, 1600]))
+    assert [line["size"] for line in lines[::2]] == [f"{boundary}, 400 rows" for boundary in boundaries.BOUNDARIES]
+    lines = [line | {"cpu_seconds": line["n"] ** 1.5, "objective": 7.0} for line in lines]
+    assert boundaries.summary(lines).splitlines()[2] == "| a tree | 8e+03 | 6.4e+04 | 1.50 |"
 
 
 def test_an_unknown_family_is_refused_with_the_known_ones():

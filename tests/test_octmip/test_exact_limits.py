@@ -6,7 +6,8 @@ import sys
 import numpy as np
 import pytest
 
-from octmip import certify
+from benchmarks.cases.exact.boundaries import problem_of
+from octmip import certify, solve
 from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
 from octmip.trees.methods.exact import branch_and_bound
@@ -14,7 +15,8 @@ from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.solution import Limits, Progress, Stop
+from octmip.trees.tree import Leaf, Split
 
 
 def with_ties(seed: int) -> Problem:
@@ -74,6 +76,25 @@ def test_memory_too_small_for_the_queue_ends_the_search_with_the_best_tree_and_b
     assert solution.n_nodes > 0
     leaf = branch_and_bound(problem, limits=Limits(memory=1))
     assert certify(problem, solution).objective < leaf.objective
+
+
+def test_a_proof_that_memory_ends_is_followed_by_a_search_with_its_bound() -> None:
+    problem = hard()
+    leaf = branch_and_bound(problem, limits=Limits(memory=1))
+    found = solve(problem, "exact", limits=Limits(memory=1, seconds=3))
+    assert (found.stop, found.bound, found.details["tree_by"]) == (Stop.MEMORY, leaf.bound, "search")
+    assert certify(problem, found).objective < 0.8 * leaf.objective
+
+
+def test_the_bound_of_a_large_table_rises_step_by_step_before_its_proof_ends() -> None:
+    problem = problem_of("a tree", 420_000)
+    truth = Split(0, 0.3, Split(2, 0.0, Leaf(0), Leaf(1)), Split(1, -0.5, Leaf(0), Leaf(1)))
+    reports: list[Progress] = []
+    found = branch_and_bound(problem, incumbent=truth, progress=reports.append)
+    assert found.is_optimal
+    bounds = [report.bound for report in reports]
+    assert bounds == sorted(bounds)
+    assert any(0.74 * found.objective < bound < 0.97 * found.objective for bound in bounds)
 
 
 PEAK = """

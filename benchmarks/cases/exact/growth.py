@@ -54,7 +54,7 @@ def _measured(n: int, p: int, depth: int, limit: float) -> Line:
     }
 
 
-def exponent(lines: Sequence[Line], over: str, depth: int) -> float:
+def exponent(lines: Sequence[Line], over: str, depth: int | str) -> float:
     """Return b of seconds = a size^b, least squares on logarithms of the proven sizes."""
     key = "n" if over == "samples" else "p"
     chosen = [line for line in lines if (line["over"], line["depth"], line["outcome"]) == (over, depth, "proven")]

@@ -19,7 +19,7 @@ use crate::tree::Tree;
 
 use elsewhere::Elsewhere;
 use known::{Known, Saver};
-use run::Run;
+use run::{LARGE, Run};
 
 pub use run::{Options, one_level_deeper};
 
@@ -64,9 +64,6 @@ pub(crate) fn go_on<'s>(
     }
     Ok(run.outcome())
 }
-
-/// Values of a table whose lists are worth less than their memory.
-const LARGE: usize = 1 << 22;
 
 /// Whether the samples in the order of a feature are wanted one feature after the other only.
 fn has_lists_on_demand(problem: &Problem, options: &Options) -> bool {

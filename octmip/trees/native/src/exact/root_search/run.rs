@@ -19,6 +19,12 @@ use crate::tree::Tree;
 /// sets bound anything.
 const RELAXED: std::ops::RangeInclusive<usize> = 3..=4;
 
+/// Values of a table whose lists are worth less than their memory, and whose bound is raised step by step.
+pub(crate) const LARGE: usize = 1 << 22;
+
+/// Percent of the incumbent's cost that a large table is asked for first.
+const SHARES: [i64; 2] = [75, 96];
+
 /// Options of the search.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -190,15 +196,41 @@ impl Run<'_, '_> {
     }
 
     /// Depth one or two, by one thread; a bound of that depth's trees, and each feature's incumbent.
+    ///
+    /// Deeper levels build on the best cost itself. The last one is asked for what undercuts the incumbent.
     fn shallow(&mut self, depth: usize, keep_going: KeepGoing<'_>) -> Below {
-        let upper = self.view.leaf() + 1;
+        let is_tight = self.problem.sensor_cost.iter().sum::<f64>() > self.problem.sensor_limit;
+        let is_last = depth == self.problem.depth && !is_tight;
+        if is_last && depth == 2 && self.samples.n * self.samples.p >= LARGE {
+            self.raise(keep_going);
+        }
+        let whole = self.view.leaf() + 1;
+        let upper = if is_last { whole.min(self.best.0) } else { whole };
+        let (lower, incumbents, solved) = self.asked(depth, upper, keep_going);
+        (lower.max(self.bound), incumbents, solved)
+    }
+
+    /// Raise the bound of a large table step by step: few neighbours close the cuts whose trees cost far more than the
+    /// upper limit, and few buckets are walked.
+    fn raise(&mut self, keep_going: KeepGoing<'_>) {
+        for percent in SHARES {
+            let upper = self.best.0 / 100 * percent;
+            if upper > self.bound && self.supervision.reason().is_none() {
+                self.bound = self.bound.max(self.asked(2, upper, keep_going).0);
+            }
+        }
+    }
+
+    /// Search for trees of one or two levels below `upper`; the best is taken up. The bound is 0 where the search is
+    /// stopped.
+    fn asked(&mut self, depth: usize, upper: i64, keep_going: KeepGoing<'_>) -> Below {
         let work = || {
             let mut search = Search::new(self.samples, self.options.switches, &self.control, depth);
-            let result = search.solve(self.view, depth, upper, 0);
+            let result = search.solve(self.view, depth, upper, self.bound);
             (result, search.incumbents, search.solved)
         };
         let (result, incumbents, solved) = self.supervision.run(work, || {
-            self.poll(keep_going, self.progress(self.best.0, 0), self.tables);
+            self.poll(keep_going, self.progress(self.best.0, self.bound), self.tables);
         });
         if let Some((cost, plan)) = result.best
             && cost < self.best.0

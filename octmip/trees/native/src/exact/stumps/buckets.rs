@@ -14,6 +14,9 @@ use crate::exact::stumps::uncertainty::{Candidate, Sides};
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 
+/// Samples of a bucket on average, at most: in long tables a walk inside is the price.
+const LONGEST: usize = 128;
+
 /// Stump solver from histograms.
 pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
@@ -69,7 +72,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     fn most_buckets(&self, len: usize) -> usize {
         let cheap = 256 / (self.groups.len() * self.shape.rows);
         let many = if self.profiles.ranges.is_empty() { 2 } else { 4 };
-        cheap.max(64).max(many * len.isqrt())
+        cheap.max(64).max(many * len.isqrt()).max(len / LONGEST)
     }
 
     /// Move the totals of both sides.
