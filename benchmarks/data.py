@@ -76,7 +76,7 @@ def vibration_test() -> VibrationTest:
 
 @cache
 def uci(name: str) -> Table:
-    """Return a set of `../shared/uci`; every column but the last, the label, must be numbers without gaps.
+    """Return a set of `../shared/uci`; every column but the last, the label, must be numbers without missing readings.
 
     Raises
     ------

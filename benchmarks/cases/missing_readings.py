@@ -1,9 +1,9 @@
 """Readings of the published strains lost at random, and gauges that are dead at test time; mu1, MAE in percent.
 
-`python -m benchmarks.run gaps_strains --limit 60`: for each seed and depth a tree trained on readings of which a fifth
-is lost, and one trained on all of them; both tested on full readings, and with each gauge that the tree reads dead.
-What is trained on full readings has to be told what to do then: to take the heavier side (`Problem.gaps`), the mean of
-the training in place of the reading, or what the other gauges say (`octmip.sensing.Imputation`).
+`python -m benchmarks.run missing_strains --limit 60`: for each seed and depth a tree trained on readings of which
+a fifth is lost, and one trained on all of them; both tested on full readings, and with each gauge that the tree reads
+dead. A tree trained on full readings takes the heavier side then (`Problem.takes_missing`), or reads the mean of the
+training, or the value that the other gauges predict (`octmip.sensing.Imputation`).
 """
 
 import time
@@ -40,7 +40,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 
 def _lines(data: Dataset, depth: int, seed: int, limits: Limits, n_threads: int) -> Iterator[Line]:
-    full = Problem(data.features[data.is_train], data.mu1[data.is_train], depth=depth, gaps=True)
+    full = Problem(data.features[data.is_train], data.mu1[data.is_train], depth=depth, takes_missing=True)
     is_lost = np.random.default_rng([20, seed]).random(full.features.shape) < LOST
     asked = {"full readings": full, "a fifth lost": replace(full, features=np.where(is_lost, np.nan, full.features))}
     for trained, problem in asked.items():

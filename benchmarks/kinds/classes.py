@@ -1,4 +1,4 @@
-"""Classification: small problems over the whole range of float64, with gaps, of all sizes, of few splits."""
+"""Classification: small problems over the whole range of float64, of all sizes, with missing readings or few splits."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.strategies import with_gaps
+from benchmarks.oracles.strategies import with_missing
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
@@ -105,13 +105,13 @@ def _hyperplanes(rng: Generator) -> Problem:
     return wide_problem(rng, split="hyperplane")
 
 
-def _gaps(rng: Generator) -> Problem:
-    return with_gaps(rng, wide_problem(rng, split="axis"))
+def _missing(rng: Generator) -> Problem:
+    return with_missing(rng, wide_problem(rng, split="axis"))
 
 
 def _sized(rng: Generator) -> Problem:
     problem = sized_problem(rng)
-    return with_gaps(rng, problem) if rng.random() < 0.2 else problem
+    return with_missing(rng, problem) if rng.random() < 0.2 else problem
 
 
 def _lines(rng: Generator) -> Problem:
@@ -164,7 +164,7 @@ HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
 
 AXIS_KIND = Classes(5, _wide, AXIS)
 HYPERPLANE_KIND = Classes(3, _hyperplanes, HYPERPLANE)
-GAPS_KIND = Classes(7, _gaps, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow": 0.05}, 0.5)
+MISSING_KIND = Classes(7, _missing, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow": 0.05}, 0.5)
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())

@@ -14,7 +14,7 @@ from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.regression_runs import Runs
 from benchmarks.oracles.regression_trees import least_objective
-from benchmarks.oracles.strategies import random_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.wide_problems import wide_numbers
 from benchmarks.oracles.worst_case import least_worst_case
 from octmip.errors import CertificateError
@@ -161,7 +161,7 @@ class NearSets:
         """Return a random problem, of more cuts at times."""
         if rng.random() < 0.8:
             problem = random_problem(rng, max_samples=int(rng.integers(4, 9)))
-            problem = with_gaps(rng, problem) if rng.random() < 0.4 else problem
+            problem = with_missing(rng, problem) if rng.random() < 0.4 else problem
             return Near(problem, float(rng.choice(MARGINS)), bool(rng.random() < 0.5))
         problem = _many_cuts(rng)
         return Near(problem, float(rng.choice([0.0, 1.0])) * (problem.depth == 1), bool(rng.random() < 0.5))

@@ -17,7 +17,7 @@ import numpy as np
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, Side, Split, midpoint
 
-Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of gaps, mask of samples that go left
+Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of missing, mask of samples that go left
 Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree
 
 

@@ -99,7 +99,7 @@ def _best_along(problem: Problem, features: frozenset[int], prices: list[list[in
 
 
 def _columns(problem: Problem, features: frozenset[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Return each feature's order of the samples and their ranks; with gaps, those above and below all readings."""
+    """Return each feature's order of the samples and their ranks; missing readings are above, or below, all others."""
     found: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
     for feature in sorted(features):
         if problem.is_allowed((feature,)):

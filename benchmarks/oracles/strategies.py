@@ -40,13 +40,13 @@ def random_problem(rng: Generator, *, max_samples: int = 10, max_features: int =
     return Problem(_features(rng, n, p), labels, **options)
 
 
-def with_gaps(rng: Generator, problem: Problem) -> Problem:
+def with_missing(rng: Generator, problem: Problem) -> Problem:
     """Return a problem with some, many, nearly all or no readings missing, and at times all of one feature."""
     share = rng.choice([0.0, 0.1, 0.3, 0.6, 0.9])
     features = np.where(rng.random(problem.features.shape) < share, np.nan, problem.features)
     if rng.random() < 0.15:
         features[:, rng.integers(problem.n_features)] = np.nan
-    return replace(problem, features=features, gaps=bool(rng.random() < 0.5) or bool(np.isnan(features).any()))
+    return replace(problem, features=features, takes_missing=bool(rng.random() < 0.5) or bool(np.isnan(features).any()))
 
 
 def wide_problem(rng: Generator, *, orders: float = 12.0, max_samples: int = 10, max_depth: int = 3) -> Problem:

@@ -195,7 +195,7 @@ def read_data(name: str) -> Callable[[Generator, Path], None]:
 
 
 def make_raw(number: int, folder: Path) -> None:
-    """Write a table with text, gaps and an index in the form of the number, and the tree that `solve` writes for it."""
+    """Write a table with text, missing readings and an index in the form of the number, and the tree of `solve`."""
     rng = np.random.default_rng([91, number])
     frame = pd.DataFrame(
         {"id": range(24), "a": rng.normal(size=24).round(2), "colour": rng.choice(["red", "blue"], 24)}

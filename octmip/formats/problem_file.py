@@ -72,7 +72,7 @@ def _of_both(problem: Problem) -> dict[str, Any]:
 def _of_classes(problem: Problem) -> dict[str, Any]:
     return {
         "format": FORMAT,
-        "version": VERSION if problem.n_missing else 1,  # which programs that know of no gaps read
+        "version": VERSION if problem.n_missing else 1,  # which programs that know of no missing readings read
         "class_names": [str(name) for name in problem.class_names],
         "labels": problem.codes.tolist(),
         "costs": problem.costs.tolist(),

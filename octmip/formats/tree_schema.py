@@ -114,7 +114,7 @@ SETTINGS: dict[str, Kind] = {
     "path_rules": maybe(ListOf(ListOf(NAME, 2))),
     "old_tree": maybe(NODE),
     "max_changes": maybe(Whole()),
-    "gaps": Truth(),
+    "takes_missing": Truth(),
 }
 CLAIMS: dict[str, Kind] = {
     "objective": Number(),

@@ -85,7 +85,7 @@ class LeafLikelihood:
         return found
 
     def open_leaves(self, features: Floats) -> NDArray[np.bool_]:
-        """Return a mask (n, n_leaves) of the leaves that features (n, n_gauges) may have reached, one without gaps.
+        """Return the mask (n, n_leaves) of leaves that features (n, n_gauges) may have reached: one if none is missing.
 
         Raises
         ------

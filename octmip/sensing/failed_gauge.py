@@ -151,7 +151,7 @@ class Imputation:
 
     @classmethod
     def fit(cls, features: Floats) -> "Imputation":
-        """Return the imputation learnt from features (n_samples, n_features) without gaps."""
+        """Return the imputation learnt from features (n_samples, n_features) without missing readings."""
         return cls(features.mean(axis=0, dtype=np.float64), np.atleast_2d(np.cov(features, rowvar=False)))
 
     def impute(self, features: Floats) -> Floats:

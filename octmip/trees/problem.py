@@ -40,7 +40,7 @@ from octmip.trees.tree import (
     predict,
     predict_values,
     splits,
-    with_sides_for_gaps,
+    with_sides_for_missing,
 )
 
 LEAST_SAVING = 1e-8
@@ -66,7 +66,7 @@ class Problem(Shape):
         `SquaredError`, `AbsoluteError`, `QuantileError`.
     weights
         (n_samples,) risk weights, 0 or more; None: all 1.
-    gaps
+    takes_missing
         whether readings may be missing, so that every split says where they go; True wherever some are.
     feature_names
         (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
@@ -84,7 +84,7 @@ class Problem(Shape):
     targets: NDArray[Any]
     loss: Loss = field(kw_only=True, default=_DERIVED)
     weights: NDArray[np.float64] = field(kw_only=True, default=_DERIVED)
-    gaps: bool = field(kw_only=True, default=False)
+    takes_missing: bool = field(kw_only=True, default=False)
     feature_names: tuple[str, ...] = field(kw_only=True, default=_DERIVED)
     class_names: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
     target_name: str = field(kw_only=True, default="target")
@@ -105,7 +105,7 @@ class Problem(Shape):
         self._settle(self.feature_names, self.n_samples, lambda: self.baseline)
         if self.leaf_model == "linear" and self.loss.predicts == "class":
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
-        if self.monotone is not None and self.gaps:
+        if self.monotone is not None and self.takes_missing:
             raise ProblemError("monotone is given but readings may be missing, which have no order; fill them in")
         prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
         self.loss.check_range(self.weights, self.codes, prices)
@@ -113,11 +113,11 @@ class Problem(Shape):
     def _set_samples(self) -> None:
         given = self.feature_names if self.feature_names is not None else names_of_columns(self.features)
         kept = KEPT if self.split == "axis" and self.loss.predicts == "class" else KEPT[:1]
-        features = features_of(self.features, gaps=True, kept=kept)
+        features = features_of(self.features, takes_missing=True, kept=kept)
         if min(features.shape) == 0:
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         set_field(self, "features", features)
-        set_field(self, "gaps", bool(self.gaps) or self.n_missing > 0)
+        set_field(self, "takes_missing", bool(self.takes_missing) or self.n_missing > 0)
         names = tuple(str(name) for name in ([f"x{j}" for j in range(features.shape[1])] if given is None else given))
         if len(names) != features.shape[1] or len(set(names)) != len(names):
             raise ProblemError(
@@ -181,7 +181,7 @@ class Problem(Shape):
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
         words += self.words_of_shape(self.feature_names)
-        words += [f"{self.n_missing} readings missing"] if self.gaps else []
+        words += [f"{self.n_missing} readings missing"] if self.takes_missing else []
         words += [] if (self.weights == 1).all() else ["weighted"]
         words += [] if not isinstance(self.loss, ClassCosts) or self.loss.is_zero_one else ["with costs"]
         return f"Problem({', '.join(words)})"
@@ -197,12 +197,12 @@ class Problem(Shape):
         return sum(int(np.isnan(block).sum()) for block in in_blocks(self.features))
 
     @property
-    def features_with_gaps(self) -> tuple[int, ...]:
+    def features_with_missing(self) -> tuple[int, ...]:
         """The features of which some reading is missing, ascending."""
-        with_gaps = np.zeros(self.features.shape[1], dtype=np.bool_)
+        with_missing = np.zeros(self.features.shape[1], dtype=np.bool_)
         for block in in_blocks(self.features):
-            with_gaps |= np.isnan(block).any(axis=0)
-        return tuple(np.flatnonzero(with_gaps).tolist())
+            with_missing |= np.isnan(block).any(axis=0)
+        return tuple(np.flatnonzero(with_missing).tolist())
 
     @property
     def n_classes(self) -> int:
@@ -325,7 +325,7 @@ class Problem(Shape):
 
     def with_sides(self, tree: Node) -> Node:
         """Return a tree with a side for missing readings at every split, where this problem may lack some."""
-        return with_sides_for_gaps(tree, self.features, self.weights) if self.gaps else tree
+        return with_sides_for_missing(tree, self.features, self.weights) if self.takes_missing else tree
 
     def predictions(self, tree: Node) -> NDArray[Any]:
         """Return what a tree predicts for every sample (n_samples,): as `codes`, classes by index or numbers."""
@@ -352,7 +352,7 @@ class Problem(Shape):
         used = features_used(tree)
         if used and used[-1] >= self.n_features:
             return f"the tree reads feature {used[-1]} but the problem has {self.n_features} features"
-        with_gaps = set(self.features_with_gaps) if self.gaps else set()
+        with_missing = set(self.features_with_missing) if self.takes_missing else set()
         for split in splits(tree):
             names = [self.feature_names[j] for j in split.features]
             if not self.is_allowed(split.features):
@@ -361,7 +361,7 @@ class Problem(Shape):
                 return f"a split over {names} is a hyperplane, which is not allowed: split is 'axis'"
             if isinstance(split, HyperplaneSplit) and not self.is_integral(split):
                 return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
-            if split.missing is None and with_gaps.intersection(split.features):
+            if split.missing is None and with_missing.intersection(split.features):
                 return f"a split over {names} has no side for missing readings, of which this problem has some"
         return next(filter(None, map(self._fault_of, leaves(tree))), None)
 

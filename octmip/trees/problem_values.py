@@ -29,34 +29,36 @@ midpoint, makes float64 of a column first (`octmip.trees.tree` compares without)
 
 
 def features_of(
-    values: ArrayLike, *, gaps: bool = False, kept: tuple[type[np.floating[Any]], ...] = KEPT[:1]
+    values: ArrayLike, *, takes_missing: bool = False, kept: tuple[type[np.floating[Any]], ...] = KEPT[:1]
 ) -> NDArray[np.float64]:
     """Return the features (n_samples, n_features) of an array or a data frame as float64.
 
-    With `gaps` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern. An array
-    that nobody can write to stays as it is where it is of a type of `kept`.
+    With `takes_missing` a reading may be missing (NaN, of a data frame also NA or None), and is NaN of one bit pattern.
+    An array that nobody can write to stays as it is where it is of a type of `kept`.
 
     Raises
     ------
     ProblemError
-        some value is no number, infinite, or (without `gaps`) missing; of a data frame, its columns are named.
+        some value is no number, infinite, or (without `takes_missing`) missing; of a data frame, its columns are named.
     """
     names = names_of_columns(values)
     if names is None:
-        return numbers_of(values, "features", 2, gaps=gaps, kept=kept)
+        return numbers_of(values, "features", 2, takes_missing=takes_missing, kept=kept)
     columns = [_numbers_of_column(values, j) for j in range(len(names))]
-    wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, gaps)]
+    wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, takes_missing)]
     if wrong:
         shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
         what = (
-            ("text or infinite values", "numbers") if gaps else ("text, missing or infinite values", "finite numbers")
+            ("text or infinite values", "numbers")
+            if takes_missing
+            else ("text, missing or infinite values", "finite numbers")
         )
         raise ProblemError(
             f"features holds {what[0]} in {shown}; expected {what[1]}; drop or encode "
             "these columns (octmip.OptimalTreeClassifier and octmip.formats.columns do so)"
         )
     found = [column for column in columns if column is not None]
-    return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, gaps=gaps)
+    return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, takes_missing=takes_missing)
 
 
 def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
@@ -70,11 +72,11 @@ def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
         return None
 
 
-def _are_usable(numbers: NDArray[np.float64] | None, gaps: bool) -> bool:
-    return numbers is not None and not (np.isinf(numbers) if gaps else ~np.isfinite(numbers)).any()
+def _are_usable(numbers: NDArray[np.float64] | None, takes_missing: bool) -> bool:
+    return numbers is not None and not (np.isinf(numbers) if takes_missing else ~np.isfinite(numbers)).any()
 
 
-def refuse_gaps(n_missing: int, why: str, cure: str) -> None:
+def refuse_missing(n_missing: int, why: str, cure: str) -> None:
     """Raise if readings are missing where all are needed.
 
     Raises
@@ -134,10 +136,10 @@ def numbers_of(
     name: str,
     n_dimensions: int,
     *,
-    gaps: bool = False,
+    takes_missing: bool = False,
     kept: tuple[type[np.floating[Any]], ...] = KEPT[:1],
 ) -> NDArray[np.float64]:
-    """Return finite numbers as float64; with `gaps` some may be missing, NaN of one bit pattern.
+    """Return finite numbers as float64; with `takes_missing` some may be missing, NaN of one bit pattern.
 
     A copy, but of an array of a type of `kept` that nobody can write to (`array.flags.writeable` False, its memory its
     own): a table of 10^6 rows is then held once.
@@ -145,7 +147,7 @@ def numbers_of(
     Raises
     ------
     ProblemError
-        some value is no finite number (nor, with `gaps`, missing), or the number of dimensions is another.
+        some value is no finite number (nor, with `takes_missing`, missing), or the number of dimensions is another.
     """
     try:
         array = values if _is_settled(values, kept) else np.array(values, dtype=np.float64)
@@ -157,12 +159,12 @@ def numbers_of(
         return array
     is_wrong = ~np.isfinite(array)
     is_missing = np.isnan(array)
-    is_wrong = is_wrong & ~is_missing if gaps else is_wrong
+    is_wrong = is_wrong & ~is_missing if takes_missing else is_wrong
     if is_wrong.any():
         place = ", ".join(str(int(i)) for i in np.argwhere(is_wrong)[0])
         what = (
             ("infinite", "finite numbers, or NaN where a reading is missing")
-            if gaps
+            if takes_missing
             else ("not finite", "finite numbers")
         )
         raise ProblemError(

@@ -22,11 +22,11 @@ from octmip.formats.problem_file import data_digest, question_digest
 from octmip.trees import _native
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 from octmip.trees.regression import proof_log
 
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
-"""First line of a log, by `Problem.split`; where readings are missing " gaps" stands behind it."""
+"""First line of a log, by `Problem.split`; where readings are missing " missing" stands behind it."""
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
 
@@ -71,8 +71,12 @@ def proof_header(problem: Problem, exponents: tuple[int, int], claim: int) -> st
 
 
 def _identity(problem: Problem) -> list[str]:
-    gaps = " gaps" if problem.n_missing else ""
-    return [f"{FORMATS[problem.split]}{gaps}", f"data {data_digest(problem)}", f"question {question_digest(problem)}"]
+    missing = " missing" if problem.n_missing else ""
+    return [
+        f"{FORMATS[problem.split]}{missing}",
+        f"data {data_digest(problem)}",
+        f"question {question_digest(problem)}",
+    ]
 
 
 def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf, n_jobs: int = 1) -> ProofReport:
@@ -112,7 +116,7 @@ def check_provable(problem: Problem) -> None:
             "axis-aligned regression trees with one number in each leaf; leave the log out"
         )
     if problem.split == "hyperplane":
-        refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+        refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     if problem.split == "hyperplane" and (problem.depth > MOST_DEPTH or problem.max_split_size > MOST_FEATURES):
         raise ProblemError(
             f"depth {problem.depth} with {problem.max_split_size} features per split has no proof log; expected depth "

@@ -117,14 +117,14 @@ NUMBERS = Registration(
     "exact_regression",
     proves=True,
     alone_to_depth=MAX_DEPTH,
-    cannot=("any_depth", "gaps", "leaf_model", "max_splits", "monotone", *PARTS),
+    cannot=("any_depth", "takes_missing", "leaf_model", "max_splits", "monotone", *PARTS),
     without=("cluster", "checkpoint", "every"),
 )
 NUMBERS_SEARCH = Registration(
     "octmip.trees.regression.search",
     "search_regression",
     proves=False,
-    cannot=("gaps", "integer_normals", *PARTS),
+    cannot=("takes_missing", "integer_normals", *PARTS),
     without=("cluster", "perturbations"),
 )
 

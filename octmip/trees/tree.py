@@ -193,7 +193,7 @@ def _refused_gap(
     return TreeError(
         f"row {row} lacks its reading of {feature} (NaN; {n_rows} such row{'s' * (n_rows != 1)} at this split), and "
         "the tree has no side for missing readings; expected a number; fill it in, or train with missing readings "
-        "(Problem(..., gaps=True))"
+        "(Problem(..., takes_missing=True))"
     )
 
 
@@ -332,7 +332,7 @@ def centred(tree: Node, features: NDArray[np.float64]) -> Node:
     return moved(tree, np.arange(len(features)))
 
 
-def with_sides_for_gaps(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:
+def with_sides_for_missing(tree: Node, features: NDArray[np.float64], weights: NDArray[np.float64]) -> Node:
     """Return the tree with a side for missing readings at every split.
 
     Where rows of `features` (n_samples, n_features) lack the reading at its split, the side is the split's own.
@@ -348,8 +348,8 @@ def with_sides_for_gaps(tree: Node, features: NDArray[np.float64], weights: NDAr
     left[is_missing] = missing == "left"
     return replace(
         tree,
-        left=with_sides_for_gaps(tree.left, features[left], weights[left]),
-        right=with_sides_for_gaps(tree.right, features[~left], weights[~left]),
+        left=with_sides_for_missing(tree.left, features[left], weights[left]),
+        right=with_sides_for_missing(tree.right, features[~left], weights[~left]),
         missing=missing,
     )
 

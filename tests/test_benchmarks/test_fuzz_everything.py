@@ -11,7 +11,7 @@ from benchmarks.cases.fuzz.everything import KINDS, STREAM, answer, questions, s
 from benchmarks.kinds.classes import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.strategies import random_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_numbers, wide_problem
 from octmip import Leaf, Limits, Problem, Stop, solve
 from octmip.trees.tree import n_splits
@@ -28,10 +28,10 @@ def test_no_solver_is_wrong_late_or_raises(first, kind):
             assert not said["wrong"], f"{question}: {said['wrong']}"
 
 
-def test_two_enumerations_agree_with_gaps_and_with_few_splits():
+def test_two_enumerations_agree_with_missing_readings_and_with_few_splits():
     for seed in range(60):
         rng = np.random.default_rng([seed])
-        for problem in (wide_problem(rng, split="axis"), with_gaps(rng, random_problem(rng, max_samples=8))):
+        for problem in (wide_problem(rng, split="axis"), with_missing(rng, random_problem(rng, max_samples=8))):
             best = optimum(problem)
             assert float(least_cost(problem)) == float(least_cost(few(problem, best.n_splits))) == best.objective
             assert not best.n_splits or float(least_cost(few(problem, best.n_splits - 1))) > best.objective
@@ -64,8 +64,8 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
 
 
 def test_every_option_of_a_problem_is_drawn():
-    gaps, few = drawn(KINDS["gaps"].draw, 60), drawn(KINDS["few_splits"].draw, 60)
-    assert any(problem.n_missing and problem.sensor_budget is not None for problem in gaps)
+    missing, few = drawn(KINDS["missing"].draw, 60), drawn(KINDS["few_splits"].draw, 60)
+    assert any(problem.n_missing and problem.sensor_budget is not None for problem in missing)
     assert {problem.max_splits for problem in few} == {0, 1, 2, 3}
     numbers = drawn(wide_numbers, 60)
     assert any(problem.sensor_budget is not None for problem in numbers)

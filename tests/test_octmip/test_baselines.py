@@ -48,9 +48,9 @@ def test_weights_count():
 def test_missing_readings_are_no_error():
     features = X.copy()
     features[::7, 2] = np.nan
-    gaps = Problem(features, Y, depth=1)
-    for name, train in baselines_of(gaps).items():
-        assert score_of(gaps, train(0)).errors < 20, name
+    lacking = Problem(features, Y, depth=1)
+    for name, train in baselines_of(lacking).items():
+        assert score_of(lacking, train(0)).errors < 20, name
 
 
 @pytest.mark.parametrize("as_json", [False, True])

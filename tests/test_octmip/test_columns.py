@@ -27,7 +27,7 @@ def frame() -> pd.DataFrame:
     )
 
 
-def test_text_becomes_questions_and_a_column_with_gaps_stays_one_feature():
+def test_text_becomes_questions_and_a_column_with_missing_readings_stays_one_feature():
     columns = Columns.learn(frame())
     assert columns.feature_names == (
         "age",
@@ -91,11 +91,11 @@ def test_the_two_features_of_older_files_are_said_in_the_same_words(feature, thr
 
 
 def doubled() -> Columns:
-    """Return a column of numbers with gaps as tree files up to version 2 have it."""
+    """Return a column of numbers with missing readings as tree files up to version 2 have it."""
     return Columns(tuple(replace(column, is_doubled=True) for column in Columns.learn(frame()[["age"]]).columns))
 
 
-def best_with_gaps(numbers: np.ndarray, labels: np.ndarray) -> int:
+def best_with_missing(numbers: np.ndarray, labels: np.ndarray) -> int:
     """Return the fewest errors of one split that sends missing cells to the better side, or asks for them."""
     is_missing = np.isnan(numbers)
     cuts = [*(numbers[~is_missing] + 0.5), -np.inf]
@@ -115,7 +115,7 @@ def test_the_optimum_over_the_features_sends_every_missing_cell_to_the_better_si
         table = pd.DataFrame({"x": numbers})
         columns = Columns.learn(table)
         problem = Problem(columns.encode(table), labels, depth=1)
-        assert solve(problem, "exact", Limits(seconds=10)).objective == best_with_gaps(numbers, labels)
+        assert solve(problem, "exact", Limits(seconds=10)).objective == best_with_missing(numbers, labels)
 
 
 def test_a_number_beyond_the_range_of_training_stays_on_its_side_of_every_cut_of_older_files():
@@ -193,7 +193,7 @@ def test_encoding_can_be_refused(option, column):
         Columns.learn(frame()[[column]], **option)
 
 
-def test_a_column_without_gaps_in_training_refuses_them_later():
+def test_a_column_without_missing_readings_in_training_refuses_them_later():
     columns = Columns.learn(frame()[["load", "colour"]])
     with pytest.raises(ColumnsError) as caught:
         columns.encode(pd.DataFrame({"load": [1, None], "colour": ["red", None]}))

@@ -71,7 +71,7 @@ def test_a_high_quantile_lies_above_nine_tenths_of_the_targets_of_every_leaf():
         assert (own < fitted.predict(X)[fitted.apply(X) == leaf]).mean() <= 0.9
 
 
-def test_text_and_gaps_are_encoded_and_samples_without_weight_left_out():
+def test_text_and_missing_readings_are_encoded_and_samples_without_weight_left_out():
     X, y = samples()
     frame = pd.DataFrame({"a": X[:, 0], "b": np.where(X[:, 1] > 0.5, "high", "low")})
     frame.loc[3, "a"] = np.nan

@@ -103,7 +103,7 @@ def test_what_cannot_be_read_is_refused(X, settings, message):
         fitted(X, **settings)
 
 
-def test_hyperplanes_take_text_and_gaps_in_it():
+def test_hyperplanes_take_text_and_missing_readings_in_it():
     assert fitted(FRAME[["colour", "member"]], split="hyperplane", max_depth=1, seconds=1.0).n_features_in_ == 2
 
 

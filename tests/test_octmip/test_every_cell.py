@@ -86,8 +86,8 @@ def test_missing_readings_are_split_upon_or_refused_by_name(cell):
     features = FEATURES.copy()
     features[::4, 0] = np.nan
     if method == "cart" or (loss, split) == ("classes", "axis"):  # trees of CART read one feature a split
-        asked = problem(loss, split, features=features, gaps=True)
+        asked = problem(loss, split, features=features, takes_missing=True)
         certify(asked, solve(asked, method))
         return
-    with pytest.raises(ProblemError, match=r"missing|gaps"):
-        solve(problem(loss, split, features=features, gaps=True), method)
+    with pytest.raises(ProblemError, match=r"missing"):
+        solve(problem(loss, split, features=features, takes_missing=True), method)

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.gaps import problem_with_gaps
+from benchmarks.cases.fuzz.missing import problem_with_missing
 from benchmarks.exact_answers import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.export_runs import C_FLAGS
@@ -28,7 +28,7 @@ from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, MipOptions
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_gaps, without_empty_sides
+from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_missing, without_empty_sides
 
 N_PROBLEMS, BLOCK = 160, 16
 NAN = float("nan")
@@ -37,7 +37,7 @@ NAN = float("nan")
 @pytest.mark.parametrize("first", range(0, N_PROBLEMS, BLOCK))
 def test_the_optimum_is_that_of_enumeration_over_sides(first):
     for seed in range(first, first + BLOCK):
-        reason = complaint(problem_with_gaps(seed))
+        reason = complaint(problem_with_missing(seed))
         assert reason is None, f"seed {seed}: {reason}"
 
 
@@ -60,7 +60,7 @@ def test_a_hyperplane_that_lacks_one_of_its_readings_goes_to_its_side():
 
 def test_a_split_without_a_side_refuses_what_is_missing():
     features = np.array([[0.5], [NAN], [2.5], [NAN]])
-    with pytest.raises(TreeError, match=r"row 1 lacks its reading of feature 0 \(NaN; 2 such rows.*gaps=True"):
+    with pytest.raises(TreeError, match=r"row 1 lacks its reading of feature 0 \(NaN; 2 such rows.*takes_missing=True"):
         predict(Split(0, 1.0, Leaf(0), Leaf(1)), features)
     plane = HyperplaneSplit((0, 1), (1.0, 1.0), 1.0, Leaf(0), Leaf(1))
     with pytest.raises(TreeError, match=r"row 3 lacks its reading of one of the features \(0, 1\)"):
@@ -99,16 +99,16 @@ def test_the_optimum_may_ask_for_what_is_missing_alone():
 def test_where_nothing_was_missing_the_heavier_side_takes_it():
     tree = Split(0, 1.5, Leaf(0), Split(1, 0.5, Leaf(0), Leaf(1), missing="left"))
     features = np.array([[1.0, 0.0], [2.0, 0.0], [3.0, 1.0], [4.0, NAN]])
-    sided = with_sides_for_gaps(tree, features, np.array([3.0, 1.0, 1.0, 1.0]))
+    sided = with_sides_for_missing(tree, features, np.array([3.0, 1.0, 1.0, 1.0]))
     assert [split.missing for split in splits(sided)] == ["left", "left"]
-    sided = with_sides_for_gaps(tree, features, np.array([2.0, 1.0, 1.0, 1.0]))
+    sided = with_sides_for_missing(tree, features, np.array([2.0, 1.0, 1.0, 1.0]))
     assert [split.missing for split in splits(sided)] == ["right", "left"]
 
 
 def test_complete_data_have_no_sides_unless_asked_for():
     features, labels = [[1.0], [2.0], [3.0]], [0, 1, 1]
     assert splits(solve(Problem(features, labels, depth=1)).tree)[0].missing is None
-    assert splits(solve(Problem(features, labels, depth=1, gaps=True)).tree)[0].missing == "right"
+    assert splits(solve(Problem(features, labels, depth=1, takes_missing=True)).tree)[0].missing == "right"
 
 
 def test_a_feature_that_is_missing_everywhere_has_no_cut():
@@ -119,7 +119,7 @@ def test_a_feature_that_is_missing_everywhere_has_no_cut():
 
 def test_a_tree_goes_to_columns_and_back():
     for seed in range(60):
-        problem = problem_with_gaps(seed)
+        problem = problem_with_missing(seed)
         ranks, tree = rank_features(problem), optimum(problem).tree
         tree = without_empty_sides(tree, problem.features)
         back = tree_from_rows(rows_from_tree(tree, ranks), ranks)
@@ -141,7 +141,7 @@ def test_extremes_of_float64_have_room_for_what_is_missing():
 def test_every_method_returns_a_tree_of_the_problem_no_better_than_the_optimum(method):
     is_heuristic = method in ("search", "cart")
     for seed in range(40 if is_heuristic else 4):
-        problem = problem_with_gaps(seed)
+        problem = problem_with_missing(seed)
         if method != "cart" and not is_heuristic and problem.depth > 2:
             continue
         solution, least = solve(problem, method), optimum(problem).objective
@@ -165,7 +165,7 @@ def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
 
 
 def test_an_incumbent_with_sides_is_taken():
-    problem = problem_with_gaps(3)
+    problem = problem_with_missing(3)
     best = solve(problem)
     for method in ("exact", "search"):
         assert solve(problem, method, incumbent=best).objective == best.objective
@@ -182,26 +182,26 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
 
 
 @pytest.mark.parametrize("first", range(0, 60, 20))
-def test_every_log_of_a_problem_with_gaps_proves_its_bound(first, tmp_path):
+def test_every_log_of_a_problem_with_missing_proves_its_bound(first, tmp_path):
     for seed in range(first, first + 20):
-        problem, log = problem_with_gaps(seed), tmp_path / "proof.log"
+        problem, log = problem_with_missing(seed), tmp_path / "proof.log"
         solution = branch_and_bound(problem, options=ExactOptions(proof=log))
         report = check_proof(problem, log, bound=solution.bound)
         assert report.bound <= optimum(problem).objective * (1 + 1e-12), f"seed {seed}"
         assert report.bound >= solution.objective - solution.tolerance, f"seed {seed}"
-        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" gaps" if problem.n_missing else "")
+        assert log.read_text().splitlines()[0] == "octmip-proof 3" + (" missing" if problem.n_missing else "")
 
 
-def test_a_log_belongs_to_its_gaps(tmp_path):
+def test_a_log_belongs_to_its_missing_readings(tmp_path):
     problem, log = Problem([[NAN], [1.0], [2.0]], [0, 0, 1], depth=1), tmp_path / "proof.log"
     branch_and_bound(problem, options=ExactOptions(proof=log))
-    with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 gaps., expected .octmip-proof 3."):
+    with pytest.raises(CertificateError, match=r"line 1: got .octmip-proof 3 missing., expected .octmip-proof 3."):
         check_proof(replace(problem, features=np.nan_to_num(problem.features)), log)
     moved = replace(problem, features=np.array([[1.0], [NAN], [2.0]]))
     with pytest.raises(CertificateError, match="line 2: got"):
         check_proof(moved, log)
     # The same data, but its first line says that none is missing.
-    log.write_text(log.read_text().replace(" gaps", "", 1))
+    log.write_text(log.read_text().replace(" missing", "", 1))
     with pytest.raises(CertificateError, match="line 1"):
         check_proof(problem, log)
 
@@ -211,7 +211,7 @@ def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its
     file = json.loads(json.dumps(encode(problem), allow_nan=False))
     assert file["features"] == [[None, 1.0], [0.0, 2.0]]
     assert file["version"] == 2
-    assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, gaps=True))["version"] == 1
+    assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, takes_missing=True))["version"] == 1
     assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
 
 

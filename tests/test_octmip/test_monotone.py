@@ -102,7 +102,7 @@ def test_numbers_are_searched_and_their_proof_says_that_it_cannot():
         ({"monotone": {"x0": "up"}}, "monotone of x0 is 'up'; expected"),
         ({"monotone": [1, 0]}, "expected a direction, 1, -1 or 0, for each of the 3 features"),
         ({"split": "hyperplane"}, "monotone is given but split is 'hyperplane'"),
-        ({"gaps": True}, "monotone is given but readings may be missing"),
+        ({"takes_missing": True}, "monotone is given but readings may be missing"),
     ],
 )
 def test_an_order_that_is_none_is_refused(options, message):

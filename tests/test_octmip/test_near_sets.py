@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.losses import ClassCosts
@@ -29,7 +29,7 @@ def five_values(**options: object) -> Problem:
 def test_counts_are_those_of_enumeration(seed: int) -> None:
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=int(rng.integers(4, 9)))
-    problem = with_gaps(rng, problem) if seed % 3 == 0 else problem
+    problem = with_missing(rng, problem) if seed % 3 == 0 else problem
     within = float(rng.choice([0, 0.3, 0.5, 1, 2, 4]))
     found = near_optimal(problem, within, by_sets=bool(rng.random() < 0.5))
     assert found.is_complete
@@ -54,7 +54,7 @@ def test_a_set_on_five_values_is_the_one_counted_by_hand() -> None:
     assert [(root.first, root.last, root.n_cuts, root.trees) for root in found.roots] == [(0.5, 3.5, 4, 4)]
 
 
-def test_cuts_that_part_readings_with_gaps_alike_are_one() -> None:
+def test_cuts_that_part_readings_with_missing_readings_alike_are_one() -> None:
     # x0 parts the samples as missing | 0 1 2, missing 0 | 1 2, missing 0 1 | 2, 0 | 1 2 missing, 0 1 | 2 missing.
     features = np.array([[0.0], [1.0], [2.0], [np.nan]])
     found = near_optimal(Problem(features, np.array(list("abab")), depth=1), within=4)
@@ -67,7 +67,7 @@ def test_cuts_that_part_readings_with_gaps_alike_are_one() -> None:
     assert near_optimal(two, within=4).trees == counted.trees
 
 
-def test_a_count_without_time_names_each_cut_of_a_feature_with_gaps_once() -> None:
+def test_a_count_without_time_names_each_cut_of_a_feature_with_missing_readings_once() -> None:
     problem = Problem(np.array([[0.0], [1.0], [2.0], [np.nan]]), np.array(list("abab")), depth=2)
     found = near_optimal(problem, within=4, limits=Limits(seconds=0.0), incumbent=solve(problem))
     intervals = [(root.first, root.last, root.missing, root.n_cuts) for root in found.open]

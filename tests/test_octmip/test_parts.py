@@ -208,7 +208,7 @@ def test_a_kept_split_keeps_its_side_for_missing_readings():
     rows = np.array([[0.0], [1.0], [1.0], [2.0]])
     for gap in ([], [[np.nan]]):
         features = np.array([*rows.tolist(), *gap])
-        settings = {"depth": 1, "gaps": [True], "old_tree": old, "max_changes": 0}
+        settings = {"depth": 1, "takes_missing": [True], "old_tree": old, "max_changes": 0}
         found = solve(Problem(features, np.arange(len(features)) % 2, **settings), "exact")
         assert found.tree.missing == "right"
 

@@ -9,13 +9,13 @@ from octmip.trees.prediction import LEAST_ROWS, reached_leaves
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, leaf_index, predict, predict_values
 
 
-def drawn(rng, levels, gaps):
-    """Return a tree of at most so many levels; with `gaps` its splits have sides for missing readings."""
+def drawn(rng, levels, takes_missing):
+    """Return a tree of at most so many levels; with `takes_missing` its splits have sides for missing readings."""
     if levels == 0 or rng.random() < 0.15:
         return Leaf(int(rng.integers(3)))
-    side = str(rng.choice(["left", "right"])) if gaps else None
-    threshold = None if gaps and rng.random() < 0.2 else float(rng.choice([-0.5, 0.0, 0.5, 1.0]))
-    left, right = drawn(rng, levels - 1, gaps), drawn(rng, levels - 1, gaps)
+    side = str(rng.choice(["left", "right"])) if takes_missing else None
+    threshold = None if takes_missing and rng.random() < 0.2 else float(rng.choice([-0.5, 0.0, 0.5, 1.0]))
+    left, right = drawn(rng, levels - 1, takes_missing), drawn(rng, levels - 1, takes_missing)
     return Split(int(rng.integers(4)), threshold, left, right, missing=side)
 
 

@@ -211,17 +211,17 @@ def test_columns_of_a_data_frame_that_are_no_numbers_are_all_named(column):
 def test_readings_that_are_missing_from_a_data_frame_are_nan(column):
     found = Problem(pd.DataFrame({"a": [1, 2, 3, 4], "b": column}), [0, 1, 0, 1], depth=1)
     np.testing.assert_array_equal(found.features[:, 1], [1, np.nan, 2, 3])
-    assert found.gaps
+    assert found.takes_missing
     assert found.n_missing == 1
-    assert found.features_with_gaps == (1,)
+    assert found.features_with_missing == (1,)
     assert repr(found).endswith("split='axis', 1 readings missing)")
 
 
 def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():
     found = Problem([[1.0], [np.nan], [2.0]], [0, 1, 1], depth=1)
-    assert replace(found, features=found.features[[0, 2]], targets=[0, 1], weights=None).gaps
-    assert not problem().gaps
-    assert replace(problem(), features=np.full((4, 3), np.nan)).gaps
+    assert replace(found, features=found.features[[0, 2]], targets=[0, 1], weights=None).takes_missing
+    assert not problem().takes_missing
+    assert replace(problem(), features=np.full((4, 3), np.nan)).takes_missing
 
 
 def test_missing_readings_have_one_digest_whatever_their_bits():
@@ -286,8 +286,8 @@ def test_only_axis_aligned_splits_and_tables_that_nobody_writes_to_keep_float32(
 
 def test_a_table_is_read_in_blocks_of_rows(monkeypatch):
     whole = problem().digest()
-    gaps = np.array([[0.0, np.nan], [1.0, 2.0], [np.nan, np.nan]])
+    lacking = np.array([[0.0, np.nan], [1.0, 2.0], [np.nan, np.nan]])
     monkeypatch.setattr(problem_values, "BLOCK", 2)
     assert problem().digest() == whole
-    p = Problem(gaps, [0, 1, 1], depth=1)
-    assert (p.n_missing, p.features_with_gaps) == (3, (0, 1))
+    p = Problem(lacking, [0, 1, 1], depth=1)
+    assert (p.n_missing, p.features_with_missing) == (3, (0, 1))

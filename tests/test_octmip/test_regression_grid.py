@@ -175,7 +175,7 @@ def test_what_arithmetic_cannot_tell_apart_is_not_called_optimal():
     assert solution.stop is Stop.NUMERICS
 
 
-def test_a_log_that_closes_gaps_up_too_far_proves_less(tmp_path):
+def test_a_log_that_closes_missing_readings_up_too_far_proves_less(tmp_path):
     problem, path = Problem(np.arange(4.0)[:, None], [0.0, 9.0, 0.0, 9.0], depth=1, loss=AbsoluteError()), tmp_path
     log = path / "proof.log"
     assert exact_regression(problem, options=ExactOptions(proof=log)).bound == 9

@@ -170,7 +170,7 @@ def test_every_dtype_of_numbers_and_times_becomes_one_feature(kind):
 
 
 @pytest.mark.parametrize("kind", TEXTS)
-def test_every_dtype_of_text_becomes_questions_with_its_gaps(kind):
+def test_every_dtype_of_text_becomes_questions_with_its_missing_readings(kind):
     frame = pd.DataFrame({"a": TEXTS[kind]})
     columns = Columns.learn(frame)
     assert columns.feature_names == ("a is u", "a is v", "a is missing")

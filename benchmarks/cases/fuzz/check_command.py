@@ -25,7 +25,7 @@ from joblib import Parallel, delayed
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
@@ -122,7 +122,7 @@ def _drawn(rng: Generator) -> Problem:
     if kind == 0:
         return random_two_feature_problem(rng, depth=2 - int(rng.random() < 0.2), max_samples=8)
     if kind == 1:
-        return with_gaps(rng, random_problem(rng, max_samples=9))
+        return with_missing(rng, random_problem(rng, max_samples=9))
     return random_problem(rng, max_samples=9)
 
 
@@ -218,7 +218,7 @@ def _problem_in(held: dict[str, Any]) -> Problem:
         features,
         np.array(held["labels"]),
         class_names=tuple(range(len(held["costs"]))),
-        gaps=bool(np.isnan(features).any()),
+        takes_missing=bool(np.isnan(features).any()),
         depth=held["depth"],
         split=held["split"],
         split_size=held["split_size"] if held["split"] == "hyperplane" else None,

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from benchmarks.corruptions import LINE_CHANGES, Generator, ProofFuzz, raise_claim, summary
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.tables import Line
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
@@ -34,7 +34,7 @@ def corrupted(seed: int) -> tuple[str, str]:
 
 def _drawn(rng: Generator) -> Problem:
     problem = random_problem(rng, max_samples=9)
-    return with_gaps(rng, problem) if rng.random() < 0.5 else problem
+    return with_missing(rng, problem) if rng.random() < 0.5 else problem
 
 
 def _solved(problem: Problem, path: Path) -> Solution:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corruptions import LINE_CHANGES, Generator, changed_data, raise_claim
-from benchmarks.oracles.strategies import random_problem, wide_problem, with_gaps
+from benchmarks.oracles.strategies import random_problem, wide_problem, with_missing
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
@@ -127,4 +127,4 @@ def _drawn(rng: Generator) -> Problem:
     if rng.random() < 1 / 3:
         return wide_problem(rng, max_samples=16)
     problem = random_problem(rng, max_samples=24)
-    return with_gaps(rng, problem) if rng.random() < 0.5 else problem
+    return with_missing(rng, problem) if rng.random() < 0.5 else problem

@@ -11,12 +11,12 @@ from octmip.trees.mip.blocks import axis
 from octmip.trees.mip.blocks.heap import Heap
 from octmip.trees.mip.oct import scaled_features
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 
 
 def paper_model(problem: Problem, *, closed: bool = True, max_splits: int | None = None) -> Any:
     """Return OCT as a Pyomo ConcreteModel that reads as on paper; the letters are those of `octmip.trees.mip.oct`."""
-    refuse_gaps(problem.n_missing, "the paper's model has no side for them", "fill them in")
+    refuse_missing(problem.n_missing, "the paper's model has no side for them", "fill them in")
     ranks, heap = rank_features(problem), Heap(problem.depth)
     x, eps = scaled_features(ranks)
     usable = set(axis.usable_features(problem, ranks))

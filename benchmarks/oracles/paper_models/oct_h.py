@@ -9,12 +9,12 @@ from benchmarks.oracles.paper_models.limits import add_limits
 from octmip.trees.mip.blocks.heap import Heap
 from octmip.trees.mip.blocks.hyperplanes import space_of, usable_features
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 
 
 def paper_model(problem: Problem, mu: float, *, max_splits: int | None = None) -> Any:
     """Return OCT-H as a Pyomo ConcreteModel that reads as on paper; the letters are those of `mip.oct_h`."""
-    refuse_gaps(problem.n_missing, "hyperplanes add readings", "fill them in")
+    refuse_missing(problem.n_missing, "hyperplanes add readings", "fill them in")
     space, heap = space_of(problem, centred=False), Heap(problem.depth)
     usable, reach, largest = usable_features(problem), space.reach, space.coefficient
     T_B, T_L, samples, J = heap.branches, heap.leaves, range(problem.n_samples), range(problem.n_features)

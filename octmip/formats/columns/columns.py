@@ -134,14 +134,14 @@ class Columns:
         is_number = all(feature.kind == "number" for feature in self.features)
         return is_number and not any(column.form for column in self.columns)
 
-    def encode(self, frame: pd.DataFrame, *, gaps: bool | None = None) -> NDArray[np.float64]:
+    def encode(self, frame: pd.DataFrame, *, takes_missing: bool | None = None) -> NDArray[np.float64]:
         """Return the features of a table's rows, shape (n_rows, n_features), NaN where a number is missing.
 
         Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
         question for its value; `unseen` names such texts. Where every column is float32, so are the features.
 
-        A tree that has a side for missing readings at every split takes missing numbers in any column: `gaps`, by
-        default whether some column lacked numbers in training.
+        A tree that has a side for missing readings at every split takes missing numbers in any column:
+        `takes_missing`, by default whether some column lacked numbers in training.
 
         Raises
         ------
@@ -149,7 +149,7 @@ class Columns:
             columns are missing or hold what they did not in training; all of them are named.
         """
         position = {name: k for k, name in enumerate(_names_of(frame))}
-        takes_gaps = self.lack_numbers if gaps is None else gaps
+        takes_missing = self.lack_numbers if takes_missing is None else takes_missing
         blocks: list[NDArray[np.float64]] = []
         reasons: dict[str, str] = {}
         for column in self.columns:
@@ -157,7 +157,7 @@ class Columns:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
                 given = frame.iloc[:, position[column.name]]
-                block = _encoded(column, read_cells(given, column.form), takes_gaps)
+                block = _encoded(column, read_cells(given, column.form), takes_missing)
                 blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
             except DataError as error:
                 reasons[column.name] = str(error)
@@ -165,7 +165,7 @@ class Columns:
             raise ColumnsError(reasons, len(self.columns))
         return np.hstack(blocks)
 
-    def refuse_gaps_in_sums(self, cure: str) -> None:
+    def refuse_missing_in_sums(self, cure: str) -> None:
         """Refuse numbers with missing cells where features are added, as a hyperplane does: the sum has no value.
 
         Raises
@@ -173,9 +173,9 @@ class Columns:
         DataError
             there are such columns; the sentence ends with `cure`.
         """
-        gaps = [shown(column.name) for column in self.columns if column.has_missing and not column.asks_texts]
-        if gaps:
-            named = ", ".join(gaps[:5]) + (f" and {len(gaps) - 5} more" if len(gaps) > 5 else "")
+        lacking = [shown(column.name) for column in self.columns if column.has_missing and not column.asks_texts]
+        if lacking:
+            named = ", ".join(lacking[:5]) + (f" and {len(lacking) - 5} more" if len(lacking) > 5 else "")
             raise DataError(
                 f"cells are missing in {named}; a hyperplane adds its features, and a sum with a missing value has "
                 f"none; {cure}"
@@ -200,7 +200,7 @@ class Columns:
         """Return what was encoded, and how, as sentences; none where every feature is its column."""
         asked = [column for column in self.columns if column.kind == "values"]
         ranked = [column for column in self.columns if column.kind == "order"]
-        gaps = [column for column in self.columns if column.has_missing]
+        lacking = [column for column in self.columns if column.has_missing]
         found = []
         if sets := [column for column in self.columns if column.kind == "subsets"]:
             found.append(f"a split may ask for any set of the texts in {_listed(sets)}")
@@ -211,8 +211,8 @@ class Columns:
             found.append(f"text in {_listed(ranked)} became its rank in the order of its values")
         for form in dict.fromkeys(column.form for column in self.columns if column.form):
             found.append(f"{_listed([c for c in self.columns if c.form == form])} read as {words_of(form)}")
-        if gaps:
-            found.append(f"cells are missing in {_listed(gaps)}; a split sends them to whichever side is better")
+        if lacking:
+            found.append(f"cells are missing in {_listed(lacking)}; a split sends them to whichever side is better")
         return tuple(found)
 
     def left_words(self, split: Split, number: Callable[[float], str] = "{:.6g}".format) -> str:
@@ -258,7 +258,7 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
     if cells.n_missing == n_rows:
         raise DataError("has no value in any row; leave it out")
     if cells.n_missing and missing == "refuse":
-        raise DataError(f"has {_gaps(cells)}; fill in, or set missing to 'either-side'")
+        raise DataError(f"has {_missing(cells)}; fill in, or set missing to 'either-side'")
     if cells.is_text and categories == "refuse":
         raise DataError(f"holds text such as {shown(cells.values[0])}; encode it as numbers, or set categories")
     if not cells.is_text or cells.is_ordered:
@@ -284,7 +284,7 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
         )
 
 
-def _gaps(cells: Cells) -> str:
+def _missing(cells: Cells) -> str:
     return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
@@ -302,9 +302,9 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -
     return column
 
 
-def _encoded(column: Column, cells: Cells, takes_gaps: bool) -> NDArray[np.float64]:
-    if cells.n_missing and not (column.has_missing or (takes_gaps and not column.asks_texts)):
-        raise DataError(f"has {_gaps(cells)}, and had none in training; fill in, or train with some")
+def _encoded(column: Column, cells: Cells, takes_missing: bool) -> NDArray[np.float64]:
+    if cells.n_missing and not (column.has_missing or (takes_missing and not column.asks_texts)):
+        raise DataError(f"has {_missing(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
     return column.encode(cells)

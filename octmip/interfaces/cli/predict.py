@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
             return 0
         if not arguments.out:
             print(visible_lines(content) if sys.stdout.isatty() else content, end="")
-        for note in (*table.notes, *how, *_unseen(file, table), *_gaps(features)):
+        for note in (*table.notes, *how, *_unseen(file, table), *_missing(features)):
             print(f"note: {visible(note)}", file=sys.stderr)
         if counted is not None:
             print(_errors_text(file, counted, len(predictions)), file=sys.stderr)
@@ -72,7 +72,9 @@ def _read_columns(file: TreeFile) -> Columns | None:
     read = set(columns_read(file))
     if file.preparation is None:
         names = [name for name in file.feature_names if name in read]
-        return Columns(tuple(Column(name, "number", True) for name in names)) if file.settings["gaps"] else None
+        return (
+            Columns(tuple(Column(name, "number", True) for name in names)) if file.settings["takes_missing"] else None
+        )
     columns = file.preparation.columns
     names = [feature.column for feature in columns.features if feature.name in read]
     return Columns(tuple(column for column in columns.columns if column.name in names))
@@ -88,13 +90,13 @@ def _features(file: TreeFile, table: Table) -> NDArray[np.float64]:
     elif columns.columns:
         places = [file.feature_names.index(name) for name in columns.feature_names]
         try:
-            features[:, places] = columns.encode(table.frame, gaps=file.settings["gaps"])
+            features[:, places] = columns.encode(table.frame, takes_missing=file.settings["takes_missing"])
         except ColumnsError as error:
             raise DataError(f"{table.name}: {error}") from error
     return features
 
 
-def _gaps(features: NDArray[np.float64]) -> tuple[str, ...]:
+def _missing(features: NDArray[np.float64]) -> tuple[str, ...]:
     """Return a sentence about readings that are missing; none where none is."""
     is_missing = np.isnan(features)
     if not is_missing.any():
@@ -155,8 +157,8 @@ def _counted(file: TreeFile, table: Table, label: str, predicted: NDArray[Any]) 
 
 def _errors_text(file: TreeFile, counted: dict[str, float], n_samples: int) -> str:
     without = int(counted.get("n_unlabelled", 0))
-    gaps = f"; {without} more row{'s have' if without > 1 else ' has'} no label" if without else ""
-    return f"{file.loss.words_of(counted, n_samples - without)}{gaps}"
+    without_label = f"; {without} more row{'s have' if without > 1 else ' has'} no label" if without else ""
+    return f"{file.loss.words_of(counted, n_samples - without)}{without_label}"
 
 
 def _shares(file: TreeFile) -> NDArray[np.float64]:

@@ -136,7 +136,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         own = {
             "loss": ClassCosts(self.costs),
             "class_names": tuple(self.classes_.tolist()),
-            "gaps": columns.lack_numbers,
+            "takes_missing": columns.lack_numbers,
         }
         run = self._answer(features, labels, weights, **own)
         self._shares = LeafShares(self.problem_, self.tree_, self.smoothing, self.seconds, run.seed, run.n_jobs)

@@ -46,7 +46,7 @@ def learn_samples(
         doubled=doubled,
     )
     if estimator.split == "hyperplane":
-        columns.refuse_gaps_in_sums("use split='axis', or fill them (NaN) before")
+        columns.refuse_missing_in_sums("use split='axis', or fill them (NaN) before")
     return columns.encode(_frame(X, checked, names)), labels, columns
 
 

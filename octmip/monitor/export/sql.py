@@ -100,7 +100,7 @@ def _paths(node: Node, columns: Sequence[str], path: tuple[str, ...]) -> Iterato
 
 def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
     """Return when a reading goes left and when right; neither holds for what is missing and has no side."""
-    missing, present = (_ask_for_gaps([columns[j] for j in split.features], of_gaps) for of_gaps in (1, 0))
+    missing, present = (_ask_for_missing([columns[j] for j in split.features], of_missing) for of_missing in (1, 0))
     if isinstance(split, Split) and split.threshold is None:
         return (missing, present) if split.missing == "left" else (present, missing)
     left, right = _sides(split, columns)
@@ -111,11 +111,11 @@ def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple
     return (f"({left} OR {missing})", right) if split.missing == "left" else (left, f"({right} OR {missing})")
 
 
-def _ask_for_gaps(columns: Sequence[str], of_gaps: int) -> str:
+def _ask_for_missing(columns: Sequence[str], of_missing: int) -> str:
     """Return the condition that some column lacks its number (1), or that none does (0)."""
     zero = _exact(0.0)
     present = " AND ".join(f"({column} <= {zero} OR -{column} < {zero})" for column in columns)
-    return f"CASE WHEN {present} THEN 0 ELSE 1 END = {of_gaps}"
+    return f"CASE WHEN {present} THEN 0 ELSE 1 END = {of_missing}"
 
 
 def _sides(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:

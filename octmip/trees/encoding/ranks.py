@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from octmip.trees import _native
 from octmip.trees.encoding.costs import IntegerCosts
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 from octmip.trees.tree import SIDES, Side
 
 
@@ -102,7 +102,7 @@ class Ranks:
         feature_of: tuple[int, ...] | None = None,
         missing: tuple[Side | None, ...] | None = None,
     ) -> "Ranks":
-        """Return the dense ranks of columns (n_samples, n_columns) without gaps."""
+        """Return the dense ranks of columns (n_samples, n_columns) without missing readings."""
         table, n_values = _native.dense_ranks(columns)
         return cls(table, DistinctValues(columns, table, tuple(n_values)), feature_of, missing)
 
@@ -142,10 +142,10 @@ class Ranks:
 
 def rank_features(problem: Problem) -> Ranks:
     """Return the dense ranks of every feature of a problem, two columns for each that lacks readings."""
-    with_gaps = problem.features_with_gaps if problem.gaps else ()
-    if not with_gaps:
+    with_missing = problem.features_with_missing if problem.takes_missing else ()
+    if not with_missing:
         return Ranks.of(problem.features)
-    n_columns = [2 if feature in with_gaps else 1 for feature in range(problem.n_features)]
+    n_columns = [2 if feature in with_missing else 1 for feature in range(problem.n_features)]
     feature_of = tuple(np.repeat(np.arange(problem.n_features), n_columns).tolist())
     missing = tuple(side for count in n_columns for side in (SIDES if count == 2 else (None,)))
     columns = problem.features[:, feature_of]
@@ -196,7 +196,7 @@ def _planes(problem: Problem) -> dict[str, Any] | None:
     """Return data of hyperplane splits beside the ranks: values (n_samples, n_features) and the limits of a split."""
     if problem.max_split_size == 1:
         return None
-    refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+    refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     groups = problem.allowed_splits
     members = None if groups is None else [[int(feature) for feature in group] for group in groups]
     return {

@@ -1,4 +1,4 @@
-"""A tree as the native core's table of nodes, and back: the one place that knows columns and sides for gaps.
+"""A tree as the native core's table of nodes, and back: the one place that knows columns and sides.
 
 A cut of a column that ranks missing readings below the others (or above) is a split that sends them left (right); the
 cut between missing readings and the others is the split that asks for nothing else.

@@ -124,7 +124,7 @@ class _GreedyBuilder:
         columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
         for k, feature in enumerate(features.tolist()):
             columns[:, k] = self.ranks.column(self.column(feature))
-            if problem.gaps:
+            if problem.takes_missing:
                 columns[np.isnan(problem.features[:, feature]), k] = np.nan
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)

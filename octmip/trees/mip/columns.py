@@ -13,7 +13,7 @@ import numpy as np
 
 from octmip.trees.encoding import Ranks, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 from octmip.trees.solution import Solution
 from octmip.trees.tree import Node, without_empty_sides
 
@@ -46,10 +46,10 @@ def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:
 
 def _check(problem: Problem, settings: dict[str, Any]) -> None:
     if problem.split != "axis":
-        refuse_gaps(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
+        refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
     if settings.get("inject") is not None:
         why = "assist 'search' hands over trees of features while the model is one of columns"
-        refuse_gaps(problem.n_missing, why, "leave 'search' out of assist, or fill them in")
+        refuse_missing(problem.n_missing, why, "leave 'search' out of assist, or fill them in")
 
 
 def column_problem(problem: Problem, ranks: Ranks) -> Problem:
@@ -64,7 +64,7 @@ def column_problem(problem: Problem, ranks: Ranks) -> Problem:
     return replace(
         problem,
         features=np.ascontiguousarray(ranks.ranks.T.astype(np.float64)),
-        gaps=False,
+        takes_missing=False,
         # A feature may be called like another one's column.
         feature_names=tuple(f"{column} {name}" for column, name in enumerate(names)),
         sensor_of_feature=[sensors[j] for j in feature_of],

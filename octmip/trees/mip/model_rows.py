@@ -32,7 +32,7 @@ from octmip.trees.mip.result import solution_of as solution_of_run
 from octmip.trees.mip.rows import Rows
 from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_values
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_gaps
+from octmip.trees.problem_values import refuse_missing
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Node
 
@@ -195,7 +195,7 @@ def model_of(
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(FORMULATIONS)}")
     if problem.loss.predicts != "class":
         raise ProblemError(f"the loss {problem.loss.name!r} has no mixed-integer model; expected classes")
-    refuse_gaps(problem.n_missing, "the model has no side for them", "fill them in")
+    refuse_missing(problem.n_missing, "the model has no side for them", "fill them in")
     rows = Rows(limit_check=Clock(limits, time.perf_counter()).check)
     check_heap(problem, rows)
     own = own_prices(problem)

@@ -274,7 +274,7 @@ class _Count:
 
 
 def _intervals(cuts: Sequence[Cut], ranks: Ranks) -> list[RootInterval]:
-    """Return runs of neighbouring cuts of one feature and side for gaps, counted ones and others apart."""
+    """Return runs of neighbouring cuts of one feature and side for missing readings, counted ones and others apart."""
     found = []
     numbered = enumerate(sorted(cuts, key=lambda cut: (cut.feature, cut.rank)))
     for _, run in groupby(numbered, lambda item: (_group(item[1], ranks), item[1].rank - item[0])):
@@ -297,6 +297,6 @@ def _interval(ranks: Ranks, column: int, cuts: range, trees: int | None) -> Root
 def _whole_column(column: int, ranks: Ranks) -> list[RootInterval]:
     """Return the intervals of all cuts of a column that no other column has."""
     n_cuts, side = ranks.n_values[column] - 1, ranks.side(column)
-    gap = [range(1)] if side == "left" else []  # the same cut as the last one of the column that ranks gaps above
+    gap = [range(1)] if side == "left" else []  # as the last cut of the column that ranks them above
     rest = range(1, n_cuts) if side == "left" else range(n_cuts - 1) if side == "right" else range(n_cuts)
     return [_interval(ranks, column, cuts, None) for cuts in (*gap, rest) if cuts]

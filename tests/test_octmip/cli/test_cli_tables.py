@@ -1,4 +1,4 @@
-"""The octmip command on tables as they come: text, gaps, names of rows, quoted names, labels that are quantities."""
+"""The octmip command on tables as they come: text, missing readings, names of rows, quoted names, numbers as labels."""
 
 import gzip
 import io
@@ -13,7 +13,7 @@ from octmip.formats.tree_file import read_tree_file
 
 @pytest.fixture
 def survey(tmp_path):
-    """Return a table with an index, text, gaps, a name that holds a comma, and a label that colour and age decide."""
+    """Return a table with index, text, missing readings, a comma in a name, and a label that colour and age decide."""
     rng = np.random.default_rng(1)
     colour, age = rng.choice(["red", "green", "blue"], 80), rng.integers(20, 70, 80).astype(float)
     age[::9] = np.nan
@@ -34,7 +34,7 @@ def survey(tmp_path):
 SOLVE = ("--label", "label", "--depth", 2, "--index", "id", "--drop", "when")
 
 
-def test_text_and_gaps_are_solved_certified_and_predicted(survey, run, tmp_path):
+def test_text_and_missing_readings_are_solved_certified_and_predicted(survey, run, tmp_path):
     tree = tmp_path / "tree.json"
     code, out, err = run("solve", survey, *SOLVE, "--out", tree)
     assert code == 0, err
@@ -116,7 +116,7 @@ def test_wrong_words_about_columns_end_in_one_line(survey, run, words, sentence)
     assert sentence in err
 
 
-def test_rows_with_gaps_are_left_out_where_that_is_asked(survey, run, tmp_path):
+def test_rows_with_missing_readings_are_left_out_where_that_is_asked(survey, run, tmp_path):
     tree = tmp_path / "tree.json"
     code, out, _ = run("solve", survey, *SOLVE, "--missing", "drop-rows", "--out", tree)
     assert code == 0
@@ -223,7 +223,7 @@ def test_a_sum_of_features_takes_no_missing_cell(survey, run, words):
     assert "--missing drop-rows" in err
 
 
-def test_sets_and_sensors_count_a_column_with_gaps_as_two_features(survey, run):
+def test_sets_and_sensors_count_a_column_with_missing_readings_as_two_features(survey, run):
     code, out, err = run("near-optimal", survey, *SOLVE[:3], 1, *SOLVE[4:], "--within", 2)
     assert code == 0, err
     assert "age" in out

@@ -120,7 +120,7 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     if getattr(arguments, "test", None):
         held_out = _tested(arguments.test, problem, chosen, preparation)
     n_dropped = len(whole.frame) - len(table.frame)
-    notes = *_notes_of(n_dropped, preparation.columns, whole), *_forms(table, chosen, purpose), *_gaps(problem)
+    notes = *_notes_of(n_dropped, preparation.columns, whole), *_forms(table, chosen, purpose), *_missing(problem)
     return TableProblem(problem, chosen.label, chosen.weights, preparation, notes, held_out, share, arguments.seed)
 
 
@@ -224,7 +224,7 @@ def _learned_columns(table: Table, chosen: Chosen, arguments: argparse.Namespace
     if reasons:
         raise DataError(f"{table.name}: {ColumnsError(reasons, len(chosen.features))}; {_cure(reasons)}")
     if _kind_of_split(arguments) == "hyperplane" or getattr(arguments, "leaf_model", None) == "linear":
-        columns.refuse_gaps_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
+        columns.refuse_missing_in_sums("leave these rows out by --missing drop-rows, or drop these columns: --drop")
     return columns
 
 
@@ -263,7 +263,7 @@ def _problem(
         leaf_penalty=arguments.leaf_penalty,
         max_splits=splits_of(arguments.max_leaves, _kind_of_split(arguments), "--max-leaves"),
         sensor_budget=arguments.budget,
-        gaps=columns.lack_numbers,
+        takes_missing=columns.lack_numbers,
         feature_names=columns.feature_names,
         **parts_of(arguments, columns),
         **settings,
@@ -334,7 +334,7 @@ def _forms(table: Table, chosen: Chosen, purpose: str) -> tuple[str, ...]:
     return tuple(f"{name} read as {words_of(form)}" for name, form in forms if form)
 
 
-def _gaps(problem: Problem) -> tuple[str, ...]:
+def _missing(problem: Problem) -> tuple[str, ...]:
     """Return a sentence about the training readings that are missing; none where none is."""
     count = problem.n_missing
     return (f"{count} training reading{'s are' if count > 1 else ' is'} missing",) if count else ()

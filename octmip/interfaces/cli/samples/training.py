@@ -57,12 +57,12 @@ def features_of(file: TreeFile, table: Table) -> NDArray[np.float64]:
     DataError
         columns are missing or hold what they did not in training; all of them are named.
     """
-    if file.preparation is None and not file.settings["gaps"]:
+    if file.preparation is None and not file.settings["takes_missing"]:
         return table.numbers(file.feature_names)
     plain = Columns(tuple(Column(name, "number", True) for name in file.feature_names))
     columns = plain if file.preparation is None else file.preparation.columns
     try:
-        return columns.encode(table.frame, gaps=file.settings["gaps"])
+        return columns.encode(table.frame, takes_missing=file.settings["takes_missing"])
     except ColumnsError as error:
         raise DataError(f"{table.name}: {error}") from error
 

@@ -74,11 +74,11 @@ def _exactly(node: Split | HyperplaneSplit) -> str:
 def _missing(node: Split | HyperplaneSplit, wording: Wording) -> str:
     """Return where a missing value goes where the question does not say it."""
     is_doubled = isinstance(node, Split) and wording.feature(node.feature).kind == "missing-right"
-    is_right = is_doubled or (node.missing == "right" and not _asks_for_gaps(node, wording))
+    is_right = is_doubled or (node.missing == "right" and not _asks_for_missing(node, wording))
     return "A missing value goes to no. " if is_right else ""
 
 
-def _asks_for_gaps(node: Split | HyperplaneSplit, wording: Wording) -> bool:
+def _asks_for_missing(node: Split | HyperplaneSplit, wording: Wording) -> bool:
     """Whether the question itself is whether a value is missing, or is one of text, which has an answer of its own."""
     is_text = isinstance(node, Split) and wording.feature(node.feature).kind in ("is", "is-missing", "among")
     return is_text or (isinstance(node, Split) and node.threshold is None)

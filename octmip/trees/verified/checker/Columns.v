@@ -1,4 +1,4 @@
-(** The columns of a question: a feature without gaps is one; one with gaps is two, in which the rows without a reading
+(** The columns of a question: a feature without missing readings is one; one with missing readings is two, in which the rows without a reading
     come first, or last. *)
 
 From Coq Require Import ZArith List Bool.

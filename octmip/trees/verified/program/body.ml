@@ -71,10 +71,10 @@ let rec cases b depth n_open =
     | _ -> assert false
     | exception Lines.Refused (line, reason) -> NoCase (broken b line reason)
 
-(* Columns: a feature with gaps is two. *)
+(* Columns: a feature with missing readings is two. *)
 let n_columns (q : Problem.t) =
-  let has_gaps f = Array.exists (fun own -> own.(f) = None) q.readings in
-  List.fold_left (fun n f -> if has_gaps f then n + 2 else n + 1) 0 (List.init q.p Fun.id)
+  let has_missing f = Array.exists (fun own -> own.(f) = None) q.readings in
+  List.fold_left (fun n f -> if has_missing f then n + 2 else n + 1) 0 (List.init q.p Fun.id)
 
 let read (q : Problem.t) cursor =
   let b =

@@ -31,7 +31,7 @@ let exponents = (Z.of_int (-most_exponent), Z.of_int most_exponent)
 let wholes = (Z.zero, Z.pred capacity)
 
 let check_identity (q : Problem.t) c =
-  let first = format ^ if Problem.has_gaps q then " gaps" else "" in
+  let first = format ^ if Problem.has_missing q then " missing" else "" in
   let got = Option.value (Lines.read c) ~default:"" in
   if List.exists (fun old -> Lines.starts_with old got) [ "octmip-proof 1"; "octmip-proof 2" ] then
     Lines.refuse 1 (Lines.shown got ^ " was written by an older octmip; write the log again");

@@ -66,11 +66,11 @@ let check_kind file =
   | other -> wrong (Printf.sprintf "split is %s, expected \"axis\" or \"hyperplane\"" (quoted other))
 
 let readings_of file =
-  let takes_gaps = whole "version" (get file "version") > 1 in
+  let takes_missing = whole "version" (get file "version") > 1 in
   let row i value =
     let name = Printf.sprintf "features[%d]" i in
     let reading value =
-      match value with Json.Null when takes_gaps -> None | value -> Some (number name value)
+      match value with Json.Null when takes_missing -> None | value -> Some (number name value)
     in
     Array.of_list (List.map reading (list name value))
   in
@@ -167,7 +167,7 @@ let read text =
   check_indices q;
   q
 
-let has_gaps q = Array.exists (Array.exists Option.is_none) q.readings
+let has_missing q = Array.exists (Array.exists Option.is_none) q.readings
 
 (* Fields of a digest: name and length as text, numbers as 8 bytes each, the lowest first. *)
 let field out name numbers =

@@ -73,12 +73,12 @@ impl<'a> Entries<'a> {
     pub(crate) fn features(&self) -> Result<(usize, usize, Vec<f64>), String> {
         let rows = list(self.get("features")?, "features")?;
         let (n, p) = (rows.len(), list(rows.first().unwrap_or(&Json::Null), "features[0]")?.len());
-        let takes_gaps = self.whole("version")? > 1;
+        let takes_missing = self.whole("version")? > 1;
         let mut features = Vec::with_capacity(n * p);
         for (i, row) in rows.iter().enumerate() {
             let name = format!("features[{i}]");
             let value = |value: &Json| match value {
-                Json::Null if takes_gaps => Ok(f64::NAN),
+                Json::Null if takes_missing => Ok(f64::NAN),
                 value => number(value, &name),
             };
             let row: Vec<f64> = list(row, &name)?.iter().map(value).collect::<Result<_, _>>()?;
@@ -163,7 +163,7 @@ mod tests {
     fn a_value_may_be_missing_since_version_2() {
         let file = FILE.replace("version\": 1", "version\": 2").replace("-2e300", "null");
         let question = Question::from_json(&file).expect("the file is right");
-        assert!(question.has_gaps() && question.features[3].is_nan());
+        assert!(question.has_missing() && question.features[3].is_nan());
         assert!(Question::from_json(&file.replace("\"axis\"", "\"hyperplane\"")).is_err());
     }
 

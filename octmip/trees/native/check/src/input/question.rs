@@ -98,7 +98,7 @@ impl Question {
     }
 
     /// Whether some value is missing.
-    pub fn has_gaps(&self) -> bool {
+    pub fn has_missing(&self) -> bool {
         self.features.iter().any(|value| value.is_nan())
     }
 

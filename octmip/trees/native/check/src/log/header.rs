@@ -37,7 +37,7 @@ pub(crate) fn read(question: &Question, cursor: &mut Cursor<'_>) -> Checked<Head
 
 fn check_identity(question: &Question, cursor: &mut Cursor<'_>) -> Checked<()> {
     let kind = if question.is_hyperplane { " two-feature" } else { "" };
-    let first = &format!("{FORMAT}{kind}{}", if question.has_gaps() { " gaps" } else { "" });
+    let first = &format!("{FORMAT}{kind}{}", if question.has_missing() { " missing" } else { "" });
     let got = cursor.read().unwrap_or("");
     let is_older = ["octmip-proof 1", "octmip-proof 2"].iter().any(|old| got.starts_with(old));
     ensure!(!is_older, 1, "{} was written by an older octmip; write the log again", shown(got));

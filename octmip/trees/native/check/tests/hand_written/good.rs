@@ -44,12 +44,12 @@ fn good_axis_logs() -> Vec<GoodLog> {
             1.0,
         ),
         // Missing, 0 0 1 1, and the same with the missing ones last: the second column parts them without an error.
-        ("missing values", gaps(1), axis("0", "N 1 1 0 | E | end").replace("proof 3", "proof 3 gaps"), 0.0),
+        ("missing values", missing(1), axis("0", "N 1 1 0 | E | end").replace("proof 3", "proof 3 missing"), 0.0),
         // With leaves of three two go wrong in the first column, 1 1 0 | 0 1 1, and one in the second, 0 0 1 | 1 1 1.
         (
             "missing values and leaves of three",
-            Question { leaf_size: 3, ..gaps(1) },
-            axis("1", "N 1 3 1 | E | end").replace("proof 3", "proof 3 gaps"),
+            Question { leaf_size: 3, ..missing(1) },
+            axis("1", "N 1 3 1 | E | end").replace("proof 3", "proof 3 missing"),
             1.0,
         ),
         // Leaves of two: the only cut is in the middle, 0 1 | 0 1, and two samples go wrong.

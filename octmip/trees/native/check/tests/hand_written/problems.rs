@@ -25,7 +25,7 @@ pub fn stripes(n: usize, depth: usize) -> Question {
 }
 
 /// Two samples of class 1 that lack their value, and 0 0 1 1 in the order of the feature.
-pub fn gaps(depth: usize) -> Question {
+pub fn missing(depth: usize) -> Question {
     let missing = f64::NAN;
     let features = vec![missing, 0.0, 1.0, 2.0, 3.0, missing];
     Question { features, labels: vec![1, 0, 0, 1, 1, 1], ..stripes(6, depth) }
