@@ -56,6 +56,7 @@ class Cracked(Asset):
 ANSWERS: Mapping[str, tuple[str, ...]] = {
     "solve": ("hard.csv", "--label", "y", "--depth", "5", "--holdout", "0.2", "--json"),
     "certify": ("tree.json", "small.csv", "--proof", "proof.log", "--json"),
+    "edit": ("tree.json", "small.csv", "--set", "ROOT=?", "--json"),
     "predict": ("tree.json", "long.csv", "--json"),
     "compare": ("hard.csv", "--label", "y", "--depth", "4", "--json"),
     "benchmark": ("tables", "--depth", "3", "--json"),
