@@ -59,7 +59,7 @@ class Feature:
     kind: FeatureKind
     value: str = ""
     members: tuple[str | None, ...] = ()
-    """The texts that are answered by yes, None a missing cell, where sets are asked for."""
+    """The texts that go to the side of yes, None a missing cell, where sets are asked for."""
 
 
 @lru_cache(maxsize=256)
