@@ -145,23 +145,6 @@ def published(target: str, seed: int) -> Table:
     return Table(data.features[data.is_train], labels[data.is_train])
 
 
-@cache
-def published_earlier(target: str) -> Table:
-    """Return the published strains as the earlier hyperplane figures were measured on (20 gauges, 1750 rows).
-
-    The recipe of `published` with seed 0, but noise was drawn for all 24 gauges before four were left out. Its
-    axis-aligned optima are the earlier ones: mu1 354 and 23 at depth 2 and 3, mu2 1130 and 1048.
-    """
-    means = published_strains(SHARED / "uav" / "strains.csv")
-    rng = np.random.default_rng(0)
-    states = np.repeat(np.arange(len(means.strain_microstrain)), 100)
-    noise = rng.normal(0.0, np.sqrt(1000.0), (len(states), means.strain_microstrain.shape[1]))
-    readings = ((means.strain_microstrain[states] + noise) / means.load_factor)[:, means.is_usable]
-    kept = rng.permutation(len(states))[:1750]
-    percent = means.states_percent[states[kept], 0 if target == "mu1" else 1]
-    return Table(readings[kept], np.asarray(percent, dtype=np.int64))
-
-
 def first_rows(table: Table, n: int) -> Table:
     """Return every (n_samples / n)-th row of a table: n rows, all classes in their shares."""
     rows = [i * len(table.labels) // n for i in range(n)]

@@ -1,6 +1,6 @@
 """A million rows: time and memory of a proof, of searches, of scikit-learn's tree and of the first tree of a boosting.
 
-The data are those of `exact_growth`, in a table that nobody can write to, as the command hands it over. Each row is
+The data are `three_classes`, in a table that nobody can write to, as the command hands it over. Each row is
 measured in a process of its own: processor seconds of the call alone, the largest resident memory up to its end, the
 table itself included, and predictions a second.
 """
