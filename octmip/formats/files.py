@@ -5,10 +5,11 @@ import contextlib
 import json
 import os
 import secrets
+import shutil
 import stat
 import warnings
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -54,6 +55,42 @@ def make_folder(path: PathLike) -> Path:
     except OSError as error:
         raise WriteError(f"folder {shown(str(path))} cannot be made ({error.strerror}); name another") from error
     return Path(path)
+
+
+@contextlib.contextmanager
+def whole_folder(path: PathLike) -> Iterator[Path]:
+    """Yield a passing folder whose files move to `path` when the block has ended, and vanish where it fails.
+
+    It lies in the folder of that name, or beside it where there is none; other files of that folder stay.
+
+    Raises
+    ------
+    WriteError
+        the folder or its files cannot be written.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists():
+        make_folder(path)  # refuses a file of that name
+    within = target if target.is_dir() else target.parent
+    passing = make_folder(within / f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        yield passing
+        for file in sorted(passing.rglob("*")):
+            place = target / file.relative_to(passing)
+            if file.is_dir():
+                make_folder(place)
+            else:
+                make_folder(place.parent)
+                _moved(file, place)
+    finally:
+        shutil.rmtree(passing, ignore_errors=True)
+
+
+def _moved(file: Path, place: Path) -> None:
+    try:
+        os.replace(file, place)
+    except OSError as error:
+        raise WriteError(f"{place} cannot be written ({error.strerror}); choose another place") from error
 
 
 def keep_bytes(path: PathLike, content: bytes) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
+from octmip.formats.files import whole_folder
 from octmip.gap.doors import open_twin
 from octmip.gap.twins.cached import CachedTwin
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
@@ -36,14 +37,15 @@ def run(arguments: argparse.Namespace) -> int:
     loads = [_numbers(words, "--load") for words in arguments.load] or [dict.fromkeys(loads_of(twin), 1.0)]
     told = PartOf(twin, tuple(arguments.only.split(","))) if arguments.only else twin
     found = []
-    for k, load in enumerate(loads, start=1):
-        folder = Path(arguments.out) / (f"load-{k}" if len(loads) > 1 else "")
-        with ElapsedLine(f"monitoring at {_at(twin, load)}"):
-            design = design_monitor(told, load, **settings)
-            write_monitor(folder, design, twin)
-        found.append(summary_of(design, load, folder))
-        if not arguments.json:
-            print(words_of(design, found[-1]))
+    with whole_folder(arguments.out) as passing:
+        for k, load in enumerate(loads, start=1):
+            part = f"load-{k}" if len(loads) > 1 else ""
+            with ElapsedLine(f"monitoring at {_at(twin, load)}"):
+                design = design_monitor(told, load, **settings)
+                write_monitor(passing / part, design, twin)
+            found.append(summary_of(design, load, Path(arguments.out) / part))
+            if not arguments.json:
+                print(words_of(design, found[-1]))
     if arguments.json:
         print_json({"monitors": found})
     return 0

@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, OctmipError
-from octmip.formats.files import make_folder, read_bytes, write_bytes
+from octmip.formats.files import whole_folder, write_bytes
 from octmip.formats.names import visible
 from octmip.formats.tree_file import read_tree_file
+from octmip.formats.tree_nodes import encode_tree
 from octmip.gap.campaign.reader import read_campaign
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
 from octmip.interfaces.cli.monitor_folder import write_monitor
@@ -46,14 +47,14 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
         print("\n".join(_watch_words(arguments.readings, seen, added)))
     if added:
         since = seen.finding.since if seen.finding else 0
-        make_folder(out)  # a name that no folder may have is refused before trees are trained
         settings |= {"depth": max(arguments.depth, *(depth(one.tree) for one in trees))}
-        with ElapsedLine(f"training trees that know {added}"):
-            enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
-            write_monitor(out, enriched.design, twin)
-        found |= _change_json(enriched, old, out)
-        write_bytes(out / "change.json", (json.dumps(found, indent=1, allow_nan=False) + "\n").encode())
-        write_bytes(out / "change.html", change_page(found).encode())
+        with whole_folder(out) as passing:
+            with ElapsedLine(f"training trees that know {added}"):
+                enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
+                write_monitor(passing, enriched.design, twin)
+            found |= _change_json(enriched, trees)
+            write_bytes(passing / "change.json", (json.dumps(found, indent=1, allow_nan=False) + "\n").encode())
+            write_bytes(passing / "change.html", change_page(found).encode())
         if not arguments.json:
             print("\n".join(_change_words(enriched, out)))
     if arguments.json:
@@ -144,11 +145,10 @@ def _watch_words(source: str, seen: Seen, added: str) -> list[str]:
     return lines
 
 
-def _change_json(enriched: Enriched, old: Path, out: Path) -> dict[str, Any]:
+def _change_json(enriched: Enriched, deployed: list[ParameterTree]) -> dict[str, Any]:
     library, changes = enriched.design.library, []
+    before, now = ({one.parameter: _digest(one) for one in trees} for trees in (deployed, enriched.design.trees))
     for one in enriched.changes:
-        name = f"{one.parameter}.json"
-        is_new = one.deployed is None
         changes.append(
             {
                 "state": one.parameter,
@@ -160,8 +160,8 @@ def _change_json(enriched: Enriched, old: Path, out: Path) -> dict[str, Any]:
                 "objective": one.objective,
                 "bound": one.bound,
                 "is_optimal": one.is_optimal,
-                "sha256_deployed": None if is_new else _digest(old / name),
-                "sha256": _digest(out / name),
+                "sha256_deployed": before.get(one.parameter),
+                "sha256": now[one.parameter],
             }
         )
     return {
@@ -177,8 +177,10 @@ def _change_json(enriched: Enriched, old: Path, out: Path) -> dict[str, Any]:
     }
 
 
-def _digest(path: Path) -> str:
-    return hashlib.sha256(read_bytes(path)).hexdigest()
+def _digest(one: ParameterTree) -> str:
+    """Return the sha256 of a tree alone: two files of one tree differ in the data that each was trained on."""
+    values = tuple(round(value, 12) for value in one.values)
+    return hashlib.sha256(json.dumps(encode_tree(one.tree, one.gauges, values)).encode()).hexdigest()
 
 
 def _change_words(enriched: Enriched, out: Path) -> list[str]:

@@ -32,7 +32,7 @@ def change_page(change: Mapping[str, Any], made: datetime.date | None = None) ->
         n_fresh=change["n_fresh_readings"],
         splits=[[one["state"], *_parts(words)] for one in trees for words in one["splits"]],
         told=[[level, str(count)] for level, count in change["told_since"].items()],
-        digests=[[f"{one['state']}.json", one["sha256_deployed"] or "-", one["sha256"]] for one in trees],
+        digests=[[one["state"], one["sha256_deployed"] or "-", one["sha256"]] for one in trees],
     )
 
 

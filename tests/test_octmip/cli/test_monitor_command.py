@@ -100,6 +100,7 @@ def test_each_load_has_a_folder_and_json_says_what_holds(capsys):
 def test_wrong_words_are_one_sentence(words, told, capsys):
     assert said(*words) == 2
     assert re.search(told, capsys.readouterr().err)
+    assert not Path("out").exists()
 
 
 def two_damages(parameters, loads):
@@ -180,7 +181,7 @@ def test_the_loop_goes_from_an_alarm_to_a_proven_tree_that_reads_the_damage(plat
     assert (change["added"], change["states_before"], change["states"]) == ("three", 25, 125)
     one, two, three = change["trees"]
     assert (one["change"], three["change"]) == ("kept", "new")
-    assert one["sha256"] != three["sha256"]
+    assert one["sha256"] == one["sha256_deployed"] != three["sha256"]  # of the tree alone: the data are others
     assert read_tree_file("new/one.json").tree == read_tree_file("old/one.json").tree
     assert two["is_optimal"] or two["change"] == "kept"
     assert three["is_optimal"]
@@ -225,8 +226,10 @@ def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     assert "unloaded.csv, row 7: load_factor is 0.0" in capsys.readouterr().err
     assert main([*AGAIN, "flight.csv", "--out", "flight.csv"]) == 1
     assert "folder 'flight.csv' cannot be made" in capsys.readouterr().err
+    before = sorted(Path().iterdir())
     assert main([*AGAIN, "flight.csv", "--draws", "0"]) == 2
     assert "n_draws is 0; expected" in capsys.readouterr().err
+    assert sorted(Path().iterdir()) == before  # no folder, and none that is half filled
     shutil.copy("old/one.json", "old/two.json")
     assert main([*AGAIN, "flight.csv"]) == 2
     assert "two.json is a tree of 'one'; expected one of 'two'" in capsys.readouterr().err
