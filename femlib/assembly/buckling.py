@@ -1,9 +1,10 @@
 """Linear buckling of a supported structure: (K + factor K_sigma) phi = 0, the load times `factor` being critical.
 
 K_sigma = sum over the integration points of area N_ab u,a . u,b holds what the membrane forces N of the given load do
-along all three displacements; the work of the moments on curvatures is left out. Displacements before buckling count
-as small. Each factor is compared with that on a finer mesh (`refined`); where that would be too large its error is the
-share of the mode's energy that is the mesh's (`quality`).
+along all three displacements; the work of the moments on curvatures is left out. In warm shells N is that of the
+strains less the free thermal ones, and the factor is one on load and warmth together. Displacements before buckling
+count as small. Each factor is compared with that on a finer mesh (`refined`); where that would be too large its error
+is the share of the mode's energy that is the mesh's (`quality`).
 
 Sources: K.-J. Bathe, Finite Element Procedures (1996), section 6.8.2 (linearised buckling); eigenvalues by ARPACK
 (Lehoucq, Sorensen, Yang 1998) with K as the inner product.
@@ -18,6 +19,7 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
 from femlib.arrays import FloatArray
 from femlib.assembly.factors import factorise
 from femlib.assembly.integration import PointStrains, point_strains
+from femlib.assembly.loads import hindered_forces, thermal_load
 from femlib.assembly.quality import MOST_ERROR, refuse_error, solution_quality
 from femlib.assembly.refined import Refined
 from femlib.assembly.shells import Shells, assemble
@@ -53,11 +55,11 @@ class BucklingMode:
 
 
 def geometric_stiffness(
-    shells: Shells, displacements: FloatArray, factor: FloatArray | None = None
+    shells: Shells, displacements: FloatArray, factor: FloatArray | None = None, warmth: FloatArray | None = None
 ) -> sparse.csc_array:
     """Return K_sigma (n_dofs, n_dofs) [N/m] of shells that a load displaces by (n_dofs,) [m, rad].
 
-    `factor` (n_elements,) scales each element's stiffness, for damage.
+    `factor` (n_elements,) scales each element's stiffness, for damage; `warmth` as for `buckling_modes`.
 
     Raises
     ------
@@ -71,16 +73,23 @@ def geometric_stiffness(
             f"the structure has {shells.n_elements - mesh.n_elements} beams and springs; expected shells alone, whose "
             "forces buckle them; make the beams of shells"
         )
-    return _of_shells(shells, displacements, factor)
+    return _of_shells(shells, displacements, factor, warmth)
 
 
-def is_buckled(shells: Shells, supports: Supports, displacements: FloatArray) -> bool:
+def is_buckled(
+    shells: Shells,
+    supports: Supports,
+    displacements: FloatArray,
+    factor: FloatArray | None = None,
+    warmth: FloatArray | None = None,
+) -> bool:
     """Return whether the load that displaces shells by (n_dofs,) is beyond their buckling load.
 
     K + K_sigma is then not positive definite: its factors have a negative pivot. What the forces of beams do is left
-    out.
+    out. `factor` (n_parts,) scales each part's stiffness; `warmth` as for `buckling_modes`.
     """
-    stiffness = supports.reduce(shells.stiffness() + _of_shells(shells, displacements, None))
+    own = None if factor is None else factor[: shells.mesh.n_elements]
+    stiffness = supports.reduce(shells.stiffness(factor=factor) + _of_shells(shells, displacements, own, warmth))
     try:
         factors = factorise(sparse.csc_array(stiffness), supports.groups, definite=False)
     except SolveError:  # singular: at the buckling load
@@ -88,14 +97,17 @@ def is_buckled(shells: Shells, supports: Supports, displacements: FloatArray) ->
     return factors.has_negative_pivot()
 
 
-def _of_shells(shells: Shells, displacements: FloatArray, factor: FloatArray | None) -> sparse.csc_array:
+def _of_shells(
+    shells: Shells, displacements: FloatArray, factor: FloatArray | None, warmth: FloatArray | None
+) -> sparse.csc_array:
     """Return K_sigma (n_dofs, n_dofs) of the shells."""
-    mesh = shells.mesh
+    mesh, n_quads = shells.mesh, len(shells.mesh.quads)
     moved = frozen_floats(displacements, "displacements", (mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
     scale = np.ones(mesh.n_elements) if factor is None else frozen_floats(factor, "factor", (mesh.n_elements,))
-    matrices = []
-    for kind in point_strains(shells, moved, scale):
-        pulled = np.einsum("emab,embij->emaij", kind.point_forces(), rows := slope_rows(shells, kind))
+    warm = np.zeros((mesh.n_elements, 2)) if warmth is None else warmth
+    hindered, matrices = hindered_forces(shells, warm, scale)[:, None], []
+    for kind, part in zip(point_strains(shells, moved, scale), (slice(n_quads), slice(n_quads, None)), strict=True):
+        pulled = np.einsum("emab,embij->emaij", kind.point_forces(hindered[part]), rows := slope_rows(shells, kind))
         matrices.append(np.einsum("emaik,email->ekl", rows, pulled, optimize=True))
     return assemble(mesh, *matrices)
 
@@ -115,12 +127,13 @@ def buckling_modes(
     factor: FloatArray | None = None,
     limit: float = MOST_ERROR,
     is_refined: bool = True,
+    warmth: FloatArray | None = None,
 ) -> list[BucklingMode]:
     """Return the modes of least positive factor on a load (n_dofs,), least first, each with an estimate of its error.
 
     There may be fewer than `n_modes`: a structure that the load only pulls does not buckle. `factor` (n_elements,)
     scales each element's stiffness, for damage. With `is_refined` they are compared with a finer mesh where it is small
-    enough.
+    enough. `warmth` (n_elements, 2) is the temperature of each shell's middle and its rise toward the top [K, K/m].
 
     Raises
     ------
@@ -130,12 +143,13 @@ def buckling_modes(
         If the structure can move freely, the iteration does not converge, or an error is estimated beyond `limit`.
     """
     force = frozen_floats(load, "load", (supports.n_dofs,))
-    modes = _loaded_modes(shells, supports, force, n_modes, factor)
+    modes = _loaded_modes(shells, supports, force, n_modes, factor, warmth)
     finer = Refined.finest(shells, supports) if is_refined else None
     if finer is None:
         errors = [solution_quality(shells, mode.shape, factor).displacement_error for mode in modes]
     else:
-        fine = _loaded_modes(finer.shells, finer.supports, finer.load(force), n_modes, finer.factor(factor))
+        parts = (finer.factor(factor), finer.factor(warmth))
+        fine = _loaded_modes(finer.shells, finer.supports, finer.load(force), n_modes, *parts)
         missing = [np.inf] * (len(modes) - len(fine))
         pairs = zip(modes, fine, strict=False)
         errors = [finer.share * abs(own.factor / other.factor - 1.0) for own, other in pairs] + missing
@@ -144,11 +158,19 @@ def buckling_modes(
 
 
 def _loaded_modes(
-    shells: Shells, supports: Supports, load: FloatArray, n_modes: int, factor: FloatArray | None
+    shells: Shells,
+    supports: Supports,
+    load: FloatArray,
+    n_modes: int,
+    factor: FloatArray | None,
+    warmth: FloatArray | None,
 ) -> list[BucklingMode]:
     stiffness = shells.stiffness(factor=factor)
+    if warmth is not None:
+        kept = warmth if factor is None else warmth * factor[:, None]
+        load = load + thermal_load(shells, kept[:, 0], kept[:, 1])
     moved = supports.expand(factorise(supports.reduce(stiffness), supports.groups).solve(load[supports.free]))
-    return matrix_buckling(stiffness, geometric_stiffness(shells, moved, factor), supports, n_modes)
+    return matrix_buckling(stiffness, geometric_stiffness(shells, moved, factor, warmth), supports, n_modes)
 
 
 def matrix_buckling(

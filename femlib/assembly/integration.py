@@ -76,9 +76,12 @@ class PointStrains:
         """Return the forces per length (xx, yy, xy) at the points (e, m, 3) [N/m], tension positive."""
         return np.asarray(np.einsum("elcd,emld->emc", self.moduli[:, 0], self.strains, optimize=True))
 
-    def point_forces(self) -> FloatArray:
-        """Return the membrane forces times the points' areas as tensors (e, m, 2, 2) [N m]."""
-        xx, yy, xy = np.moveaxis(self.membrane_forces() * self.area[:, :, None], 2, 0)
+    def point_forces(self, hindered: FloatArray | float = 0.0) -> FloatArray:
+        """Return the membrane forces times the points' areas as tensors (e, m, 2, 2) [N m].
+
+        `hindered` (e, 1, 3) [N/m]: what would hold all thermal strains back, which push by it.
+        """
+        xx, yy, xy = np.moveaxis((self.membrane_forces() - hindered) * self.area[:, :, None], 2, 0)
         return np.moveaxis(np.array([[xx, xy], [xy, yy]]), (0, 1), (2, 3))
 
 

@@ -114,6 +114,16 @@ def thermal_forces(shells: Shells, warming: FloatArray, gradient: FloatArray) ->
     return quads, trias
 
 
+def hindered_forces(shells: Shells, warmth: FloatArray, factor: FloatArray) -> FloatArray:
+    """Return the membrane forces N_T (n_elements, 3) [N/m] that would hold all thermal strains back.
+
+    `warmth` (n_elements, 2) as for `thermal_load`; `factor` (n_elements,) scales each element's stiffness.
+    """
+    forces = np.array([[own.thermal_force, own.gradient_force] for own in shells.laminates])[shells.section]
+    warm = frozen_floats(warmth, "warmth", (shells.mesh.n_elements, 2))
+    return np.asarray(np.einsum("e,ek,ekc->ec", shells.scale * factor, warm, forces))
+
+
 def _of_quads(shells: Shells) -> FloatArray:
     """Return the thermal forces (n_quads, 2, 24) of a unit warming and of a unit gradient."""
     points = shells.mesh.nodes[shells.mesh.quads]

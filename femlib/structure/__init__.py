@@ -1,7 +1,7 @@
 """Structures of the user's own: from a mesh with named sets to strains under damage."""
 
 from femlib.elements.beam2 import BeamSection, rectangular_beam
-from femlib.structure.heat import Heated, heated
+from femlib.structure.heat import Heated, heated, thermal_buckling
 from femlib.structure.model import Structure
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.parts import Spring
@@ -20,5 +20,6 @@ __all__ = [
     "read",
     "rectangular_beam",
     "reduce",
+    "thermal_buckling",
     "write_vtu",
 ]

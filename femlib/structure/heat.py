@@ -1,7 +1,8 @@
 """A structure whose shells are warm: displacements and stresses under temperatures and a load.
 
 A hindered thermal strain pushes like the forces of `femlib.assembly.thermal_load`, a damaged part in proportion to the
-stiffness that it keeps. Stresses are those of the strains less the free thermal ones.
+stiffness that it keeps. Stresses are those of the strains less the free thermal ones. Heat that buckles the shells is
+refused.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,9 +11,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from femlib.arrays import FloatArray, Judged, judged
-from femlib.assembly import MOST_ERROR, Stresses, ply_stresses, thermal_load
+from femlib.assembly import (
+    MOST_ERROR,
+    BucklingMode,
+    Stresses,
+    buckling_modes,
+    is_buckled,
+    ply_stresses,
+    thermal_load,
+)
+from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import damage_row
-from femlib.errors import InputError, frozen_floats, is_number
+from femlib.errors import InputError, SolveError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE
 from femlib.structure.model import Structure
 
@@ -46,7 +56,8 @@ def heated(
 ) -> Heated:
     """Return the displacements and stresses of a structure with warm shells.
 
-    Beams have no expansion. Whether the heat buckles the shells is not checked.
+    Beams have no expansion, and what their forces do to buckling is left out. Beyond `MOST_UNKNOWNS` unknowns buckling
+    is not looked for; `thermal_buckling` finds it.
 
     Parameters
     ----------
@@ -66,10 +77,8 @@ def heated(
     InputError
         If a set is unknown or has no shell that expands, or a temperature, state or load is bad.
     SolveError
-        If the displacements are estimated to be farther off than `limit`.
+        If heat and load buckle the shells, or the displacements are estimated to be farther off than `limit`.
     """
-    if not isinstance(warmth, Mapping):
-        raise InputError(f"warmth is a {type(warmth).__name__}; expected temperatures by set name; give a mapping")
     shells, named = structure.built, state or {}
     left = structure.stiffness_left(named)
     warm = _warmth_of_elements(structure, warmth)
@@ -80,6 +89,13 @@ def heated(
     row = damage_row(named, structure.parameters)
     pristine, moved = structure.damaged.solve(np.stack([0.0 * row, row]), force)
     error = 0.0
+    if np.any(moved) or np.any(warm):
+        supports = structure.damaged.supports
+        if len(supports.free) <= MOST_UNKNOWNS and is_buckled(shells, supports, moved, left, warm):
+            raise SolveError(
+                "heat and load are beyond those that buckle the shells; expected less; "
+                "lower the temperatures (thermal_buckling has the factor), or leave the shells room to grow"
+            )
     if np.any(moved):
         quality = structure.judge.quality(force, moved, pristine, left)
         quality.refuse(limit)
@@ -88,8 +104,27 @@ def heated(
     return Heated(judged(moved.reshape(-1, DOFS_PER_NODE), error), stresses)
 
 
+def thermal_buckling(
+    structure: Structure,
+    warmth: Warmth,
+    state: Mapping[str, float] | None = None,
+    n_modes: int = 1,
+    limit: float = MOST_ERROR,
+) -> list[BucklingMode]:
+    """Return the buckling modes of a warm structure of shells: at `factor` times the temperatures it buckles so.
+
+    Parameters and errors are those of `heated` and `femlib.assembly.buckling_modes`.
+    """
+    left, warm = structure.stiffness_left(state or {}), _warmth_of_elements(structure, warmth)
+    supports = structure.damaged.supports
+    nothing = np.zeros(supports.n_dofs)
+    return buckling_modes(structure.built, supports, nothing, n_modes, left, limit, warmth=warm)
+
+
 def _warmth_of_elements(structure: Structure, warmth: Warmth) -> FloatArray:
     """Return temperature and gradient of each shell (n_shells, 2)."""
+    if not isinstance(warmth, Mapping):
+        raise InputError(f"warmth is a {type(warmth).__name__}; expected temperatures by set name; give a mapping")
     mesh, shells = structure.mesh, structure.built
     found = np.zeros((mesh.n_shells, 2))
     expands = np.array([any(p.expansion_1 or p.expansion_2 for p in own.plies) for own in shells.laminates])

@@ -79,6 +79,27 @@ def test_a_plate_that_is_pulled_does_not_buckle() -> None:
     np.testing.assert_allclose(stretched @ np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0], len(moved)), 0.0, atol=1e-6)
 
 
+@pytest.mark.parametrize(("n", "triangles"), [(12, False), (24, True)])
+def test_a_warm_plate_buckles_at_its_critical_temperature(n: int, triangles: bool) -> None:
+    """N = E alpha T t / (1 - nu) both ways is 2 pi^2 D / b^2 there.
+
+    Source: S. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), section 92 (in-plane forces).
+    """
+    shells, supports = plate(n, triangles)
+    own, edge = isotropic_plate(YOUNG, POISSON, THICKNESS, expansion=23e-6), shells.mesh.nodes[:, :2] % 1.0 == 0.0
+    shells = Shells(shells.mesh, (own,), shells.section, shells.scale, shells.axis)
+    nodes = np.flatnonzero(edge.any(axis=1))
+    supports = Supports.holding(shells.mesh, np.concatenate([6 * nodes + k for k in range(3)]))
+    warmth = np.tile([1.0, 0.0], (shells.mesh.n_elements, 1))
+    nothing = np.zeros(shells.mesh.n_dofs)
+    (mode,) = buckling_modes(shells, supports, nothing, limit=1.0, is_refined=False, warmth=warmth)
+    critical = np.pi**2 * THICKNESS**2 / (6.0 * 23e-6 * (1.0 + POISSON))
+    assert mode.factor == pytest.approx(critical, rel=0.011)
+    half = np.full(shells.mesh.n_elements, 0.5)  # pushes half as much
+    (softer,) = buckling_modes(shells, supports, nothing, 1, half, 1.0, is_refined=False, warmth=warmth)
+    assert softer.factor == pytest.approx(mode.factor, rel=1e-6)
+
+
 def test_half_the_stiffness_buckles_at_half_the_load() -> None:
     shells, supports = plate(6, triangles=False)
     half = np.full(shells.mesh.n_elements, 0.5)
