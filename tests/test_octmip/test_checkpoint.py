@@ -15,9 +15,8 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, wide_problem
-from octmip import Limits, Problem, certify, solve
-from octmip.errors import DataError, ProblemError
-from octmip.interfaces.cli import main
+from octmip import Limits, Problem, certify
+from octmip.errors import DataError
 from octmip.trees.methods.checkpoint import file
 from octmip.trees.methods.checkpoint.file import FIRST
 from octmip.trees.methods.exact import branch_and_bound
@@ -106,20 +105,25 @@ print(solution.objective, solution.bound, solution.stop, bool(solution.details.g
 """
 
 
+def killed_and_gone_on(child, kept):
+    """Return what a program prints that was killed three times, each some moments after its checkpoint was there."""
+    command, moments = [sys.executable, "-c", child, str(kept)], random.Random(0)
+    for _ in range(3):
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
+            running.stdout.readline()
+            while not kept.exists():
+                time.sleep(0.01)
+            time.sleep(moments.uniform(0.03, 0.15))
+            running.send_signal(signal.SIGKILL)
+    assert kept.exists()
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
+
+
 def test_a_search_killed_at_any_moment_goes_on_to_the_same_optimum(tmp_path):
     """SIGKILL gives no time to clean up: the file is the last whole one."""
-    command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
-    for _ in range(3):
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
-            child.stdout.readline()
-            while not (tmp_path / "kept").exists():
-                time.sleep(0.01)
-            time.sleep(moments.uniform(0.03, 0.12))
-            child.send_signal(signal.SIGKILL)
-    assert (tmp_path / "kept").exists()
-    last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
     rng = np.random.default_rng(3)
     whole = branch_and_bound(Problem(rng.normal(size=(200, 6)), rng.integers(0, 3, 200), depth=3))
+    last = killed_and_gone_on(CHILD, tmp_path / "kept")
     assert last == [str(whole.objective), str(whole.bound), "optimal", "True"]
 
 
@@ -209,16 +213,3 @@ def test_what_cannot_be_is_refused(kept, edit, complaint):
 def test_a_place_that_cannot_be_written_is_refused_before_the_search(tmp_path):
     with pytest.raises(DataError, match="there is no folder"):
         branch_and_bound(hard(), options=ExactOptions(checkpoint=tmp_path / "none" / "kept"))
-
-
-def test_other_methods_have_no_checkpoint(tmp_path, capsys):
-    for method in ("cart", "search"):
-        with pytest.raises(ProblemError, match="takes no option 'checkpoint'"):
-            solve(hard(), method, options=ExactOptions(checkpoint=tmp_path / "kept"))
-    table = tmp_path / "table.csv"
-    table.write_text("a,b,y\n1,2,0\n2,1,1\n3,3,0\n")
-    command = ["solve", str(table), "--label", "y", "--depth", "1", "--checkpoint", str(tmp_path / "kept")]
-    assert main([*command, "--method", "cart"]) != 0
-    assert "method 'cart' takes no option 'checkpoint'" in capsys.readouterr().err
-    assert main([*command, "--method", "exact"]) == 0
-    assert (tmp_path / "kept").exists()

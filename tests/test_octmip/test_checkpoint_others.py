@@ -1,14 +1,7 @@
 """Two-feature proofs in pieces: the tree, bound and nodes of the run that never stopped."""
 
 import base64
-import hashlib
-import json
-import random
-import signal
 import struct
-import subprocess
-import sys
-import time
 import zlib
 from dataclasses import replace
 
@@ -18,20 +11,17 @@ import pytest
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError, ProblemError
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.checkpoint.file import FIRST
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.solution import Stop
-
-
-def samples(n=90, p=4, **options):
-    rng = np.random.default_rng([63, n, p])
-    return Problem(rng.normal(size=(n, p)), rng.integers(0, 3, n), **options)
+from tests.test_octmip.test_checkpoint import killed_and_gone_on, rewritten
 
 
 def lines(n=40, p=3, **options):
-    return samples(n, p, depth=2, split="hyperplane", split_size=2, **options)
+    rng = np.random.default_rng([63, n, p])
+    shape = {"depth": 2, "split": "hyperplane", "split_size": 2} | options
+    return Problem(rng.normal(size=(n, p)), rng.integers(0, 3, n), **shape)
 
 
 def in_pieces(run, problem, options, seconds, **more):
@@ -78,17 +68,8 @@ print(solution.objective, solution.bound, solution.n_nodes + solution.details["r
 
 
 def test_a_two_feature_proof_killed_at_any_moment_goes_on_to_the_same_nodes(tmp_path):
-    command, moments = [sys.executable, "-c", CHILD, str(tmp_path / "kept")], random.Random(0)
-    for _ in range(3):
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as child:
-            child.stdout.readline()
-            while not (tmp_path / "kept").exists():
-                time.sleep(0.01)
-            time.sleep(moments.uniform(0.1, 0.2))
-            child.send_signal(signal.SIGKILL)
-    assert (tmp_path / "kept").exists()
-    last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
     whole = two_feature_branch_and_bound(lines(70))
+    last = killed_and_gone_on(CHILD, tmp_path / "kept")
     assert last == [str(whole.objective), str(whole.bound), str(whole.n_nodes)]
 
 
@@ -113,14 +94,6 @@ def test_a_checkpoint_of_another_run_is_refused(kept, tmp_path):
         two_feature_branch_and_bound(problem, limits=Limits(memory=10_000), options=ExactOptions(checkpoint=path))
     with pytest.raises(ProblemError, match="of which nothing can be kept"):
         two_feature_branch_and_bound(replace(problem, depth=1), options=ExactOptions(checkpoint=tmp_path / "one"))
-
-
-def rewritten(path, edit):
-    """Change the content of a checkpoint and make its sum right again."""
-    content = json.loads(path.read_bytes().split(b"\n")[1])
-    edit(content)
-    line = json.dumps(content).encode()
-    path.write_bytes(f"{FIRST} {hashlib.sha256(line).hexdigest()}\n".encode() + line + b"\n")
 
 
 def with_numbers(edit):

@@ -8,9 +8,8 @@ import joblib
 import numpy as np
 import pytest
 from sklearn.datasets import load_iris
-from sklearn.model_selection import GridSearchCV
 
-from octmip import ClassCosts, OptimalTreeClassifier, Problem, certify, predict
+from octmip import ClassCosts, Problem, certify, predict
 from octmip.errors import ProblemError
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import choose_tree
@@ -121,16 +120,6 @@ def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
         assert other.chosen == alone.chosen
 
 
-def test_folds_run_on_a_dask_cluster():
-    distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
-    alone = choose_tree(COSTLY, folds=3, method="cart")
-    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address="127.0.0.1:0")
-    with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
-        other = choose_tree(COSTLY, folds=3, method="cart")
-    assert other.steps == alone.steps
-    assert other.tree == alone.tree
-
-
 def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
     planes = replace(COSTLY, split="hyperplane", split_size=2, depth=1, sensor_budget=2)
     choice = choose_tree(planes, folds=2, options=SearchOptions(restarts=1), most_solves=4)
@@ -194,11 +183,3 @@ def test_rows_that_weigh_nothing_judge_nothing():
 def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
     with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
         choose_tree(replace(IRIS, loss=ClassCosts(np.zeros((3, 3)))), folds=2)
-
-
-def test_scikit_learn_s_own_grid_search_chooses_depth_and_penalty_too():
-    search = GridSearchCV(
-        OptimalTreeClassifier(method="cart"), {"max_depth": [1, 2], "leaf_penalty": [0.0, 2.0, 200.0]}, cv=3
-    ).fit(IRIS.features, IRIS.targets)
-    assert search.best_params_["max_depth"] == 2
-    assert search.best_params_["leaf_penalty"] < 200

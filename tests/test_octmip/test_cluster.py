@@ -132,24 +132,6 @@ def test_the_command_takes_the_address_of_a_scheduler(client: Client, tmp_path, 
     assert shared["chosen"] == alone["chosen"]
 
 
-@pytest.mark.parametrize("words", [["--method", "flow"], ["--split-size", "2", "--depth", "1", "--method", "exact"]])
-def test_what_a_cluster_does_not_share_is_named(tmp_path, capsys, words: list[str]) -> None:
-    (tmp_path / "data.csv").write_text("a,b,y\n1,2,0\n2,1,1\n")
-    given = [
-        "solve",
-        str(tmp_path / "data.csv"),
-        "--label",
-        "y",
-        "--depth",
-        "2",
-        *words,
-        "--cluster",
-        "tcp://127.0.0.1:9",
-    ]
-    assert main(given) == 2
-    assert f"method {words[-1]!r} takes no option 'cluster'" in capsys.readouterr().err
-
-
 SEARCHES = [
     ({"depth": 4}, {"restarts": 9, "perturbations": 8}),
     ({"split": "hyperplane"}, {"restarts": 3, "perturbations": 4}),

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import Limits, Problem, solve
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.trees.tree import Leaf, Split
@@ -93,29 +92,6 @@ def test_the_two_features_of_older_files_are_said_in_the_same_words(feature, thr
 def doubled() -> Columns:
     """Return a column of numbers with missing readings as tree files up to version 2 have it."""
     return Columns(tuple(replace(column, is_doubled=True) for column in Columns.learn(frame()[["age"]]).columns))
-
-
-def best_with_missing(numbers: np.ndarray, labels: np.ndarray) -> int:
-    """Return the fewest errors of one split that sends missing cells to the better side, or asks for them."""
-    is_missing = np.isnan(numbers)
-    cuts = [*(numbers[~is_missing] + 0.5), -np.inf]
-    lefts = [np.where(is_missing, side, numbers <= cut) for cut in cuts for side in (True, False)]
-    sides = [(labels[left.astype(bool)], labels[~left.astype(bool)]) for left in lefts]
-    return min(sum(len(side) - (np.bincount(side, minlength=1).max()) for side in pair) for pair in sides)
-
-
-def test_the_optimum_over_the_features_sends_every_missing_cell_to_the_better_side():
-    rng = np.random.default_rng(5)
-    for _ in range(60):
-        numbers = rng.integers(0, 6, 12).astype(float)
-        numbers[rng.random(12) < 0.4] = np.nan
-        labels = rng.integers(0, 3, 12)
-        if np.isnan(numbers).all() or len(set(labels)) < 2:
-            continue
-        table = pd.DataFrame({"x": numbers})
-        columns = Columns.learn(table)
-        problem = Problem(columns.encode(table), labels, depth=1)
-        assert solve(problem, "exact", Limits(seconds=10)).objective == best_with_missing(numbers, labels)
 
 
 def test_a_number_beyond_the_range_of_training_stays_on_its_side_of_every_cut_of_older_files():

@@ -72,23 +72,6 @@ def test_an_integer_objective_is_below_the_true_one_by_at_most_the_tolerance(pro
 
 
 @pytest.mark.parametrize(
-    ("settings", "unit"),
-    [
-        ({}, 1.0),
-        ({"weights": [1, 7, 3], "loss": ClassCosts([[0, 4], [2, 0]]), "leaf_penalty": 5}, 1.0),
-        ({"weights": [0.5, 2.25, 1]}, 0.25),
-        ({"weights": [0.5, 1, 1], "leaf_penalty": 0.125}, 0.125),
-        ({"loss": ClassCosts([[0, 0.5], [1, 0]])}, 0.5),
-        ({"weights": [1e9, 2e9, 4e9]}, 1.0),
-    ],
-)
-def test_whole_and_dyadic_numbers_lose_nothing(settings, unit):
-    costs = integer_costs(with_costs(**settings))
-    assert costs.tolerance == 0
-    assert costs.unit == unit
-
-
-@pytest.mark.parametrize(
     "settings",
     [
         {"weights": [0.1, 0.2, 0.3]},
@@ -118,12 +101,3 @@ def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():
     assert low <= midpoint(low, high) < high
     assert midpoint(-1e308, 1e308) == 0.0
     assert midpoint(1e308, 1.5e308) < 1.5e308
-
-
-@pytest.mark.parametrize("costs", [None, [[0, 1 / 3], [1, 0]]])
-def test_real_numbers_lose_so_little_that_a_proof_stands(costs):
-    rng = np.random.default_rng(0)
-    problem = Problem(
-        rng.random((2000, 1)), np.arange(2000) % 2, depth=2, weights=rng.random(2000), loss=ClassCosts(costs)
-    )
-    assert integer_costs(problem).tolerance < 5e-7 * problem.baseline

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.sparse import csr_matrix
-from sklearn.model_selection import GridSearchCV
 
 from octmip import OptimalTreeClassifier, Problem, solve
 from octmip.errors import DataError, ProblemError
@@ -144,13 +143,6 @@ def test_columns_may_share_a_sensor():
         fitted(sensor_of_feature={"height": "form"})
     with pytest.raises(ProblemError, match="2 entries but X has 4 columns"):
         fitted(sensor_of_feature=["a", "b"])
-
-
-def test_grid_search_runs_over_a_table_as_it_is():
-    frame, labels = table(240, seed=3)
-    search = GridSearchCV(OptimalTreeClassifier(), {"max_depth": [1, 2], "class_weight": [None, "balanced"]}, cv=3)
-    assert search.fit(frame, labels).best_params_["max_depth"] == 2
-    assert search.best_score_ > 0.95
 
 
 def test_the_rank_of_texts_can_be_asked_for():

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip import Problem, certify, solve
+from octmip import Leaf, Limits, Problem, Split, ValueLeaf, certify, solve
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.report.html import tree_page
 from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.registry import REGISTRY
-from octmip.trees.tree import depth
+from octmip.trees.tree import complexity, depth
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
@@ -26,12 +26,24 @@ WEIGHTS = RNG.integers(1, 3, N).astype(float)
 
 def problem(loss: str, split: str, rows=slice(None), **more) -> Problem:
     """Return a problem of a loss and a split: small whole numbers, of which every sum is exact."""
-    given = {"depth": 2, "split": split, "weights": WEIGHTS[rows], "features": FEATURES[rows]} | more
+    given = {"depth": 2, "split": split, "weights": WEIGHTS[rows], "features": FEATURES[rows]}
     if split == "hyperplane":
         given |= {"split_size": 2, "depth": 1}
+    given |= more
     if loss == "classes":
         given["class_names"] = (0, 1, 2)
     return Problem(targets=TARGETS[rows], loss=LOSSES[loss], **given)
+
+
+SETTINGS = {
+    "any_depth": {"depth": None, "leaf_penalty": 1.0},
+    "max_splits": {"max_splits": 1},
+    "monotone": {"monotone": [1, 0, 0]},
+    "fixed_splits": {"fixed_splits": {"ROOT": "x2"}},
+    "path_rules": {"path_rules": [("root-only", "x0")]},
+    "max_changes": {"old_tree": Leaf(0), "max_changes": 1},
+}
+"""Of settings that some methods do not know, one that asks for each."""
 
 
 @pytest.fixture(params=CELLS, ids=" ".join)
@@ -62,13 +74,59 @@ def test_a_solution_is_certified_survives_its_file_and_has_a_page(cell, tmp_path
     assert "<html" in page
 
 
-def test_a_weight_of_two_is_a_sample_twice_and_the_order_of_samples_is_nothing(cell):
+def test_a_weight_of_two_is_a_sample_twice_and_the_order_of_samples_and_features_is_nothing(cell):
     loss, split, method = cell
+    rng = np.random.default_rng(3)
     once = solve(problem(loss, split), method)
-    rows = np.random.default_rng(3).permutation(np.repeat(np.arange(N), WEIGHTS.astype(int)))
-    often = solve(problem(loss, split, rows, weights=np.ones(len(rows))), method)
+    rows = rng.permutation(np.repeat(np.arange(N), WEIGHTS.astype(int)))
+    columns = np.arange(3) if method == "cart" else rng.permutation(3)  # CART takes the first of equal features
+    features = FEATURES[rows][:, columns]
+    often = solve(problem(loss, split, rows, weights=np.ones(len(rows)), features=features), method)
     if is_one_optimum(method, once) and is_one_optimum(method, often):
         assert once.objective == pytest.approx(often.objective, rel=1e-12)
+
+
+def test_threads_change_nothing_and_a_known_tree_or_a_limit_leaves_what_is_true(cell):
+    loss, split, method = cell
+    asked = problem(loss, split)
+    best = solve(asked, method)
+    threads = solve(asked, method, n_jobs=3)
+    assert (threads.objective, threads.bound) == (best.objective, best.bound)
+    assert threads.tree == best.tree or REGISTRY[loss, split][method].is_mixed_integer  # HiGHS takes any best tree
+    for limits in (Limits(seconds=0.0), Limits(nodes=0)):
+        early = solve(asked, method, limits)
+        assert certify(asked, early).bound <= best.objective or not best.is_optimal
+    poor = solve(problem(loss, split, depth=1), "cart").tree
+    assert solve(asked, method, Limits(nodes=0), incumbent=poor).objective <= asked.objective(poor)
+
+
+def test_a_tree_of_another_problem_is_no_incumbent(cell):
+    loss, split, method = cell
+    leaves = (Leaf(0), Leaf(1)) if loss == "classes" else (ValueLeaf(0.0), ValueLeaf(1.0))
+    for tree in (
+        Split(0, 99.0, *leaves),
+        Split(7, 0.5, *leaves),
+        Split(0, 0.5, leaves[0], Split(0, 1.5, leaves[1], Split(0, 2.5, *leaves))),
+        Leaf(9),
+    ):
+        with pytest.raises(ProblemError, match=r"incumbent|depth"):
+            solve(problem(loss, split), method, incumbent=tree)
+
+
+def test_a_number_of_splits_is_kept(cell):
+    loss, split, method = cell
+    if "max_splits" not in REGISTRY[loss, split][method].cannot:
+        asked = problem(loss, split, depth=2, max_splits=1)
+        solution = solve(asked, method)
+        certify(asked, solution)
+        assert complexity(solution.tree) <= 1
+
+
+def test_what_a_cell_cannot_do_is_refused_by_name(cell):
+    loss, split, method = cell
+    for setting in set(REGISTRY[loss, split][method].cannot) & set(SETTINGS):
+        with pytest.raises(ProblemError, match="depth (of|is) None" if setting == "any_depth" else setting):
+            solve(problem(loss, split, **SETTINGS[setting]), method)
 
 
 def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):

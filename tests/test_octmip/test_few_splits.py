@@ -9,7 +9,6 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.formats.problem_file import encode, question_digest
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
-from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.tree import n_splits
 
@@ -40,30 +39,10 @@ def test_a_tree_of_few_splits_may_be_as_deep_as_it_likes():
     assert solve(asked(30, 3), "exact").objective == solve(asked(3, 3), "exact").objective
 
 
-@pytest.mark.parametrize("method", ["cart", "search", "exact"])
-def test_every_method_keeps_the_number(method):
-    solution = solve(asked(4, 2), method)
-    certify(asked(4, 2), solution)
-    assert n_splits(solution.tree) <= 2
-
-
-def test_trees_of_numbers_are_pruned_and_their_proof_says_that_it_cannot():
-    numbers = Problem(FEATURES, FEATURES[:, 0] ** 2, depth=3, loss=SquaredError(), max_splits=2)
-    assert n_splits(solve(numbers, "search").tree) <= 2
-    with pytest.raises(ProblemError, match="does not know the problem's max_splits; use method 'cart'"):
-        solve(numbers, "exact")
-    assert solve(numbers).solver == "search"
-
-
 def test_a_certificate_refutes_one_split_too_many():
     free = solve(asked(2, None), "exact")
     with pytest.raises(CertificateError, match=r"has \d splits but max_splits is 1"):
         certify(asked(2, 1), free)
-
-
-def test_none_is_a_limit_too():
-    with pytest.raises(ProblemError, match="does not know the problem's max_splits"):
-        solve(Problem(FEATURES, LABELS, depth=1, max_splits=0), "benders")
 
 
 def test_a_tree_file_keeps_the_number_and_a_problem_file_says_that_it_cannot(tmp_path):

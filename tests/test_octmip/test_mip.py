@@ -9,13 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import octmip
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.options import MipOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
@@ -41,16 +39,6 @@ def blobs(n: int = 12, **options: object) -> Problem:
     rng = np.random.default_rng(3)
     labels = np.arange(n) % 3
     return Problem(np.round(rng.normal(size=(n, 2)) + labels[:, None], 1), labels, **options)
-
-
-def best_stump(problem: Problem) -> float:
-    """Return the optimum at depth 1, every cut of every feature tried."""
-    found = problem.baseline
-    for column in problem.features.T:
-        for value in np.unique(column)[:-1]:
-            sides = (np.flatnonzero(side) for side in (column <= value, column > value))
-            found = min(found, sum(problem.class_costs(rows).min() for rows in sides))
-    return found
 
 
 CASES = {
@@ -116,25 +104,6 @@ def test_strengthened_rows_prove_iris(depth, errors):
     problem = uci("iris", depth=depth)
     solution = solve_flow(problem)
     assert (solution.objective, solution.bound, certify(problem, solution).errors) == (errors, errors, errors)
-
-
-def test_the_printed_rows_prove_iris_at_depth_one():
-    solution = solve_oct(uci("iris", depth=1))
-    assert (solution.objective, solution.bound) == (50, 50)
-
-
-def test_depth_one_is_proven_on_175_rows_of_the_published_strains():
-    file = SHARED / "uav" / "strains.csv"
-    if not file.exists():
-        pytest.skip(f"{file} is absent")
-    table = np.genfromtxt(file, delimiter=",", skip_header=1, usecols=[0, 1, 2, *range(5, 25)])
-    rows = table[table[:, 2] == 3]
-    rows = rows[np.random.default_rng(0).permutation(len(rows))[:175]]
-    problem = Problem(rows[:, 3:] / 3, rows[:, :2].max(axis=1), depth=1)
-    solution = solve_flow(problem)
-    certify(problem, solution)
-    assert solution.is_optimal
-    assert solution.objective == best_stump(problem)
 
 
 def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
@@ -276,34 +245,9 @@ def test_incumbents_are_injected_while_highs_runs():
     assert solution.objective == 6
 
 
-def test_a_tree_deeper_than_the_problem_is_refused():
-    problem = blobs(depth=1)
-    deep = Split(0, 0.5, Leaf(0), Split(1, 0.7, Leaf(1), Leaf(2)))
-    with pytest.raises(ProblemError, match="depth 2"):
-        solve_flow(problem, incumbent=deep)
-
-
-def test_hyperplane_problems_are_sent_elsewhere():
-    with pytest.raises(ProblemError, match="oct_h"):
-        solve_oct(blobs(depth=1, split="hyperplane"))
-
-
 def test_highs_says_nothing_on_standard_output(capfd):
     solve_oct(blobs(depth=2))
     assert capfd.readouterr() == ("", "")
-
-
-@pytest.mark.parametrize("suffix", [".mps", ".lp"])
-def test_a_written_model_has_the_optimum_of_the_problem(tmp_path, suffix):
-    import highspy
-
-    problem = blobs(depth=1)
-    solution = octmip.solve(problem, "oct", options=MipOptions(write=tmp_path / f"model{suffix}"))
-    reader = highspy.Highs()
-    reader.setOptionValue("output_flag", False)
-    reader.readModel(str(tmp_path / f"model{suffix}"))
-    reader.run()
-    assert reader.getInfo().objective_function_value == pytest.approx(solution.objective)
 
 
 def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):

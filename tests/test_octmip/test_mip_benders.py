@@ -10,7 +10,6 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Stop, certify, solve
-from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.memory import Memory
@@ -38,20 +37,20 @@ def test_benders_exact_core_and_enumeration_have_one_optimum(block):
         assert found.bound <= found.objective
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"depth": 2},
-        {"depth": 3},
-        {"depth": 2, "leaf_size": 9},
-        {"depth": 2, "leaf_penalty": 3.0},
-        {"depth": 2, "sensor_budget": 1},
-        {"depth": 2, "sensor_budget": 2},
-        {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
-        {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
-        {"depth": 2, "allowed_splits": [[0], [2]]},
-    ],
-)
+SHAPES = [
+    {"depth": 2},
+    {"depth": 3},
+    {"depth": 2, "leaf_size": 9},
+    {"depth": 2, "leaf_penalty": 3.0},
+    {"depth": 2, "sensor_budget": 1},
+    {"depth": 2, "sensor_budget": 2},
+    {"depth": 2, "sensor_budget": 3, "sensor_cost": [1.0, 2.0, 2.0]},
+    {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
+    {"depth": 2, "allowed_splits": [[0], [2]]},
+]
+
+
+@pytest.mark.parametrize("options", SHAPES)
 def test_benders_proves_what_the_exact_core_proves(options):
     problem = mixed(40, 3, 3, 1, **options)
     found = solve(problem, "benders")
@@ -98,11 +97,6 @@ def test_an_interrupt_in_a_round_ends_every_thread_and_keeps_the_bound():
     assert found.stop is Stop.INTERRUPTED
     assert found.tree is not None
     assert not [thread for thread in threading.enumerate()[n_threads:] if "ThreadPool" in thread.name]
-
-
-def test_hyperplanes_are_refused():
-    with pytest.raises(ProblemError, match=r"benders.*axis-aligned"):
-        solve_benders(mixed(20, 2, 2, 0, split="hyperplane", depth=2))
 
 
 def best_price(problem: Problem, samples: np.ndarray) -> float:

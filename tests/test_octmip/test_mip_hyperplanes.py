@@ -11,15 +11,13 @@ import pytest
 from pyomo.repn import generate_standard_repn
 
 from benchmarks.oracles.paper_models import oct_h as paper
-from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop, certify, solve
-from octmip.errors import ProblemError
+from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, solve
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct_h
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
 from octmip.trees.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.highs import claims
 from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.tree import predict
@@ -217,13 +215,6 @@ def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_bet
     assert "numerics" not in solution.details
 
 
-def test_a_bound_above_a_tree_of_its_own_model_is_not_believed(monkeypatch):
-    problem = whole(depth=1, integer_normals=None)
-    monkeypatch.setattr(claims.Accuracy, "bound", lambda self, outcome: 10**6)
-    solution = solve_oct_h(problem)
-    assert (solution.bound, solution.stop) == (0, Stop.NUMERICS)
-
-
 def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():
     assert space_of(whole()).is_exact
     rng = np.random.default_rng(0)
@@ -239,11 +230,6 @@ def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
     solution = solve_flow(problem)
     certify(problem, solution)
     assert (solution.objective, solution.bound) == (50, 50)
-
-
-def test_axis_problems_are_sent_elsewhere():
-    with pytest.raises(ProblemError, match="choose 'oct'"):
-        solve_oct_h(uci("iris", depth=1))
 
 
 def test_a_normal_at_the_end_of_float64_is_brought_to_the_transformed_features_without_a_warning():

@@ -3,7 +3,6 @@
 import pytest
 
 from octmip import Leaf, Limits, Split, certify, solve
-from octmip.errors import ProblemError
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.highs.injector import IncumbentInjector
 from octmip.trees.mip.oct import solve_oct
@@ -60,11 +59,3 @@ def _counted(turns):
         return local_search(problem, **options)
 
     return search
-
-
-def test_an_assistant_must_be_known_and_is_for_mixed_integer_methods():
-    problem = uci("iris", depth=1)
-    with pytest.raises(ProblemError, match="expected a tuple of some of exact, search"):
-        solve(problem, "flow", options=MipOptions(assist="exact"))
-    with pytest.raises(ProblemError, match="takes no option 'assist'"):
-        solve(problem, "exact", options=MipOptions(assist=("search",)))

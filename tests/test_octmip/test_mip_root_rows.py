@@ -7,13 +7,12 @@ from benchmarks.cases.mio.root_rows import relaxation
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, Stop, certify, solve
-from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import OctOptions
 from octmip.trees.mip import oct
 from octmip.trees.mip.benders.root_rows import root_bounds
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.prices import whole_prices
-from tests.test_octmip.test_mip_benders import mixed
+from tests.test_octmip.test_mip_benders import SHAPES, mixed
 
 ALL = 10**6
 
@@ -30,22 +29,7 @@ def test_oct_with_the_rows_has_the_optimum_of_enumeration():
             assert found.bound <= found.objective
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"depth": 1},
-        {"depth": 2},
-        {"depth": 3},
-        {"depth": 2, "leaf_size": 9},
-        {"depth": 2, "leaf_penalty": 3.0},
-        {"depth": 3, "leaf_penalty": 2.0},
-        {"depth": 2, "sensor_budget": 1},
-        {"depth": 2, "sensor_budget": 2},
-        {"depth": 2, "loss": ClassCosts([[0, 1, 2], [1, 0, 1], [2, 1, 0]])},
-        {"depth": 2, "allowed_splits": [[0], [2]]},
-        {"depth": 2, "max_splits": 2},
-    ],
-)
+@pytest.mark.parametrize("options", [*SHAPES, {"depth": 1}, {"depth": 2, "max_splits": 2}])
 def test_the_best_tree_is_one_of_the_model_and_its_relaxation_lies_below(options):
     problem = mixed(40, 3, 3, 1, **options)
     best = solve(problem, "exact")

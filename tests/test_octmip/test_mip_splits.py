@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
-from octmip.errors import ProblemError, SolverError
+from octmip.errors import SolverError
 from octmip.trees import solver
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.flow import solve_flow
@@ -17,7 +17,6 @@ from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.tradeoff import trace_path
 from octmip.trees.tree import HyperplaneSplit, Node, complexity
-from tests.test_octmip.test_mip import uci
 
 METHODS = {"oct": solve_oct, "flow": solve_flow}
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))
@@ -61,11 +60,6 @@ def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     assert complexity(two.tree) <= 2
     assert two.is_optimal
     assert solve(problem, "exact").objective <= two.objective <= one.objective
-
-
-def test_iris_with_one_split_is_proven_to_miss_fifty():
-    solution = solve_flow(replace(uci("iris", depth=2), max_splits=1))
-    assert (solution.objective, solution.bound) == (50, 50)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -133,18 +127,6 @@ def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver, "_fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(replace(stairs(), max_splits=1), "search")
-
-
-def test_an_incumbent_of_more_splits_is_refused():
-    with pytest.raises(ProblemError, match="the tree has 3 splits but max_splits is 1"):
-        solve(replace(stairs(), max_splits=1), "flow", incumbent=STAIRS)
-
-
-@pytest.mark.parametrize("most", [-1, 1.5, "two"])
-@pytest.mark.parametrize("method", ["oct", "flow"])
-def test_a_number_of_splits_that_is_none_is_refused(method, most):
-    with pytest.raises(ProblemError, match="max_splits is"):
-        solve(replace(stairs(), max_splits=most), method)
 
 
 def test_a_path_over_splits_is_never_worse_than_cart_nor_than_its_prunings():

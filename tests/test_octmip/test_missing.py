@@ -151,13 +151,6 @@ def test_every_method_returns_a_tree_of_the_problem_no_better_than_the_optimum(m
             assert abs(solution.objective - least) <= 1e-6 * max(1.0, least)
 
 
-def test_hyperplanes_over_missing_readings_are_refused():
-    problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1, split="hyperplane")
-    for method in ("search", "exact", "oct_h", "flow"):
-        with pytest.raises(ProblemError, match=r"1 reading is missing.*hyperplanes add readings.*split='axis'"):
-            solve(problem, method)
-
-
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):

@@ -122,12 +122,6 @@ def test_what_no_proof_knows_is_searched_unless_a_proof_is_asked_for():
         solve(priced, "exact")
 
 
-@pytest.mark.parametrize("method", ["oct", "flow", "benders"])
-def test_mixed_integer_methods_refuse_it(method):
-    with pytest.raises(ProblemError, match="does not know the problem's monotone; use method 'cart'"):
-        solve(asked(), method)
-
-
 def test_a_tree_file_keeps_it_and_near_optimal_sets_refuse_it(tmp_path):
     problem = asked()
     write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))

@@ -126,6 +126,8 @@ WRONG = {
     "depth 31": ({"depth": 31}, "depth is 31"),
     "leaf size 0": ({"leaf_size": 0}, "leaf_size is 0"),
     "leaf size above n": ({"leaf_size": 5}, "leaf_size is 5; expected a whole number from 1 to 4"),
+    "splits of -1": ({"max_splits": -1}, "max_splits is -1"),
+    "splits of 1.5": ({"max_splits": 1.5}, "max_splits is 1.5"),
     "negative penalty": ({"leaf_penalty": -1.0}, r"leaf_penalty is -1\.0"),
     "infinite penalty": ({"leaf_penalty": np.inf}, "leaf_penalty is inf"),
     "unknown split": ({"split": "curve"}, "split is 'curve'"),

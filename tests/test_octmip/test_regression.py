@@ -68,16 +68,6 @@ def test_whole_numbers_are_proven_without_a_tolerance_and_depth_never_harms(loss
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
-def test_a_sample_of_weight_two_is_two_samples_and_order_does_not_matter(loss):
-    features, targets = smooth(40)
-    weights = np.random.default_rng(1).integers(1, 4, 40)
-    once = Problem(features, targets, weights=weights.astype(float), depth=2, loss=number_loss(loss))
-    rows = np.random.default_rng(2).permutation(np.repeat(np.arange(40), weights))
-    often = Problem(features[rows], targets[rows], depth=2, loss=number_loss(loss))
-    assert solve(often).objective == pytest.approx(solve(once).objective, rel=1e-12)
-
-
-@pytest.mark.parametrize("loss", SPELLINGS)
 @pytest.mark.parametrize("n", [60, 400, 1200])
 @pytest.mark.parametrize("n_values", [2, 5, 8, None])
 def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
@@ -111,14 +101,6 @@ def test_a_limit_gives_the_best_tree_so_far_and_a_bound_that_holds(loss):
     assert solve(problem, limits=Limits(seconds=0)).stop is Stop.TIME
 
 
-def test_depth_four_is_anytime():
-    features, targets = smooth(150, 4)
-    shallow = solve(Problem(features, targets, depth=3, loss=SquaredError()))
-    problem = Problem(features, targets, depth=4, loss=SquaredError())
-    deep = solve(problem, limits=Limits(nodes=2000))
-    assert 0 <= deep.bound <= deep.objective <= shallow.objective
-
-
 @pytest.mark.parametrize("loss", SPELLINGS)
 def test_numbers_of_any_size_are_proven_or_said_not_to_be(loss):
     features, targets = smooth(30, 3)
@@ -130,18 +112,6 @@ def test_numbers_of_any_size_are_proven_or_said_not_to_be(loss):
         assert solution.gap < 1e-6
     wild = Problem(features, targets, weights=10.0 ** np.linspace(-20, 20, 30), depth=2, loss=number_loss(loss))
     certify(wild, solve(wild))
-
-
-@pytest.mark.parametrize("loss", SPELLINGS)
-def test_an_incumbent_is_never_made_worse_and_a_foreign_one_is_refused(loss):
-    features, targets = smooth(60)
-    problem = Problem(features, targets, depth=2, loss=number_loss(loss))
-    best = solve(problem)
-    again = solve(problem, incumbent=best)
-    assert again.objective == best.objective
-    assert again.is_optimal
-    with pytest.raises(ProblemError, match="predicts class 0"):
-        solve(problem, incumbent=Split(0, 0.0, Leaf(0), Leaf(1)))
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
@@ -172,24 +142,6 @@ def test_linear_leaves_and_planes_find_what_made_the_data():
     assert found.objective < 0.2 * solve(Problem(features, targets, depth=1, loss=SquaredError())).objective
 
 
-def test_the_certificate_refutes_what_is_not_so():
-    features, targets = smooth(60)
-    problem = Problem(features, targets, depth=2, loss=SquaredError())
-    good = solve(problem)
-    other = Problem(features, targets[::-1], depth=2, loss=SquaredError())
-    shallow = Problem(features, targets, depth=1, loss=SquaredError())
-    for wrong, at, words in (
-        (replace(good, objective=good.objective * 0.99), problem, "recounted"),
-        (good, other, "recounted"),
-        (good, shallow, "depth 2"),
-        (replace(good, bound=good.objective * 1.01), problem, "no tree is below"),
-        (replace(good, bound=good.objective / 2, tolerance=0.0), problem, "does not meet"),
-        (replace(good, bound=good.objective / 2, tolerance=good.objective), problem, "too wide"),
-    ):
-        with pytest.raises(CertificateError, match=words):
-            certify(at, wrong)
-
-
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -207,20 +159,6 @@ def test_a_problem_that_no_tree_answers_is_refused(options, words):
     given = {"targets": np.array([0.0, 1.0]), "depth": 1, "loss": SquaredError()} | options
     with pytest.raises(ProblemError, match=words):
         Problem(np.zeros((2, 1)), **given)
-
-
-def test_methods_that_know_no_regression_are_refused():
-    problem = Problem(
-        np.arange(4.0)[:, None], np.arange(4.0), depth=1, split="hyperplane", leaf_model="linear", loss=SquaredError()
-    )
-    for method, words in (
-        ("oct", "method 'oct' finds no hyperplane trees"),
-        ("exact", "method 'exact' finds no hyperplane trees"),
-    ):
-        with pytest.raises(ProblemError, match=words):
-            solve(problem, method)
-    with pytest.raises(ProblemError, match="no option 'proof'"):
-        solve(problem, options=ExactOptions(proof="log"))
 
 
 def test_sums_are_exact():

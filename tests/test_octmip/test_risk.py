@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
 from octmip import Limits, Problem, certify, predict, solve
 from octmip.errors import ProblemError
 from octmip.trees.risk import RiskModel
@@ -92,12 +91,6 @@ def test_every_solver_answers_the_same_objective_and_its_certificate_says_it(ask
     assert found["search"].objective == exact.objective
     if not asks_states:  # the objective is the regret over all samples, recounted from the losses alone
         assert model.rates(losses, predict(exact.tree, features)).regret * len(losses) == exact.objective
-
-
-def test_enumeration_agrees():
-    features, losses = asset(12)
-    problem = RiskModel(failure_loss=4.0).decision_problem(features, losses, depth=2)
-    assert solve(problem).objective == optimum(problem).objective
 
 
 def test_rates_count_what_was_missed_and_what_was_alarmed_for_nothing():

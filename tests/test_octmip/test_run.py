@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from octmip import Limits, Problem, solve
-from octmip.errors import ProblemError
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.run import Run
 from octmip.trees.solver import solve_run
@@ -30,13 +29,3 @@ def test_progress_and_incumbent_reach_the_solver():
     found = solve_run(PROBLEM, Run("exact", Limits(seconds=20.0), progress=seen.append), first)
     assert found.objective <= PROBLEM.objective(first)
     assert all(state.objective >= found.objective for state in seen)
-
-
-def test_an_option_that_the_method_does_not_take_is_refused():
-    with pytest.raises(ProblemError, match="takes no option 'restarts'"):
-        solve_run(PROBLEM, Run("exact", options=SearchOptions(restarts=2)))
-
-
-def test_a_run_is_frozen():
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        Run().seed = 1

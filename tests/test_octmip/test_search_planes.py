@@ -5,18 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import hyperplane_problem
-from octmip import HyperplaneSplit, Problem, certify
+from octmip import HyperplaneSplit, Problem
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.tree import splits
-
-
-def test_random_problems_get_feasible_hyperplane_trees_with_true_objectives():
-    rng = np.random.default_rng(11)
-    for seed in range(150):
-        problem = hyperplane_problem(rng, max_samples=40, max_features=5, max_depth=4)
-        certify(problem, local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4)))
 
 
 def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():
@@ -39,24 +31,6 @@ def test_one_hyperplane_separates_what_one_can():
     assert solution.objective == 0
     assert solution.is_optimal
     assert isinstance(solution.tree, HyperplaneSplit)
-
-
-def test_one_seed_is_one_hyperplane_tree_for_any_number_of_threads():
-    rng = np.random.default_rng(14)
-    problem = Problem(rng.normal(size=(150, 4)), rng.integers(0, 3, 150), depth=3, split="hyperplane")
-    alone, together = (
-        local_search(problem, seed=3, options=SearchOptions(restarts=4, perturbations=5), n_jobs=n) for n in (1, 3)
-    )
-    assert alone.tree == together.tree
-    assert alone.objective == together.objective
-
-
-def test_an_incumbent_is_never_lost():
-    rng = np.random.default_rng(15)
-    problem = Problem(rng.normal(size=(100, 4)), rng.integers(0, 3, 100), depth=2, split="hyperplane")
-    known = local_search(problem, seed=1, options=SearchOptions(restarts=3))
-    again = local_search(problem, seed=2, options=SearchOptions(restarts=1, perturbations=0), incumbent=known.tree)
-    assert again.objective <= known.objective
 
 
 @pytest.mark.parametrize("most", [1, 3])

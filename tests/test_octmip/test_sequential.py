@@ -156,14 +156,6 @@ def test_a_changed_claim_is_refuted():
         certify_sequential(replace(sequential, price=0.0, budget=0.5), solution)
 
 
-def test_a_limit_of_time_leaves_a_bound_that_holds():
-    sequential = SequentialProblem(wing(), price=0.05)
-    best = solve_sequential(sequential)
-    early = solve_sequential(sequential, limits=Limits(nodes=2))
-    assert early.stop is Stop.NODES
-    assert early.bound <= best.objective <= early.objective
-
-
 def test_hyperplanes_are_searched():
     problem = replace(wing(80), split="hyperplane", split_size=2, depth=2)
     sequential = SequentialProblem(problem, price=0.05)

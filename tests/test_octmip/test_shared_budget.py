@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Limits, Problem, Stop
+from octmip import Limits, Problem, Stop
 from octmip.errors import CertificateError, ProblemError
 from octmip.sensing import BaselineSplit, JointSolution, certify_joint, shared_budget
 from octmip.sensing.shared import budget as shared
@@ -235,9 +235,3 @@ def test_wrong_input_is_named():
     ):
         with pytest.raises(ProblemError, match=sentence):
             wrong()
-
-
-def test_a_leaf_is_the_answer_without_a_budget():
-    joint = shared_budget(gauges_for_two(), 0.0)
-    assert all(isinstance(tree, Leaf) for tree in joint.trees)
-    assert joint.is_optimal

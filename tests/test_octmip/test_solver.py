@@ -9,8 +9,7 @@ import pytest
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.trees import registry, solver
-from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.methods.options import ExactOptions, MipOptions, SearchOptions
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
 ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))
@@ -42,13 +41,6 @@ def registered(monkeypatch):
         return function
 
     return register
-
-
-def test_cart_answers_as_cart():
-    solution = solve(STRIPES, method="cart")
-    assert solution.solver == "cart"
-    assert solution.bound == -math.inf
-    assert solution.tree == greedy_tree(STRIPES).tree
 
 
 def test_an_unknown_method_is_refused_with_the_known_ones():
@@ -122,12 +114,6 @@ def test_a_solution_that_its_certificate_refutes_never_leaves(registered, change
             solve(STRIPES, incumbent=incumbent)
 
 
-@pytest.mark.parametrize("tree", [Split(3, 0.5, Leaf(0), Leaf(1)), Split(0, 9.0, Leaf(0), Leaf(1)), Leaf(7)])
-def test_an_incumbent_that_is_no_tree_of_the_problem_is_refused(tree):
-    with pytest.raises(ProblemError, match="incumbent is no tree of this problem"):
-        solve(STRIPES, method="cart", incumbent=tree)
-
-
 def test_ctrl_c_in_a_proof_returns_the_incumbent(registered):
     def interrupted(problem, **_):
         raise KeyboardInterrupt
@@ -171,12 +157,6 @@ def test_an_option_that_the_solver_does_not_take_is_refused():
     ):
         solve(STRIPES, method="search", options=ExactOptions(proof="log"))
     assert solve(STRIPES, method="search", options=SearchOptions(restarts=2)).objective == 0
-
-
-def test_an_option_that_a_mixed_integer_method_does_not_take_is_refused_with_those_that_it_takes():
-    takes = "assist, highs, log, root_rows, solves, start, write"
-    with pytest.raises(ProblemError, match=f"method 'oct' takes no option 'mu'; expected some of: {takes}; leave it"):
-        solve(STRIPES, "oct", options=MipOptions(mu=0.1))
 
 
 def test_options_of_no_class_are_refused_with_the_class_that_is_meant():
