@@ -161,11 +161,6 @@ class Laminate:
         self._check_positive()
 
     @property
-    def bending_thickness(self) -> float:
-        """Thickness [m] of a homogeneous plate with the same ratio of bending to membrane stiffness."""
-        return float(np.sqrt(12.0 * np.trace(self.bending) / np.trace(self.membrane)))
-
-    @property
     def is_isotropic(self) -> bool:
         """Whether the stiffness is the same in every direction of the surface."""
         square = (self.membrane, self.coupling, self.bending)

@@ -3,7 +3,7 @@
 import hashlib
 import io
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,11 +61,6 @@ class KeptStrains:
             raise InputError(f"{path} is damaged; remove it, and its states are solved again")
         strains: FloatArray = np.load(io.BytesIO(content[64:]), allow_pickle=False)
         return strains
-
-    def find_all(self, firsts: Iterable[int]) -> dict[int, FloatArray]:
-        """Return the strains of the tasks that are there, by their first states."""
-        found = {first: self.find(first) for first in firsts}
-        return {first: strains for first, strains in found.items() if strains is not None}
 
     def keep(self, first: int, strains: FloatArray) -> None:
         """Write the strains of a task, whole or not at all."""

@@ -93,11 +93,6 @@ class Belief:
         """Return the mean (n,) of what `of_state` (n_states,) says of every state."""
         return np.asarray(self.probability @ of_state)
 
-    @property
-    def most_probable(self) -> NDArray[np.int64]:
-        """Index (n,) of the most probable state."""
-        return np.asarray(self.probability.argmax(axis=1))
-
 
 def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
     """Return the content to ask of `interval` so that it holds the truth at a share `coverage` of all steps.

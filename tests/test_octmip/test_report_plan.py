@@ -5,7 +5,7 @@ import pytest
 
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.interfaces.report.plan import Wording, plan_markdown, plan_text
+from octmip.interfaces.report.plan import Wording, plan_text
 from octmip.sensing import Group, SequentialProblem
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split
@@ -36,14 +36,6 @@ def test_the_plan_counts_each_reading_once_and_says_what_is_free():
         "expected cost 3.5 (1.5 readings); worst 4 (2 readings)",
         "1 of 8 samples wrong; objective 4.5, not proven: none is below 0",
     ]
-
-
-def test_the_table_numbers_the_steps():
-    lines = plan_markdown(*asked()).splitlines()
-    cells = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines[2:9]]
-    assert [row[0] for row in cells] == ["1", "2", "3", "4", "5", "6", "7"]
-    assert cells[0][1:] == ["read g1 (cost 3)", "g1 <= 3.5", "2", "5"]
-    assert cells[2][1:3] == ["decide 0", "25 % of cases, 0 of 2 wrong; 1 reading, cost 3"]
 
 
 def test_a_split_over_two_gauges_reads_both():

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from octmip.formats.names import shown
-from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import condition, narrow_scope, number, percent
 from octmip.sensing.sequential.problem import SequentialCertificate, SequentialProblem, certify_sequential
 from octmip.trees.solution import Solution
@@ -31,17 +30,6 @@ class Wording:
     unit: str = ""
     label: str = ""
     label_unit: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """One node of a plan, numbered from 1 in preorder, with what has been read before it."""
-
-    node: Node
-    number: int
-    read: frozenset[str]
-    yes: int = 0
-    no: int = 0
 
 
 def plan_text(sequential: SequentialProblem, solution: Solution, wording: Wording = Wording()) -> str:
@@ -69,44 +57,6 @@ def plan_text(sequential: SequentialProblem, solution: Solution, wording: Wordin
 
     say(solution.tree, "", frozenset())
     return "\n".join([*lines, *_summary(solution, certificate, sequential.problem.n_samples)])
-
-
-def plan_markdown(sequential: SequentialProblem, solution: Solution, wording: Wording = Wording()) -> str:
-    """Return the plan as a Markdown table of numbered steps, with the cost and the proof below.
-
-    Raises
-    ------
-    CertificateError
-        the solution does not hold what it claims.
-    """
-    certificate = certify_sequential(sequential, solution)
-    assert solution.tree is not None
-    steps: list[_Step] = []
-    _number_steps(sequential, solution.tree, frozenset(), steps)
-    rows = []
-    notes = iter(_leaf_notes(sequential, solution.tree))
-    for step in steps:
-        if isinstance(step.node, Leaf):
-            decision = f"decide {_decision(sequential, step.node, wording)}"
-            rows.append({"step": step.number, "do": decision, "if": next(notes)})
-        else:
-            question = _condition(sequential, step.node, wording)
-            reading = _reading(sequential, step.node, step.read)
-            rows.append({"step": step.number, "do": reading, "if": question, "yes": step.yes, "no": step.no})
-    table = markdown_table(rows, ["step", "do", "if", "yes", "no"])
-    return "\n".join([table, "", *_summary(solution, certificate, sequential.problem.n_samples)])
-
-
-def _number_steps(sequential: SequentialProblem, node: Node, read: frozenset[str], steps: list[_Step]) -> int:
-    """Append the steps of a subtree in preorder and return the number of its first."""
-    own = len(steps)
-    steps.append(_Step(node, own + 1, read))
-    if not isinstance(node, Leaf):
-        after = read | sequential.sensors_of(node.features)
-        yes = _number_steps(sequential, node.left, after, steps)
-        no = _number_steps(sequential, node.right, after, steps)
-        steps[own] = _Step(node, own + 1, read, yes, no)
-    return own + 1
 
 
 def _reading(sequential: SequentialProblem, node: Split | HyperplaneSplit, read: frozenset[str]) -> str:

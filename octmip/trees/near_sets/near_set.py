@@ -158,14 +158,6 @@ class NearOptimalSet:
         return self.trees is not None
 
     @property
-    def n_readers(self) -> dict[str, int] | None:
-        """Number of trees that read each sensor; None where sets of sensors were not told apart."""
-        if self.by_sensors is None:
-            return None
-        of_sets = self.by_sensors.items()
-        return {sensor: sum(n for read, n in of_sets if sensor in read) for sensor in self.problem.sensors}
-
-    @property
     def least_reading(self) -> dict[str, Fraction]:
         """Least objective of the counted trees that read each sensor, of those that any reads."""
         least: dict[str, Fraction] = {}

@@ -13,7 +13,7 @@ from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
 from octmip.trees.tradeoff.held_out import score
-from octmip.trees.tree import Leaf, Node, leaf_index, leaves, predict
+from octmip.trees.tree import Leaf, Node, leaves, predict
 
 MOST_CLASSES = 30
 """Classes that a table of confusions has room for."""
@@ -277,12 +277,3 @@ def _confusion(what: str, counts: NDArray[np.int64], wording: Wording) -> dict[s
     rows = [[names[true], names[got], int(wrong[true, got])] for true, got in pairs]
     head = ["true class", "answer", "samples"]
     return {"caption": f"{what}: the most frequent errors", "head": head, "rows": rows, "right": (2,)}
-
-
-def counts_of(evidence: Evidence, tree: Node) -> NDArray[np.int64]:
-    """Return the samples of each class in each leaf of a tree, shape (n_leaves, n_classes); of numbers one column."""
-    problem = evidence.problem
-    codes = problem.codes if problem.n_classes else np.zeros(problem.n_samples, dtype=np.int64)
-    counts = np.zeros((len(leaves(tree)), max(1, problem.n_classes)), dtype=np.int64)
-    np.add.at(counts, (leaf_index(tree, problem.features), codes), 1)
-    return counts
