@@ -63,7 +63,6 @@ FAMILIES = {
     "fem_dataset": "benchmarks.cases.fem.dataset",
     "fem_rom": "benchmarks.cases.fem.rom",
     "command_tables": "benchmarks.cases.command.tables",
-    "gap_detect": "benchmarks.cases.gap.detect",
     "gap_noise": "benchmarks.cases.gap.noise",
     "gap_speed": "benchmarks.cases.gap.speed",
 }

@@ -16,7 +16,6 @@ from scipy.special import ndtr
 
 from octmip.gap.campaign.wandering import moves_together
 from octmip.gap.effects.words import words_at
-from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.confounding import VISIBLE, confounded_with, confounders
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.posterior import Judged, Posterior, fit_together
@@ -47,8 +46,6 @@ IDLE = 1e-4
 """Probability below which a hypothesis is not searched for members that are not identifiable."""
 MOST_SEPARATIONS = 3
 """Effects of one group for which a reason says what would separate them."""
-SENSITIVE = 12
-"""Most probable hypotheses among which the winner may change with the priors."""
 
 
 class Certainty(StrEnum):
@@ -109,8 +106,6 @@ class Cause:
         how far each of `parameters` stands above its own absence, in standard deviations.
     is_identifiable
         whether every effect stands d' = 3 above the noise; else its name means little.
-    is_prior_sensitive
-        whether another cause would lead with all priors three times narrower or wider.
     judged
         the hypothesis that names the cause.
     """
@@ -120,7 +115,6 @@ class Cause:
     parameters: tuple[Parameter, ...]
     confounded: tuple[ConfoundedEffects, ...]
     is_identifiable: bool
-    is_prior_sensitive: bool
     judged: Judged
     d_prime: tuple[float, ...] = ()
 
@@ -154,10 +148,7 @@ def causes_of(posterior: Posterior) -> tuple[Cause, ...]:
         covered += found[-1].probability
         taken = {id(h) for h in same}
         left = [h for h in left if id(h) not in taken]
-    found.sort(key=lambda cause: -cause.probability)
-    if found and _is_sensitive(posterior):
-        found[0] = replace(found[0], is_prior_sensitive=True)
-    return tuple(found)
+    return tuple(sorted(found, key=lambda cause: -cause.probability))
 
 
 def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
@@ -208,7 +199,7 @@ def with_misfit(
         return found, unknown_probability
     known = [replace(c, probability=c.probability * kept) for c in found if UNKNOWN not in c.effects]
     beside = [c for c in found if UNKNOWN in c.effects and kept > 0.5 and c.probability > 0.5 * unknown_probability]
-    plain = Cause((UNKNOWN,), unknown, (), (), True, False, best.judged)
+    plain = Cause((UNKNOWN,), unknown, (), (), True, best.judged)
     outside = replace(beside[0], probability=unknown) if beside else plain
     return tuple(sorted([*known, outside], key=lambda cause: -cause.probability)), unknown
 
@@ -279,10 +270,10 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= VISIBLE]
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
-        return Cause((UNKNOWN,), probability, (), (), True, False, head)
+        return Cause((UNKNOWN,), probability, (), (), True, head)
     confounded = tuple(found for j in seen if (found := _confounded(head, same, j)))
     named = (*head.effects, *[MISSTATED] * bool(head.doubted), *[UNKNOWN] * head.has_unknown)
-    return Cause(named, probability, parameters(head, same), confounded, is_identifiable, False, head, d_prime)
+    return Cause(named, probability, parameters(head, same), confounded, is_identifiable, head, d_prime)
 
 
 def _confounded(head: Judged, same: Sequence[Judged], member: int) -> ConfoundedEffects | None:
@@ -308,21 +299,3 @@ def _share(name: str, same: Sequence[Judged]) -> float:
     """Return the part of the probability of these hypotheses that those with an effect hold."""
     whole = sum(h.probability for h in same)
     return float(sum(h.probability for h in same if name in h.effects) / max(whole, 1e-300))
-
-
-def _is_sensitive(posterior: Posterior) -> bool:
-    """Return whether the winner changes when every prior sd is a third or three times what it is."""
-    best = posterior.judged[:SENSITIVE]
-    head = best[0]
-    if head.has_unknown:
-        return False
-    library = [h for h in best if not h.has_unknown]
-    named = {h.members: h.inference.identifiable(h.members) for h in library}
-    library = [h for h in library if h.doubted == head.doubted]
-    parts = _parts(head)
-    shares = [(h, h.fit.scales if h.members else (1.0,) * len(SCALES)) for h in library]
-    for k in range(len(SCALES)):
-        winner = max(shares, key=lambda item: item[0].probability * item[1][k])[0]
-        if named[winner.members] != named[head.members] and not _is_same(head, parts, winner):
-            return True
-    return False

@@ -5,7 +5,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import Recorded, function_twin, gathered
-from octmip.gap.reductions.repeats import modes, phase_means
+from octmip.gap.reductions.repeats import phase_means
 
 TIME = np.arange(0.0, 12.0, 0.001)
 
@@ -25,19 +25,6 @@ def test_phase_means_start_where_they_are_told_and_leave_a_part_of_a_cycle_out()
     )
 
 
-def test_modes_are_the_peaks_with_their_damping():
-    rng, rate = np.random.default_rng(1), 200.0
-    n, true = 2**17, ((4.0, 0.02), (11.0, 0.015))
-    force, frequency = np.fft.rfft(rng.standard_normal(n)), np.fft.rfftfreq(n, 1 / rate)
-    answer = sum(force * f**2 / (f**2 - frequency**2 + 2j * z * f * frequency) for f, z in true)
-    signal = np.fft.irfft(answer, n)
-    found = modes(np.arange(n) / rate, signal, 2, 4, windows=12)
-    assert found.shape == (4, 4)
-    assert found[:, 0] == pytest.approx(4.0, rel=0.02)
-    assert found[:, 1] == pytest.approx(11.0, rel=0.02)
-    assert found.mean(axis=0)[2:] == pytest.approx([0.02, 0.015], rel=0.4)
-
-
 @pytest.mark.parametrize(
     ("rule", "told"),
     [
@@ -46,9 +33,6 @@ def test_modes_are_the_peaks_with_their_damping():
         (lambda: phase_means(TIME, TIME, -1.0, 8), "expected both above 0"),
         (lambda: phase_means(TIME, TIME[1:], 2.0, 8), "expected the same length"),
         (lambda: phase_means(TIME[::-1], TIME, 2.0, 8), "do not rise"),
-        (lambda: modes(TIME, np.sin(40 * TIME), 3, 1), "expected 3 modes"),
-        (lambda: modes(TIME**2 + TIME, TIME, 1, 1), "evenly spaced"),
-        (lambda: modes(TIME[:40], TIME[:40], 1, 1), "too short"),
     ],
 )
 def test_a_series_that_the_rule_does_not_fit_is_refused(rule, told):

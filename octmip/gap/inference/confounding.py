@@ -153,26 +153,3 @@ def detectable(model: LinearModel) -> dict[str, float]:
     for candidate, length in zip(model.inputs.candidates, np.sqrt(model.whitened.lengths), strict=True):
         sizes.setdefault(candidate.name, []).append(POWER / max(float(length), 1e-12))
     return {name: float(np.median(found)) for name, found in sizes.items()}
-
-
-def separations(model: LinearModel, names: tuple[str, ...]) -> Floats:
-    """Return (n_names, n_names) the least d' between effects, each at its prior sd, before any reading is looked at.
-
-    Entry (a, b) is the median over a's places of the distance to b's best place.
-    """
-    candidates = model.inputs.candidates
-    places = {name: [j for j, c in enumerate(candidates) if c.name == name] for name in names}
-    table = np.full((len(names), len(names)), np.inf)
-    for i, name in enumerate(names):
-        distances = [_at_prior_sd(model, j) for j in places[name]]
-        for k, other in enumerate(names):
-            if places[name] and places[other] and other != name:
-                table[i, k] = float(np.median([d[places[other]].min() for d in distances]))
-    return table
-
-
-def _at_prior_sd(model: LinearModel, member: int) -> Floats:
-    """Return d' (n_candidates,) of every candidate from one at its prior sd."""
-    effect = model.inputs.candidates[member].effect
-    gram = conditional_gram(model, (), member)
-    return _distances(model, gram, member, effect.prior_mean or effect.prior_sd)[0]

@@ -41,8 +41,6 @@ class Fit:
         (n_members,) posterior means, in each effect's unit.
     covariance
         (n_members, n_members).
-    scales
-        evidence with one factor on the prior sd of all members, over the mixture's, for each of `SCALES`.
     level
         of the errors of the members' signatures that bears the readings best.
     """
@@ -51,7 +49,6 @@ class Fit:
     log_factor: float
     size: Floats
     covariance: Floats
-    scales: tuple[float, ...]
     level: float = 0.0
 
 
@@ -67,9 +64,8 @@ def mixed(fits: Sequence[Fit], log_shares: Floats, levels: Sequence[float]) -> F
     spread = [
         w * (one.covariance + np.outer(one.size - size, one.size - size)) for w, one in zip(share, fits, strict=True)
     ]
-    scales = share @ np.array([one.scales for one in fits])
     best = levels[int(np.argmax(logs))]
-    return Fit(fits[0].members, total, size, np.sum(spread, axis=0), tuple(scales.tolist()), best)
+    return Fit(fits[0].members, total, size, np.sum(spread, axis=0), best)
 
 
 def alike(prior: Priors, sets: Sequence[Members]) -> list[list[Members]]:
@@ -84,7 +80,7 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
     """Return the fits of sets of one group (see `alike`) from their (n_sets, m, m) Gram matrices and (n_sets, m) b."""
     discrete = prior.is_discrete[list(sets[0])]
     if not len(discrete):
-        return [Fit((), 0.0, np.zeros(0), np.zeros((0, 0)), (1.0,) * len(SCALES)) for _ in sets]
+        return [Fit((), 0.0, np.zeros(0), np.zeros((0, 0))) for _ in sets]
     index = np.array(sets)
     choices = np.array(list(product(*[(1.0,) if is_discrete else SCALES for is_discrete in discrete])))
     sd = prior.sd[index][:, None] * choices
@@ -96,10 +92,8 @@ def fits_of(prior: Priors, sets: Sequence[Members], gram: Floats, projection: Fl
     size = np.einsum("sk,ski->si", share, sizes)
     second = np.einsum("sk,skij->sij", share, covariances + sizes[..., :, None] * sizes[..., None, :])
     covariance = second - size[:, :, None] * size[:, None, :]
-    of_scale = [(choices[:, ~discrete] == scale).all(axis=1) for scale in SCALES]
-    scales = len(choices) * np.array([share[:, chosen].sum(axis=1) for chosen in of_scale]).T
-    rows = zip(sets, total.tolist(), size, covariance, scales.tolist(), strict=True)
-    return [Fit(members, value, mean, spread, tuple(scale)) for members, value, mean, spread, scale in rows]
+    rows = zip(sets, total.tolist(), size, covariance, strict=True)
+    return [Fit(members, value, mean, spread) for members, value, mean, spread in rows]
 
 
 def _gaussians(

@@ -86,7 +86,6 @@ def _cause(cause: Cause) -> dict[str, Any]:
         "certainty": str(cause.certainty),
         "parameters": [_parameter(p) for p in cause.parameters],
         "cannot_be_told_from": [list(c.effects[1:]) for c in cause.confounded],
-        "is_prior_sensitive": cause.is_prior_sensitive,
     }
 
 

@@ -153,8 +153,6 @@ def shown_causes(diagnosis: Diagnosis) -> list[Cause]:
 def doubt_lines(diagnosis: Diagnosis) -> list[str]:
     """Return how sure the list of causes is, and what these readings could not have shown, a line each."""
     lines = []
-    if diagnosis.which[0].is_prior_sensitive:
-        lines.append("Another cause would lead if all sizes were expected to be three times smaller or larger.")
     if UNKNOWN in diagnosis.which[0].effects:
         lines.append(f"It looks like {diagnosis.posterior.unknown_words}.")
     else:
