@@ -12,6 +12,7 @@ import numpy as np
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import with_missing
+from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
@@ -23,6 +24,8 @@ from octmip.trees.solution import Solution, Stop
 from octmip.trees.solver import solve
 
 MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
+MOST_SAMPLES = {1: 14, 2: 10}
+"""Of splits over two features, by depth."""
 MOST_SPLITS = 3
 
 
@@ -35,6 +38,7 @@ class Classes:
     methods: Mapping[str, float]
     share: float = 1.0
     proofs: tuple[str, ...] = field(default=("exact",))
+    is_proven: bool = False
 
     def draw(self, rng: Generator) -> Problem:
         """Return a random problem."""
@@ -118,6 +122,11 @@ def _lines(rng: Generator) -> Problem:
     return sized_lines(rng)
 
 
+def _two_features(rng: Generator) -> Problem:
+    depth = int(rng.integers(1, 3))
+    return random_two_feature_problem(rng, depth=depth, max_samples=MOST_SAMPLES[depth])
+
+
 def _few_splits(rng: Generator) -> Problem:
     return replace(wide_problem(rng, split="axis"), max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
 
@@ -167,6 +176,8 @@ HYPERPLANE_KIND = Classes(3, _hyperplanes, HYPERPLANE)
 MISSING_KIND = Classes(7, _missing, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow": 0.05}, 0.5)
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
+TWO_FEATURES = {"exact": 1.0, "search": 0.3, "flow": 0.05, "oct_h": 0.05}
+TWO_FEATURE_KIND = Classes(60, _two_features, TWO_FEATURES, 0.4, is_proven=True)
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())
 SPARSE_KIND = AnyDepthClasses(23, _sparse, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())
 FEW_LEAVES_KIND = Classes(19, _few_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())

@@ -14,6 +14,10 @@ Generator = np.random.Generator
 ROUNDING = Fraction(1, 2**44)
 """Relative: an objective is a sum of rounded products, rounded again."""
 
+ENOUGH = 5.0
+"""Seconds that are enough for a proof of a small problem."""
+HEURISTIC = ("search", "cart")
+
 
 class Answer(Protocol):
     """An answer of any kind: it says why it ended."""
@@ -32,6 +36,12 @@ class Question:
     method: str
     limits: Limits
     proof: bool
+
+    @property
+    def is_free(self) -> bool:
+        """Whether an exact method has time enough and no other limit."""
+        limits = self.limits
+        return self.method not in HEURISTIC and limits == Limits(seconds=limits.seconds) and limits.seconds >= ENOUGH
 
     def __str__(self) -> str:
         limits = f"seconds={self.limits.seconds:g}, nodes={self.limits.nodes:g}, gap={self.limits.gap:g}"
@@ -52,6 +62,10 @@ class Kind(Protocol):
     @property
     def methods(self) -> Mapping[str, float]:
         """Methods that are asked, and the share of the problems that each is."""
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether every answer without a limit is to be proven."""
 
     def draw(self, rng: Generator) -> Any:
         """Return a random problem."""

@@ -1,4 +1,4 @@
-"""Numbers, bounded reading errors, and sets of near-optimal trees."""
+"""Bounded reading errors, and sets of near-optimal trees."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,68 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.kinds.classes import claims_complaint, log_complaint
+from benchmarks.kinds.classes import claims_complaint
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.regression_runs import Runs
-from benchmarks.oracles.regression_trees import least_objective
 from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.wide_problems import wide_numbers
 from benchmarks.oracles.worst_case import least_worst_case
 from octmip.errors import CertificateError
-from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import NearOptimalSet, near_optimal
 from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import Recount, certify_set, recount
 from octmip.trees.solution import Solution
-from octmip.trees.solver import solve
 from octmip.trees.worst_case import Bands, certify_worst_case
 from octmip.trees.worst_case import solve as solve_worst_case
 
 MARGINS = (0.0, 0.3, 0.5, 1.0, 2.0, 4.0)
 """How far above the optimum trees are counted."""
-
-
-class Numbers:
-    """Regression trees, by squared or absolute error."""
-
-    stream, share = 19, 0.5
-    methods: Mapping[str, float] = MappingProxyType({"exact": 1.0, "search": 0.3})
-
-    def draw(self, rng: Generator) -> Problem:
-        """Return a random problem."""
-        return wide_numbers(rng)
-
-    def truth(self, problem: Problem) -> Fraction:
-        """Return the least objective of any tree."""
-        return Runs(problem).least() if problem.n_features == 1 else least_objective(problem)
-
-    def has_log(self, problem: Problem, method: str) -> bool:
-        """Return whether a method writes proof logs."""
-        return method == "exact"
-
-    def ask(self, question: Question, problem: Problem, log: Path | None) -> Solution:
-        """Return the answer to a question."""
-        options = ExactOptions(proof=log)
-        limits, method = question.limits, question.method
-        return solve(problem, method, limits=limits, seed=question.seed, options=options)  # type: ignore[arg-type]
-
-    def complaint(self, problem: Problem, answer: Solution, truth: Fraction, log: Path) -> str:
-        """Return what is wrong with a solution and its log; '' when nothing is."""
-        try:
-            certify(problem, answer)
-        except CertificateError as error:
-            return f"answer: {error}"
-        assert answer.tree is not None
-        cost = problem.exact_objective(answer.tree)
-        # Means are rounded once: each is half of a last place from the best number of its leaf at most.
-        last_place = Fraction(float(np.spacing(np.abs(problem.targets).max())))
-        total = sum(map(Fraction, problem.weights.tolist()), Fraction(0))
-        rounded = total * last_place**2 if problem.loss.name == "squared" else Fraction(0)
-        wrong = claims_complaint(answer, cost, truth, ROUNDING * truth + rounded)
-        return wrong or log_complaint(problem, log, answer, truth)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +39,7 @@ class Banded:
 class WorstCases:
     """Trees of least worst case under bounded reading errors."""
 
-    stream, share = 23, 0.3
+    stream, share, is_proven = 23, 0.3, True
     methods: Mapping[str, float] = MappingProxyType({"least_worst": 1.0})
 
     def draw(self, rng: Generator) -> Banded:
@@ -108,7 +62,8 @@ class WorstCases:
 
     def ask(self, question: Question, problem: Banded, log: Path | None) -> Solution:
         """Return the answer to a question."""
-        found = solve_worst_case(problem.problem, problem.bands, problem.off, question.limits, seed=question.seed)
+        limits, n_jobs = question.limits, 1 + question.seed % 2
+        found = solve_worst_case(problem.problem, problem.bands, problem.off, limits, seed=question.seed, n_jobs=n_jobs)
         return found.solution
 
     def complaint(self, problem: Banded, answer: Solution, truth: Fraction, log: Path) -> str:
@@ -154,7 +109,7 @@ class Near:
 class NearSets:
     """Counts of all trees near the optimum."""
 
-    stream, share = 29, 0.3
+    stream, share, is_proven = 29, 0.3, True
     methods: Mapping[str, float] = MappingProxyType({"near_optimal": 1.0})
 
     def draw(self, rng: Generator) -> Near:
@@ -183,7 +138,7 @@ class NearSets:
     def complaint(self, problem: Near, answer: NearOptimalSet, truth: Recount, log: Path) -> str:
         """Return what is wrong with a set; '' when nothing is."""
         try:
-            certify_set(problem.problem, answer, answer.best(3))
+            certify_set(problem.problem, answer, answer.best(5) + (answer.sample(3) if answer.is_complete else []))
         except CertificateError as error:
             return f"answer: {error}"
         if answer.optimum not in (None, truth.least):
@@ -193,4 +148,6 @@ class NearSets:
         whole: Mapping[Any, int] = dict(answer.spectrum)
         if answer.is_complete and whole != dict(truth.spectrum):
             return f"answer: spectrum {whole}, enumeration finds {dict(truth.spectrum)}"
+        if answer.is_complete and answer.by_sensors is not None and dict(answer.by_sensors) != dict(truth.by_sensors):
+            return f"answer: by sensors {answer.by_sensors}, enumeration finds {truth.by_sensors}"
         return ""

@@ -33,7 +33,7 @@ class Optimum:
 
 def optimum(problem: Problem) -> Optimum:
     """Return the optimum of an axis-aligned problem; effort grows as (samples x features)^depth x 2^sensors."""
-    prices, denominator = _whole_prices(problem)
+    prices, denominator = whole_prices(problem)
     found = []
     for n_sensors in range(len(problem.sensors) + 1):
         for chosen in combinations(range(len(problem.sensors)), n_sensors):
@@ -44,7 +44,7 @@ def optimum(problem: Problem) -> Optimum:
     return Optimum(best[0] / denominator, *best[1:])
 
 
-def _whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
+def whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
     """Return prices[i][k] of predicting k for sample i, last row the penalty; all times the denominator returned."""
     costs = [[Fraction(float(c)) for c in problem.cost_table[row]] for row in problem.cost_rows]
     exact = [[Fraction(float(w)) * c for c in row] for w, row in zip(problem.weights, costs, strict=True)]

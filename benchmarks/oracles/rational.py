@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.oracles.enumeration import whole_prices
 from benchmarks.oracles.two_feature import partings
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, complexity, predict
@@ -25,10 +26,10 @@ Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features
 def cost_of(problem: Problem, tree: Node) -> Fraction:
     """Return the objective of a tree; samples are routed in float64, as a tree at work routes them."""
     predicted = predict(tree, problem.features).tolist()
-    weights, costs = problem.weights.tolist(), problem.costs.tolist()
+    weights, costs = problem.weights.tolist(), problem.cost_table.tolist()
     paid = (
-        Fraction(w) * Fraction(costs[code][label])
-        for w, code, label in zip(weights, problem.codes.tolist(), predicted, strict=True)
+        Fraction(w) * Fraction(costs[row][label])
+        for w, row, label in zip(weights, problem.cost_rows.tolist(), predicted, strict=True)
     )
     return sum(paid, Fraction(problem.leaf_penalty) * complexity(tree))
 
@@ -38,7 +39,7 @@ def least_cost(problem: Problem) -> Fraction:
 
     Effort grows as cuts^depth of axis-aligned trees, as partings^depth of others, times sets of sensors.
     """
-    prices, denominator = _whole_prices(problem)
+    prices, denominator = whole_prices(problem)
     if problem.split == "axis":
         best = min(_best_along(problem, features, prices) for features in _affordable(problem))
     else:
@@ -116,18 +117,6 @@ def _cheapest(parted: Partings, features: frozenset[int]) -> dict[int, int]:
     """Return the fewest features by which each set of samples can be parted from the others."""
     sizes = {left: [size for size, used in ways if used <= features] for left, ways in parted.items()}
     return {left: min(some) for left, some in sizes.items() if some}
-
-
-def _whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
-    """Return prices[i][k] of predicting k for sample i, last row the penalty; all times the denominator returned."""
-    costs = [[Fraction(c) for c in row] for row in problem.costs.tolist()]
-    exact = [
-        [Fraction(w) * c for c in costs[code]]
-        for w, code in zip(problem.weights.tolist(), problem.codes.tolist(), strict=True)
-    ]
-    exact.append([Fraction(problem.leaf_penalty)])
-    denominator = math.lcm(*(c.denominator for row in exact for c in row))
-    return [[int(c * denominator) for c in row] for row in exact], denominator
 
 
 def _best_cost(problem: Problem, sizes: dict[int, int], prices: list[list[int]]) -> int:

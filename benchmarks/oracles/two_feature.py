@@ -1,15 +1,12 @@
-"""Optimal trees of splits over one or two features by trying every way in which a line can part the samples.
+"""Every way in which a line over two features, or a cut of one, can part the samples.
 
 Exact: feature values enter as fractions. Every way of parting distinct points by a line is that of the line through two
 of them, turned a little about a place on it, so the points on it come apart as a prefix and a suffix.
 """
 
-import math
 from collections.abc import Iterable
 from fractions import Fraction
 from itertools import combinations
-
-import numpy as np
 
 from octmip.trees.problem import Problem
 
@@ -43,37 +40,3 @@ def partings(problem: Problem) -> dict[int, set[tuple[int, frozenset[int]]]]:
 
 def _mask(bits: Iterable[bool]) -> int:
     return sum(1 << i for i, bit in enumerate(bits) if bit)
-
-
-def best_objective(problem: Problem) -> float:
-    """Return the least objective over all trees of a problem of depth 1 or 2."""
-    made = partings(problem)
-
-    def leaf(samples: int) -> float:
-        rows = np.array([i for i in range(problem.n_samples) if samples >> i & 1], dtype=np.int64)
-        return float(problem.class_costs(rows).min()) if len(rows) >= problem.leaf_size else math.inf
-
-    def affordable(features: frozenset[int]) -> bool:
-        sensors = {int(problem.sensor_index[f]) for f in features}
-        return bool(sum(problem.sensor_costs[s] for s in sensors) <= problem.sensor_limit)
-
-    def best(samples: int, depth: int) -> dict[frozenset[int], float]:
-        options = {frozenset[int](): leaf(samples)}
-        parts: dict[int, set[tuple[int, frozenset[int]]]] = {}
-        for side, splits in made.items() if depth else ():
-            if 0 < side & samples < samples:
-                parts.setdefault(side & samples, set()).update(splits)
-        known: dict[int, dict[frozenset[int], float]] = {}
-        for side, splits in parts.items():
-            for part in (side, samples ^ side):
-                known[part] = known.get(part) or best(part, depth - 1)
-            for left, left_cost in known[side].items():
-                for right, right_cost in known[samples ^ side].items():
-                    for size, features in splits:
-                        used = frozenset() if math.isinf(problem.sensor_limit) else left | right | features
-                        cost = left_cost + right_cost + problem.leaf_penalty * size
-                        if cost < options.get(used, math.inf) and affordable(used | features):
-                            options[used] = cost
-        return options
-
-    return min(best((1 << problem.n_samples) - 1, problem.depth).values())

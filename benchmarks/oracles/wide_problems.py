@@ -4,13 +4,13 @@ Features from denormals to the largest number, neighbours one last place apart, 
 costs and penalties from 1e-12 to 1e12 within one problem; rare classes; all settings of a Problem.
 """
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.problem_options import ProblemOptions
-from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
+from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 
 Generator = np.random.Generator
@@ -92,42 +92,6 @@ def sized_lines(rng: Generator) -> Problem:
     if rng.random() < 0.3:
         options["leaf_penalty"] = 1.0
     return Problem(features, labels, **options)
-
-
-def wide_numbers(rng: Generator) -> Problem:
-    """Return a regression problem: targets with outliers, ties, clusters.
-
-    At times one column of up to 300 samples, beyond 16 bins, 48 and 64 buckets and 256 parts of a feature.
-    """
-    loss = str(rng.choice(SPELLINGS))
-    n, p, depth = (
-        (int(rng.integers(2, 11)), int(rng.integers(1, 4)), int(rng.integers(1, 4)))
-        if rng.random() < 0.6
-        else (int(np.exp(rng.uniform(np.log(17), np.log(301)))), 1, 2)
-    )
-    spread = 10.0 ** rng.uniform(0, 6)
-    targets = [
-        rng.integers(0, 5, n) * 20.0,
-        np.round(rng.normal(size=n), 1),
-        rng.lognormal(sigma=1.5, size=n),
-        np.round(rng.lognormal(sigma=1.5, size=n), 2),
-        rng.integers(0, 3, n) * spread + rng.normal(size=n),
-        rng.standard_cauchy(n),
-    ][rng.integers(6)]
-    if rng.random() < 0.2:
-        targets = np.where(np.arange(n) == rng.integers(n), 10.0 ** rng.uniform(3, 12), targets)
-    options: dict[str, Any] = {"depth": depth, "loss": number_loss(loss)}
-    if rng.random() < 0.3:
-        options["weights"] = 1e-3 + np.round(rng.random(n), 1) if rng.random() < 0.5 else 10.0 ** rng.uniform(-6, 6, n)
-    if rng.random() < 0.3:
-        options["leaf_size"] = int(rng.integers(1, max(2, n // 4) + 1))
-    if rng.random() < 0.2:
-        options["leaf_penalty"] = float(rng.choice([0.3, 1.0, 20.0]))
-    if p > 1 and rng.random() < 0.3:
-        options["sensor_cost"] = rng.integers(0, 4, p).astype(float)
-        options["sensor_budget"] = float(rng.integers(0, 6))
-    features = rng.integers(0, rng.choice([4, n, 1000]), (n, p)).astype(float)
-    return Problem(features, targets, **options)
 
 
 def numbers(rng: Generator, n: int) -> Floats:

@@ -10,7 +10,7 @@ from benchmarks.uav.bayes import BayesLimit
 from benchmarks.uav.complexity import lines as kept_lines
 from benchmarks.uav.complexity.cells import Cell, bayes_limits, pair_limits, paper_cells, problem_of, study_cells
 from benchmarks.uav.complexity.report import write_complexity
-from benchmarks.uav.complexity.tables import complexity_table, objectives_table, overfitting, paper_table
+from benchmarks.uav.complexity.tables import complexity_table, overfitting, paper_table
 from femlib.dataset import MeanStrains, Recipe, build_dataset, study_states_percent
 
 SMALL = Recipe(samples_per_state=6)
@@ -105,12 +105,4 @@ def test_the_papers_figures_are_met_as_they_stand_or_as_a_ratio_to_the_axis_figu
     assert "errors: ratio 0.75, no (paper 0.69)" in paper_table(axis | made_up(15.0, 17.0, seeds=1), LIMITS, PAIRS)
     assert "| 11 | 17 |" in " ".join(
         paper_table(axis | made_up(11.0, 17.0, seeds=1), LIMITS, PAIRS).replace(".00", "").split()
-    )
-
-
-def test_objectives_are_compared_on_the_same_seeds_only() -> None:
-    pair = made_up(15.0, 17.0) | made_up(13.0, 17.0, objective="mae")
-    assert (
-        "| mu2, depth 3, 4 | 15.50 | 13.50 | 2, equal in 0 | 17.00 | 17.00 | 0, equal in 2 | 2 |"
-        in objectives_table(pair)
     )

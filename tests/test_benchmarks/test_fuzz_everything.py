@@ -12,7 +12,7 @@ from benchmarks.kinds.classes import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_numbers, wide_problem
+from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip import Leaf, Limits, Problem, Stop, solve
 from octmip.trees.tree import n_splits
 
@@ -52,10 +52,10 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     assert max(problem.n_samples for problem in lines if problem.depth == 1) > 48  # points of a dichotomy
     assert max(problem.n_samples for problem in lines if problem.depth == 2) > 16  # intervals bounded together
     assert max(math.comb(problem.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
-    numbers = drawn(wide_numbers, 200)
+    numbers = drawn(KINDS["many_numbers"].draw, 200)
     for loss in ("squared", "absolute", "quantile"):  # bins, buckets, parts of a feature
         assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > 64
-        assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 128
+        assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 256
     worst = drawn(KINDS["worst_case"].draw, 100)
     assert max(len(np.unique(banded.problem.features)) for banded in worst) > 64  # cuts of a feature in slices
     assert max(banded.problem.n_classes for banded in worst) > 7  # more than 20 pairs of labels
@@ -67,10 +67,10 @@ def test_every_option_of_a_problem_is_drawn():
     missing, few = drawn(KINDS["missing"].draw, 60), drawn(KINDS["few_splits"].draw, 60)
     assert any(problem.n_missing and problem.sensor_budget is not None for problem in missing)
     assert {problem.max_splits for problem in few} == {0, 1, 2, 3}
-    numbers = drawn(wide_numbers, 60)
+    numbers, far = drawn(KINDS["numbers"].draw, 60), drawn(KINDS["far_numbers"].draw, 60)
     assert any(problem.sensor_budget is not None for problem in numbers)
     assert any(problem.leaf_size > 1 and problem.leaf_penalty for problem in numbers)
-    assert any(np.ptp(problem.targets) > 1e9 for problem in numbers)
+    assert any(np.ptp(problem.targets) > 1e9 for problem in far)
 
 
 def test_more_splits_than_were_asked_for_are_found():
@@ -111,6 +111,13 @@ def test_a_chunk_of_its_own_process_is_counted():
     assert "| solver |" in summary([line])
     methods = {method for kind in KINDS.values() for method in kind.methods}
     assert methods >= {"exact", "search", "cart", "oct", "flow", "oct_h", "benders"}
+
+
+def test_a_proof_that_ends_early_without_a_limit_is_found(monkeypatch):
+    question, problem, truth = next(entry for seed in range(99) for entry in questions(seed, ("ties",)))
+    stopped = dataclasses.replace(solve(problem, "exact"), stop=Stop.NUMERICS, bound=-math.inf)
+    monkeypatch.setattr(type(KINDS["ties"]), "ask", lambda *_: stopped)
+    assert answer(question, problem, truth)["wrong"].startswith("unproven")
 
 
 def test_limits_are_drawn_for_every_solver():

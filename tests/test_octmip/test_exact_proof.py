@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.exact_proofs import corrupted
+from benchmarks.cases.fuzz.proofs import corrupted
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip.trees.methods.exact import branch_and_bound
@@ -25,4 +25,4 @@ def test_every_log_of_the_solver_proves_its_bound(first, tmp_path):
 
 @pytest.mark.parametrize("first", range(2000, 2120, BLOCK))
 def test_no_corruption_that_changes_the_claim_is_accepted(first):
-    assert not [seed for seed in range(first, first + BLOCK) if corrupted(seed)[1] == "wrong"]
+    assert not [seed for seed in range(first, first + BLOCK) if corrupted("classes", seed)[1] == "wrong"]

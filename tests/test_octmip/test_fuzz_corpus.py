@@ -16,7 +16,7 @@ FOUND = [
 
 @pytest.mark.parametrize(("seed", "method", "what"), FOUND)
 def test_what_the_fuzz_found_stays_mended(seed, method, what):
-    asked = [entry for entry in questions(seed) if entry[0].method == method]
+    asked = [entry for entry in questions(seed, ("axis", "hyperplane")) if entry[0].method == method]
     assert asked
     for question, problem, least in asked:
         patient = dataclasses.replace(question, limits=dataclasses.replace(question.limits, seconds=20.0))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.rational import least_cost
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
@@ -74,7 +74,7 @@ def test_what_is_claimed_of_hyperplane_trees_holds_at_any_size(method, size):
     solver = {"oct_h": solve_oct_h, "flow": solve_flow}[method]
     for seed in range(0, 10, 2):  # depth 1: the printed form takes seconds at depth 2
         problem = wild(seed, size, "hyperplane")
-        holds(problem, solver(problem), best_objective(problem))
+        holds(problem, solver(problem), float(least_cost(problem)))
 
 
 def test_whole_weights_of_one_large_unit_are_proven_outright():

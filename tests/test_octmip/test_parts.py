@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.cases.fuzz.parts import fault
 from benchmarks.kinds.parted import PART_KINDS
+from benchmarks.oracles.parts import least_cost_with_parts
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, NoTreeError, ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
@@ -28,11 +28,13 @@ def asked(**options: object) -> Problem:
     return Problem(FEATURES, LABELS, **({"depth": 2} | options))
 
 
-@pytest.mark.parametrize("kind", PART_KINDS.values(), ids=PART_KINDS)
-def test_the_least_cost_is_that_of_a_list_of_all_trees_or_there_is_none(kind):
-    found = [fault(kind, seed) for seed in range(60)]
-    assert [wrong for wrong, _ in found if wrong] == []
-    assert any(has_tree for _, has_tree in found)
+def test_where_no_tree_of_a_list_of_all_has_the_parts_the_core_says_so():
+    drawn = [kind.drawn(np.random.default_rng([kind.stream, k])) for kind in PART_KINDS.values() for k in range(60)]
+    without = [problem for problem in drawn if least_cost_with_parts(problem) is None]
+    assert len(without) > 9
+    for problem in without:
+        with pytest.raises(NoTreeError, match="no tree of depth"):
+            solve(problem, "exact")
 
 
 @pytest.mark.parametrize(

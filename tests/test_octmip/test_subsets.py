@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.cases.fuzz.subsets import fault
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.column import Column
@@ -16,10 +15,6 @@ from octmip.trees.tree import Leaf, Split
 
 COLOURS = pd.DataFrame({"colour": ["red", "blue", "green", "blue", "grey", "red"]})
 STATE = np.array(["hot", "hot", "cold", "hot", "cold", "hot"])
-
-
-def test_the_least_errors_are_those_of_a_list_of_all_trees():
-    assert {seed: said for seed in range(80) if (said := fault(seed))} == {}
 
 
 def test_every_set_without_the_first_value_is_a_feature_and_an_unknown_text_is_in_none():

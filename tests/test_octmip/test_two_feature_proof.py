@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.two_feature_proofs import corrupted
-from benchmarks.oracles.two_feature import best_objective
+from benchmarks.cases.fuzz.proofs import corrupted
+from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
@@ -23,12 +23,12 @@ def test_every_log_proves_the_optimum_of_enumeration(depth: int, first: int, tmp
         problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
         solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
         report = check_proof(problem, path, bound=solution.bound)
-        assert report.bound == pytest.approx(best_objective(problem), rel=1e-12), f"seed {seed}"
+        assert report.bound == pytest.approx(float(least_cost(problem)), rel=1e-12), f"seed {seed}"
 
 
 @pytest.mark.parametrize("first", [2000, 2040, 2080])
 def test_no_corruption_that_changes_the_claim_is_accepted(first: int) -> None:
-    assert not [seed for seed in range(first, first + 40) if corrupted(seed)[1] == "wrong"]
+    assert not [seed for seed in range(first, first + 40) if corrupted("two features", seed)[1] == "wrong"]
 
 
 def test_logs_of_larger_problems_are_checked_on_several_threads(tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_values_however_far_apart_are_proven(tmp_path: Path) -> None:
     problem = Problem([[1e-200, 0], [1e200, 1], [1, 2]], [0, 1, 0], depth=1, split="hyperplane")
     path = tmp_path / "proof.log"
     log_of(problem, path)
-    assert check_proof(problem, path).bound == best_objective(problem) == 0
+    assert check_proof(problem, path).bound == float(least_cost(problem)) == 0
 
 
 def test_deeper_trees_have_no_logs() -> None:

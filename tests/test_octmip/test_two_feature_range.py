@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.oracles.two_feature import best_objective
+from benchmarks.oracles.rational import least_cost
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import CertificateError
 from octmip.interfaces.cli import main
@@ -91,7 +91,7 @@ def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) ->
     problem = problem_of(case)
     solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"), check_log=False)
     certify(problem, solution)
-    optimum = best_objective(problem) if problem.n_samples < 20 else 14.0
+    optimum = float(least_cost(problem)) if problem.n_samples < 20 else 14.0
     assert solution.bound <= optimum <= solution.objective
     assert solution.is_optimal or solution.stop is Stop.NUMERICS
     assert check_proof(problem, tmp_path / "log", bound=solution.bound).bound == solution.bound
@@ -128,7 +128,7 @@ def test_random_problems_over_all_of_float64_have_true_bounds_and_accepted_logs(
         solution = two_feature_branch_and_bound(
             problem, options=ExactOptions(proof=path), check_log=False, limits=Limits(nodes=500)
         )
-        optimum = best_objective(problem)
+        optimum = float(least_cost(problem))
         assert solution.bound <= optimum <= solution.objective, f"seed {seed}"
         assert not solution.is_optimal or solution.objective == optimum, f"seed {seed}"
         assert check_proof(problem, path).bound == solution.bound, f"seed {seed}"

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.worst_case import complaint
 from benchmarks.kinds.others import random_bands
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip import ClassCosts, certify, predict
@@ -22,12 +21,6 @@ def five_values(**options: object) -> Problem:
     """Return samples at 0, 1, 2, 3, 4 of classes a, a, a, b, b."""
     settings: dict[str, object] = {"depth": 1} | options
     return Problem(np.arange(5.0)[:, None], np.array(list("aaabb")), **settings)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("first", range(0, 90, 10))
-def test_the_least_worst_case_is_that_of_enumeration(first: int) -> None:
-    wrong = {seed: why for seed in range(first, first + 10) if (why := complaint(np.random.default_rng([33, seed])))}
-    assert not wrong
 
 
 def test_samples_in_the_band_of_a_cut_count_on_both_sides() -> None:

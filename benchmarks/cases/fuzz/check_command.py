@@ -24,9 +24,8 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator
-from benchmarks.oracles.enumeration import optimum
+from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.two_feature import best_objective
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
 from benchmarks.tables import Line
@@ -191,14 +190,10 @@ def _judged(answer: Answer, problem: Problem, file: Path, *, is_changed: bool) -
     if code != 0 or accepted is None or err:
         return f"other: exit code {code}, {out[:100]!r}, {err[:200]!r}"
     try:
-        least = _least_of(file) if is_changed else _least(problem)
+        least = _least_of(file) if is_changed else float(least_cost(problem))
     except (OctmipError, ValueError) as error:
         return f"other: accepted, but {error!r}"
     return "true" if float(accepted[1]) <= least * (1 + 1e-15) else f"wrong: {accepted[1]} is above {least}"
-
-
-def _least(problem: Problem) -> float:
-    return optimum(problem).objective if problem.split == "axis" else best_objective(problem)
 
 
 def _least_of(file: Path) -> float:
@@ -208,7 +203,7 @@ def _least_of(file: Path) -> float:
     if len(set(held["labels"])) == 1 or (groups is not None and not any(groups)):
         paid = np.array(held["weights"]) @ np.array(held["costs"], dtype=float)[held["labels"]]
         return float(paid.min())  # one leaf; a problem would be refused
-    return _least(_problem_in(held))
+    return float(least_cost(_problem_in(held)))
 
 
 def _problem_in(held: dict[str, Any]) -> Problem:

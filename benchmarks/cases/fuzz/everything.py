@@ -1,11 +1,13 @@
 """Every kind of problem and every solver, at random over the whole range of float64, against enumeration in fractions.
 
 `python -m benchmarks.run fuzz_everything --limit 3600 --threads 2`: so many seconds in so many processes, one line per
-chunk of seeds; the table of docs/reliability.md at the end. What counts as wrong, for any problem and any limit:
+chunk of seeds; the table of docs/reliability.md at the end. `--only near` asks the kinds that a regular expression
+finds. What counts as wrong, for any problem and any limit:
 
     optimal     the answer says optimal, and a tree that costs less (by more than the stated tolerance) exists
     bound       the bound lies above the least cost
     answer      the tree breaks a limit of the problem, or its objective in fractions is another
+    unproven    no limit but the time of a kind that is always proven, and the answer is not
     proof       a log that was written is refused by the checker, or accepted for a claim above the least cost
     exception   anything but the project's own errors; or one of these: every problem has a tree
     warning     any
@@ -19,6 +21,7 @@ lie beyond: docs/reliability.md, "Sizes".
 
 import json
 import multiprocessing
+import re
 import resource
 import tempfile
 import time
@@ -43,57 +46,67 @@ from benchmarks.kinds.classes import (
     MIXED_INTEGER,
     SIZED_KIND,
     SPARSE_KIND,
+    TWO_FEATURE_KIND,
 )
 from benchmarks.kinds.kind import Kind, Question
+from benchmarks.kinds.numbers import NUMBER_KINDS
 from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
-from benchmarks.kinds.others import NearSets, Numbers, WorstCases
+from benchmarks.kinds.others import NearSets, WorstCases
 from benchmarks.kinds.parted import PART_KINDS
+from benchmarks.kinds.sample_costs import SAMPLE_COSTS_KIND
+from benchmarks.kinds.texts import Texts
+from benchmarks.kinds.ties import TIES_KIND
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.registry import REGISTRY
-from octmip.trees.solution import Limits
+from octmip.trees.solution import Limits, Stop
 
 STREAM = 71
 CHUNK = 100
 PATIENCE = 60.0  # seconds without a word from a chunk's process before its problem is called a hang
 LATE = 1.0  # seconds over a limit
+PROVEN = (Stop.OPTIMAL, Stop.FINISHED)  # a set is counted where it is finished
 KINDS: dict[str, Kind] = {
     "axis": AXIS_KIND,
     "hyperplane": HYPERPLANE_KIND,
     "missing": MISSING_KIND,
     "sized": SIZED_KIND,
     "lines": LINES_KIND,
+    "two_feature": TWO_FEATURE_KIND,
     "few_splits": FEW_SPLITS_KIND,
     "few_leaves": FEW_LEAVES_KIND,
     "sparse": SPARSE_KIND,
     "monotone": MONOTONE_KIND,
     "monotone_few": MONOTONE_FEW_KIND,
     **PART_KINDS,
-    "numbers": Numbers(),
+    **NUMBER_KINDS,
+    "texts": Texts(),
+    "sample_costs": SAMPLE_COSTS_KIND,
+    "ties": TIES_KIND,
     "worst_case": WorstCases(),
     "near": NearSets(),
 }
 
 
-def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
+def results(limit: float, threads: Sequence[int], only: str = "") -> Iterator[Line]:
     """Yield a line per chunk of seeds until the time is up."""
-    start = time.perf_counter()
+    start, kinds = time.perf_counter(), [name for name in KINDS if re.search(only, name)]
     with ThreadPoolExecutor(max(threads)) as pool:
         first = 0
         while time.perf_counter() - start < limit:
             firsts = range(first, first + CHUNK * max(threads), CHUNK)
-            yield from pool.map(lambda seed: watched(range(seed, seed + CHUNK)), firsts)
+            yield from pool.map(lambda seed: watched(range(seed, seed + CHUNK), kinds), firsts)
             first = firsts.stop
 
 
-def watched(seeds: range) -> Line:
+def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS)) -> Line:
     """Return the line of a chunk, answered in a process of its own that is ended where it no longer moves."""
     context = multiprocessing.get_context("spawn")
     answers: list[Line] = []
     rest = seeds
     while rest:
         ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(target=_answer_all, args=(rest, theirs))
+        process = context.Process(target=_answer_all, args=(rest, kinds, theirs))
         process.start()
         theirs.close()
         asked = ""
@@ -136,9 +149,9 @@ def _line(seeds: range, answers: Sequence[Line]) -> Line:
     }
 
 
-def _answer_all(seeds: range, pipe: Connection) -> None:
+def _answer_all(seeds: range, kinds: Sequence[str], pipe: Connection) -> None:
     for seed in seeds:
-        for question, problem, truth in questions(seed):
+        for question, problem, truth in questions(seed, kinds):
             pipe.send(("asked", str(question)))
             pipe.send(("answer", answer(question, problem, truth)))
         pipe.send(("done", seed + 1))
@@ -187,6 +200,8 @@ def answer(question: Question, problem: Any, truth: Any) -> Line:
             late = time.perf_counter() - began - question.limits.seconds
             said["outcome"] = str(solution.stop)
             wrong = kind.complaint(problem, solution, truth, log)
+            if not wrong and kind.is_proven and question.is_free and solution.stop not in PROVEN:
+                wrong = f"unproven: stopped as {solution.stop}"
         except OctmipError as error:
             late, said["outcome"] = 0.0, "refused"
             wrong = f"exception: {type(error).__name__}: {error}"

@@ -9,7 +9,7 @@ from benchmarks.main_program import run_main
 from benchmarks.uav.complexity.cells import OBJECTIVES, bayes_limits, pair_limits, paper_cells, study_cells
 from benchmarks.uav.complexity.lines import run
 from benchmarks.uav.complexity.report import write_complexity
-from benchmarks.uav.complexity.tables import objectives_table, paper_table
+from benchmarks.uav.complexity.tables import paper_table
 from femlib.dataset import MeanStrains, published_strains, simulated_strains
 from femlib.wing import uav_wing
 from octmip.formats.files import write_bytes
@@ -25,12 +25,11 @@ def main() -> None:
     cells = {"study": study_cells, "paper": paper_cells}[options.grid](seeds)
     lines = run(cells, means, options.restarts, options.jobs, folder / "lines.jsonl")
     limits = bayes_limits(means)
-    compared = f"\n## The same trees, trained for errors and for the MAE\n\n{objectives_table(lines)}\n"
     if options.grid == "study":
-        write_complexity(folder, lines, limits, OBJECTIVES, compared)
+        write_complexity(folder, lines, limits, OBJECTIVES)
         text = (folder / "complexity.md").read_text()
     else:
-        text = f"# The paper's figures\n\n{paper_table(lines, limits, pair_limits(means, lines))}\n{compared}"
+        text = f"# The paper's figures\n\n{paper_table(lines, limits, pair_limits(means, lines))}\n"
         write_bytes(folder / "paper.md", text.encode())
     print(text)
     cpu = sum(line["cpu_seconds"] for line in lines.values())

@@ -12,9 +12,9 @@ from octmip.formats.files import write_bytes
 
 
 def write_complexity(
-    folder: Path, lines: Lines, limits: dict[str, BayesLimit], objectives: Sequence[Objective], more: str = ""
+    folder: Path, lines: Lines, limits: dict[str, BayesLimit], objectives: Sequence[Objective]
 ) -> None:
-    """Write the tables, `more` after them, and the figures into a folder that exists."""
+    """Write the tables and the figures into a folder that exists."""
     n_seeds = len({cell.seed for cell in lines})
     shown = ", ".join(f"{label} {limits[label].mae:.2f}" for label in LABELS)
     seeds = f"means of {n_seeds} seeds" if n_seeds > 1 else "one seed"
@@ -29,4 +29,4 @@ def write_complexity(
         for rows in ("train", "test"):
             figure = complexity_figure(lines, limits, objective, rows)
             write_figure(folder, f"complexity_{objective}_{rows}", figure)
-    write_bytes(folder / "complexity.md", (text + more).encode())
+    write_bytes(folder / "complexity.md", text.encode())

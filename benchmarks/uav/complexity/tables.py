@@ -137,35 +137,6 @@ def _verdict(lines: Lines, figure: PaperFigure) -> str:
     return "; ".join(met)
 
 
-def objectives_table(lines: Lines) -> str:
-    """Return, cell by cell, the MAE of trees trained for errors and for the MAE, means over the same seeds."""
-    head = ["tree", "train: errors", "train: MAE", "lower in", "test: errors", "test: MAE", "lower in", "seeds"]
-    rows = []
-    for cell in sorted({replace(c, seed=0, objective="errors") for c in lines}, key=_place):
-        other = replace(cell, objective="mae")
-        if len(values(lines, other, "seed")) and (values(lines, cell, "seed") == values(lines, other, "seed")).all():
-            rows.append(_pair(lines, cell, other))
-    return _markdown(head, rows)
-
-
-def _pair(lines: Lines, cell: Cell, other: Cell) -> list[str]:
-    shown = []
-    for name in ("train_mae", "test_mae"):
-        errors, mae = values(lines, cell, name), values(lines, other, name)
-        shown += [
-            f"{errors.mean():.2f}",
-            f"{mae.mean():.2f}",
-            f"{(mae < errors).sum()}, equal in {(mae == errors).sum()}",
-        ]
-    size = SIZE_NAMES[cell.split_size]
-    gauges = "two gauges, " if cell.gauge_set == "two" else ""
-    return [f"{cell.label}, {gauges}depth {cell.depth}, {size}", *shown, str(len(values(lines, cell, "seed")))]
-
-
-def _place(cell: Cell) -> tuple[str, str, int, float]:
-    return cell.label, cell.gauge_set, cell.depth, cell.split_size or np.inf
-
-
 def _mean_and_deviation(found: NDArray[np.float64]) -> str:
     if not len(found):
         return "-"

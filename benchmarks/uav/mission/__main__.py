@@ -13,12 +13,11 @@ from benchmarks.uav.mission.flight import recorded
 from benchmarks.uav.mission.histories import KINDS
 from benchmarks.uav.mission.page import flight_page
 from benchmarks.uav.mission.policy_table import policy_rows
-from benchmarks.uav.mission.speed import speed_rows
 from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, search_limit, told_limit
 from octmip.formats.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
-TABLES = ("filter", "watch", "policies", "speed")
+TABLES = ("filter", "watch", "policies")
 
 
 def main() -> None:
@@ -47,8 +46,6 @@ def _tables(
         return [("filter", filter_rows(aircraft, max(50, n // 20), seed))]
     if name == "policies":
         return [("policies", policy_rows(aircraft, n, seed, kinds))]
-    if name == "speed":
-        return [("speed", speed_rows(aircraft, 1000 * n, seed))]
     watch = aircraft.watch()
     print(f"limits of d: told {told_limit(watch.rate):.2f}, searching {search_limit(watch):.2f}", flush=True)
     alarms = [false_alarm_row(aircraft, watch, max(50, n // 10), seed)]
