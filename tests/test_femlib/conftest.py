@@ -36,6 +36,12 @@ def tiny() -> Wing:
 
 
 @pytest.fixture(scope="session")
+def small() -> Wing:
+    """The wing on a mesh that only says whether two ways agree."""
+    return uav_wing(refinement=0.25)
+
+
+@pytest.fixture(scope="session")
 def tiny_reduced(tiny: Wing) -> ReducedWing:
     """Its reduced model."""
     return reduce_wing(tiny)

@@ -5,7 +5,6 @@ import pytest
 
 from femlib.arrays import FloatArray
 from femlib.assembly import Shells, Supports, buckling_modes, geometric_stiffness, matrix_buckling
-from femlib.errors import InputError
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
 from femlib.wing import Wing, buckle, vibrate
@@ -120,10 +119,3 @@ def test_the_wing_buckles_and_vibrates_with_its_damage_load_and_masses(tiny: Win
     )
     assert softer < first
     assert heavier < first
-
-
-def test_wrong_requests_get_their_sentence(tiny: Wing) -> None:
-    with pytest.raises(InputError, match="n_modes is 0; expected 1 to"):
-        buckle(tiny, {}, 0)
-    with pytest.raises(InputError, match=r"payload of 1.0 kg at eta 2.0"):
-        vibrate(tiny, {}, 1, {2.0: 1.0})

@@ -168,19 +168,6 @@ def test_free_warming_of_a_strip_stays_without_stress() -> None:
     assert np.abs(thermal_load(shells, warm, np.zeros(8))).max() > 0
 
 
-def test_bad_input_gets_a_sentence() -> None:
-    shells, supports, node = strip(2)
-    load = line_load(shells.mesh, node[-1], np.array([0.0, 0.0, 4.0]))
-    with pytest.raises(InputError, match=r"load fractions are \[1.0, 0.5\]; expected increasing numbers above 0"):
-        deflect(shells, supports, load, (1.0, 0.5))
-    with pytest.raises(InputError, match=r"load has shape \(3,\); expected \(36,\)"):
-        deflect(shells, supports, np.zeros(3))
-    with pytest.raises(InputError, match=r"thermal forces has shape \(3, 3\); expected \(2, 24\)"):
-        deflect(shells, supports, load, thermal=(np.zeros((3, 3)), np.zeros((0, 18))))
-    with pytest.raises(InputError, match=r"load\[0\] is nan"):
-        deflect(shells, supports, np.full(36, np.nan))
-
-
 def test_no_load_moves_nothing() -> None:
     shells, supports, _ = strip(2)
     found = deflect(shells, supports, np.zeros(36))[0]

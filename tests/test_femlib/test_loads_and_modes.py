@@ -13,7 +13,6 @@ from femlib.assembly import (
     surface_load,
     thermal_load,
 )
-from femlib.errors import InputError
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.mesh import dofs_of_nodes
 from tests.test_femlib.plates import patch, rotation
@@ -116,13 +115,3 @@ def test_a_tip_mass_lowers_the_frequency_as_it_should() -> None:
     tip = natural_modes(shells, supports, 1, masses=masses)[0].frequency
     stiffness = 3.0 * 70e9 * 0.04 * 5e-3**3 / 12.0
     assert tip == pytest.approx(np.sqrt(stiffness / 2.0) / (2.0 * np.pi), rel=4e-3)
-
-
-def test_bad_loads_and_masses_get_a_sentence() -> None:
-    shells = patch(STEEL, "quad4")
-    with pytest.raises(InputError, match=r"traction\[0, 2\] is nan; expected finite numbers"):
-        surface_load(shells.mesh, np.array([[0.0, 0.0, np.nan]] * 5))
-    with pytest.raises(InputError, match=r"warming has shape \(3,\); expected \(5,\)"):
-        thermal_load(shells, np.zeros(3), np.zeros(5))
-    with pytest.raises(InputError, match=r"point mass -1.0 kg at node 2; expected 0 kg or more"):
-        point_masses(shells.mesh, {2: -1.0})

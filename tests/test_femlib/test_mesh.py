@@ -37,16 +37,6 @@ def test_a_bad_element_is_refused_by_number(corners: list[list[float]], sentence
         one_quad(corners)
 
 
-def test_a_missing_node_is_refused_by_number() -> None:
-    with pytest.raises(MeshError, match="element 0 names node 7; expected 0 to 3"):
-        Mesh(np.eye(4, 3), [[0, 1, 2, 7]], np.zeros((0, 3)), ("p",), [0])
-
-
-def test_an_unknown_patch_is_refused_with_the_known_ones() -> None:
-    with pytest.raises(MeshError, match=r"patch 'tail' is not in the mesh; expected one of \['plate'\]"):
-        grid_mesh(np.linspace(0, 1, 3), np.linspace(0, 1, 3)).elements_in("tail")
-
-
 def test_area_vectors_point_to_the_top_side() -> None:
     vectors = grid_mesh(np.linspace(0, 2, 5), np.linspace(0, 1, 3)).area_vectors()
     assert vectors.sum(axis=0) == pytest.approx([0, 0, 2])

@@ -12,11 +12,6 @@ from femlib.wing.export.pictures import deformed_picture, main, region_picture, 
 from femlib.wing.export.vtu import far_shape, near_shape, write_vtu
 
 
-@pytest.fixture(scope="module")
-def small() -> Wing:
-    return uav_wing(refinement=0.25)
-
-
 def test_every_region_and_gauge_is_drawn() -> None:
     wing = uav_wing(refinement=0.25, regions=damage_library(), candidates=True)
     axes = region_picture(wing).axes

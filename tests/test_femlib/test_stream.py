@@ -29,7 +29,7 @@ from femlib.dataset import (
 )
 from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.errors import InputError
-from femlib.wing import Wing, uav_wing
+from femlib.wing import Wing
 
 QUIET = Sampling(noise=(), samples_per_state=1)
 
@@ -63,11 +63,6 @@ class Broken(Slope):
         if self.left < 0:
             raise KeyboardInterrupt
         return super().strains_microstrain(states, load_factor)
-
-
-@pytest.fixture(scope="module")
-def tiny() -> Wing:
-    return uav_wing(refinement=0.3)
 
 
 def library() -> StateLibrary:

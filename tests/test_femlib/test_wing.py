@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from femlib.dataset import Dataset, MeanStrains, build_dataset
-from femlib.errors import InputError
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing import Wing, tapered_wing, uav_twin, uav_wing
 from femlib.wing.damage import damage_library, tapered_library
-from femlib.wing.structure import WingMaterials
 
 
 def rms(values: np.ndarray) -> float:
@@ -151,20 +149,6 @@ def test_the_model_hash_tells_models_apart(tiny: Wing, coarse: Wing) -> None:
     assert tiny.model_hash != coarse.model_hash
 
 
-def test_an_unknown_parameter_gets_a_sentence(coarse: Wing) -> None:
-    with pytest.raises(InputError, match=r"state names \['mu3'\]; expected some of \['mu1', 'mu2'\]"):
-        coarse.strain_microstrain({"mu3": 0.1}, 1.0)
-
-
-def test_a_bad_load_factor_refinement_or_mass_gets_a_sentence(coarse: Wing) -> None:
-    with pytest.raises(InputError, match="load_factor is nan; expected a finite number"):
-        coarse.solve({}, float("nan"))
-    with pytest.raises(InputError, match="refinement is 0; expected a positive finite number"):
-        uav_wing(refinement=0)
-    with pytest.raises(InputError, match="effective_mass is -1; expected a positive finite number"):
-        uav_wing(effective_mass=-1)
-
-
 @pytest.fixture(scope="module")
 def tapered() -> Wing:
     return tapered_wing(refinement=0.3)
@@ -201,11 +185,3 @@ def test_the_tapered_wing_is_another_one_of_the_same_names(tiny: Wing, tapered: 
     assert rms(ratio - 1.0) < 0.1
     assert tapered.tip_stiffness() == pytest.approx(tiny.tip_stiffness(), rel=0.02)
     assert tapered_wing(candidates=True, refinement=0.25).gauges.is_usable.sum() == 67
-
-
-@pytest.mark.parametrize("field", ["skin_step", "web_factor", "rib_factor"])
-def test_a_factor_of_nothing_gets_a_sentence(field: str) -> None:
-    with pytest.raises(InputError, match=f"{field} is 0.0; expected a factor above 0"):
-        WingMaterials(**{field: 0.0})
-    with pytest.raises(InputError, match="skin_rise is inf; expected a finite number"):
-        WingMaterials(skin_rise=float("inf"))

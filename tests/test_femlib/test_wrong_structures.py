@@ -7,9 +7,19 @@ import numpy as np
 import pytest
 import scipy.sparse as sparse
 
-from femlib.assembly import Shells, Supports, deflect, factorise, line_load, natural_modes, point_masses
+from femlib.assembly import (
+    Shells,
+    Supports,
+    deflect,
+    factorise,
+    line_load,
+    natural_modes,
+    point_masses,
+    surface_load,
+    thermal_load,
+)
 from femlib.components import Component, DamagedStructure, damage_row
-from femlib.errors import FemlibError, InputError, SolveError
+from femlib.errors import InputError, SolveError
 from femlib.geometry import Planform
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.mesh import Mesh, QualityLimits
@@ -18,6 +28,7 @@ from femlib.sensors import StrainGauge, strain_rows
 from femlib.wing import ReducedWing, Wing
 from femlib.wing.structure import WingMaterials
 from tests.test_femlib.plates import grid_mesh
+from tests.test_femlib.test_wrong_input import assert_one_sentence
 
 MESH = grid_mesh(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
 SHEET = isotropic_plate(7e10, 0.3, 0.01, 2700.0)
@@ -91,11 +102,22 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: damage_row([0.1], ("mu",)), "state is a list; expected damages by parameter name"),
     (lambda: line_load(MESH, [0, 6], np.ones(3)), "line load goes from node 0 to node 6, 0.354 m away, which no"),
     (lambda: line_load(MESH, [0, 2], np.ones(3)), "line load goes from node 0 to node 2, 0.5 m away, which no"),
+    (lambda: surface_load(MESH, np.full((16, 3), NAN)), r"traction\[0, 0\] is nan; expected finite numbers"),
+    (lambda: thermal_load(PLATE, np.zeros(3), np.zeros(16)), r"warming has shape \(3,\); expected \(16,\)"),
+    (lambda: point_masses(MESH, {2: -1.0}), "point mass -1.0 kg at node 2; expected 0 kg or more"),
     (lambda: point_masses(MESH, {0.5: 1.0}), "point mass 1.0 kg at node 0.5; expected"),
     (lambda: point_masses(MESH, [1.0]), r"point masses are \[1.0\]; expected masses by node"),
+    (lambda: deflect(PLATE, HELD, LOAD, (1.0, 0.5)), r"load fractions are \[1.0, 0.5\]; expected increasing numbers"),
+    (lambda: deflect(PLATE, HELD, np.zeros(3)), r"load has shape \(3,\); expected \(150,\)"),
+    (lambda: deflect(PLATE, HELD, NAN * LOAD), r"load\[0\] is nan"),
+    (
+        lambda: deflect(PLATE, HELD, LOAD, thermal=(np.zeros((3, 3)), np.zeros((0, 18)))),
+        r"thermal forces has shape \(3, 3\); expected \(16, 24\)",
+    ),
     (lambda: deflect(PLATE, HELD, LOAD, fractions="ab"), "load fractions is no array of numbers"),
     (lambda: deflect(PLATE, HELD, LOAD, tolerance=-1.0), "tolerance is -1.0; expected a share of the load"),
     (lambda: deflect(PLATE, HELD, LOAD, stiffness_factor=-np.ones(16)), "stiffness factor of element 0 is -1.0"),
+    (lambda: laminate([]), "laminate got 0 plies"),
     (lambda: laminate(PLY), "laminate got a Ply; expected a list of Ply"),
     (lambda: replace(WOVEN, membrane=-np.eye(3)), "laminate membrane, coupling and bending is not positive definite"),
     (
@@ -173,11 +195,3 @@ def test_answers_beyond_linear_analysis_are_refused(tiny: Wing, tiny_reduced: Re
         tiny.strain_microstrain({}, 1.0, 1e6 * tiny.lift)
     with pytest.raises(InputError, match="strain would be"):
         tiny.strain_map(1e6)(np.zeros((1, 2)))
-
-
-def assert_one_sentence(error: FemlibError) -> None:
-    """One line that says what was expected or what to do."""
-    text = str(error)
-    assert "\n" not in text
-    assert "expected" in text
-    assert ";" in text

@@ -127,23 +127,6 @@ def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
     assert choose_tree(replace(COSTLY, depth=1), folds=2, method="flow").solution.is_optimal
 
 
-def test_every_depth_and_alpha_has_its_step():
-    choice = choose_tree(IRIS, folds=3, method="cart")
-    for step in choice.steps:
-        assert choice.step_at(step.depth, step.alpha_low) is step
-    with pytest.raises(ProblemError, match=r"no step of depth 3 and alpha 0\.1; expected a depth of \[1, 2\]"):
-        choice.step_at(3, 0.1)
-
-
-def test_the_table_has_one_row_a_step_and_one_is_chosen():
-    choice = choose_tree(IRIS, folds=3, method="cart")
-    table = choice.table()
-    assert len(table) == len(choice.steps)
-    assert sum(row["chosen"] for row in table) == 1
-    assert table[0]["alpha_low"] == 0
-    assert table[0]["depth"] == 1
-
-
 ROWS = (range(0, 75), range(75, 150))
 
 

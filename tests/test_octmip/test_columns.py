@@ -194,15 +194,6 @@ def test_two_features_of_one_name_are_refused():
         Columns.learn(table)
 
 
-@pytest.mark.parametrize("kind", ["Int64", "Float64", "boolean", "string", "category", "float32", "int8"])
-def test_every_kind_of_pandas_is_read(kind):
-    values = {"boolean": [True, False, True], "string": ["a", "b", "a"], "category": ["a", "b", "a"]}.get(
-        kind, [1, 2, 1]
-    )
-    columns = Columns.learn(pd.DataFrame({"x": pd.Series(values, dtype=kind)}))
-    assert columns.encode(pd.DataFrame({"x": pd.Series(values, dtype=kind)})).shape == (3, 1)
-
-
 def test_every_permutation_of_rows_gives_the_same_columns():
     table = frame()
     wanted = Columns.learn(table)

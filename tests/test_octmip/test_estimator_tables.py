@@ -157,12 +157,3 @@ def test_classes_keep_the_type_of_the_labels(dtype):
     model = fitted(np.arange(4.0)[:, None], labels)
     assert model.classes_.tolist() == sorted(set(labels))
     assert type(model.classes_.tolist()[0]) is type(labels.tolist()[0])
-
-
-@pytest.mark.parametrize("dtype", [object, "category", "Int64"])
-def test_missing_labels_are_refused(dtype):
-    values = [0, None, 1, 1] if dtype == "Int64" else ["u", None, "v", "v"]
-    with pytest.raises(ValueError, match="contains NaN"):
-        fitted(np.arange(4.0)[:, None], pd.Series(values, dtype=dtype))
-    with pytest.raises(ValueError, match="contains NaN: 1 of 4 labels are missing"):
-        fitted(np.arange(4.0)[:, None], ["u", None, "v", "v"])

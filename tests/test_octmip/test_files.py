@@ -14,29 +14,18 @@ def test_a_file_is_written_as_given(tmp_path):
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("error", "ends"), [(OSError(28, "No space left on device"), DataError), (KeyboardInterrupt(), KeyboardInterrupt)]
+)
+def test_a_write_that_fails_or_is_interrupted_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, error, ends):
     target = tmp_path / "a.json"
     target.write_bytes(b"old")
 
-    def full(descriptor):
-        raise OSError(28, "No space left on device")
+    def fails(descriptor):
+        raise error
 
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(DataError, match="No space left"):
-        write_bytes(target, b"new")
-    assert target.read_bytes() == b"old"
-    assert len(list(tmp_path.iterdir())) == 1
-
-
-def test_a_write_interrupted_by_ctrl_c_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch):
-    target = tmp_path / "a.json"
-    target.write_bytes(b"old")
-
-    def interrupted(descriptor):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(os, "fsync", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+    monkeypatch.setattr(os, "fsync", fails)
+    with pytest.raises(ends, match="No space left" if ends is DataError else None):
         write_bytes(target, b"new")
     assert target.read_bytes() == b"old"
     assert len(list(tmp_path.iterdir())) == 1

@@ -57,6 +57,15 @@ def load(factor):
 
 
 REFUSED = {
+    "an unknown gauge": (text(ROWS).replace("g20", "g77"), ["row 1", "g77"]),
+    "a missing load factor": (text(with_cell(ROWS, 3, "load_factor", "")), ["row 4", "load_factor"]),
+    "text in a number": (text(with_cell(ROWS, 2, "g05", "broken")), ["row 3", "g05", "broken"]),
+    "an infinite reading": (text(with_cell(ROWS, 2, "g05", "inf")), ["row 3", "g05"]),
+    "a state in per cent": (text(with_cell(ROWS, 5, "mu1", "20")), ["row 6", "mu1", "0.2 for 20 %"]),
+    "an empty test": (text(with_cell(ROWS, 5, "test", "")), ["row 6", "test"]),
+    "a short row": (text([*ROWS[:4], ROWS[4].rsplit(",", 2)[0], *ROWS[5:]]), ["row 5", "cells but"]),
+    "a column twice": (text(ROWS).replace("g20", "g19"), ["row 1", "g19"]),
+    "a column of text": (text([ROWS[0] + ",remark", *(row + ",windy" for row in ROWS[1:])]), ["remark"]),
     "an empty file": ("", ["is empty", "bytes of content"]),
     "blank lines": ("\n\n", ["is empty"]),
     "a header alone": (text(ROWS[:1]), ["header in row 1 and no reading"]),
@@ -203,10 +212,7 @@ def clipped(rail, gauges):
     whole = measured(5)
     readings = whole.readings.copy()
     readings[:, gauges] = np.minimum(readings[:, gauges], rail)
-    return type(whole)(
-        whole.gauges, whole.parameters, whole.test, whole.load_factor, whole.states, readings, whole.time,
-        whole.temperature,
-    )  # fmt: skip
+    return replace(whole, readings=readings)
 
 
 def test_clipped_gauges_are_named_and_left_out_where_they_clip():
@@ -235,10 +241,7 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
 def test_an_effect_is_found_beside_clipped_gauges():
     change = lambda state, load, time: np.full(20, -25.0)  # noqa: E731
     whole = measured(5, change=change)
-    campaign = type(whole)(
-        whole.gauges, whole.parameters, whole.test, whole.load_factor, whole.states,
-        np.minimum(whole.readings, 1500.0), whole.time, whole.temperature,
-    )  # fmt: skip
+    campaign = replace(whole, readings=np.minimum(whole.readings, 1500.0))
     diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
     assert diagnosis.which[0].effects == ("temperature_uniform",)
     assert diagnosis.which[0].parameters[0].size == pytest.approx(10.0, abs=1.0)
@@ -247,10 +250,7 @@ def test_an_effect_is_found_beside_clipped_gauges():
 def test_no_rail_is_seen_where_there_is_none():
     plain = measured(5)
     assert clipped_in(plain) == []
-    coarse = type(plain)(
-        plain.gauges, plain.parameters, plain.test, plain.load_factor, plain.states,
-        np.round(plain.readings / 80.0) * 80.0, plain.time, plain.temperature,
-    )  # fmt: skip
+    coarse = replace(plain, readings=np.round(plain.readings / 80.0) * 80.0)
     assert clipped_in(coarse) == []
 
 

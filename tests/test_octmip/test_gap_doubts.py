@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.gap import Campaign, diagnose
+from octmip.gap import diagnose
 from octmip.gap.odds import Odds
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
 
@@ -20,17 +20,8 @@ def stated_sound(campaign):
 
 
 def some_rows(campaign, wanted):
-    keep = np.array([pair in wanted for pair in zip(campaign.test, campaign.load_factor.tolist(), strict=True)])
-    return Campaign(
-        campaign.gauges,
-        campaign.parameters,
-        tuple(np.array(campaign.test)[keep].tolist()),
-        campaign.load_factor[keep],
-        campaign.states[keep],
-        campaign.readings[keep],
-        campaign.time[keep],
-        campaign.temperature[keep],
-    )
+    cells = enumerate(campaign.cells)
+    return campaign.without({k for k, cell in cells if (cell.test, cell.load_factor) not in wanted})
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from dynesty import NestedSampler
-from scipy.special import ndtr
 from scipy.stats import multivariate_normal, norm
 
 from octmip.gap import CHAIN
@@ -39,13 +37,6 @@ def candidate(inference, name, place=""):
     return next(j for j, c in enumerate(candidates) if (c.name, c.place) == (name, place))
 
 
-def mixture_quantiles(is_one_sided):
-    """Return sizes in prior sd and the share of the scale mixture below each."""
-    z = np.sinh(np.linspace(-4, 4, 4001))
-    share = np.mean([ndtr(z / scale) for scale in SCALES], axis=0)
-    return (z, np.maximum(0.0, 2 * share - 1)) if is_one_sided else (z, share)
-
-
 ALONE = [
     ("temperature_uniform", ""),
     ("modulus", ""),
@@ -54,11 +45,6 @@ ALONE = [
     ("misalignment", "g02"),
     ("temperature_gradient", ""),
     ("lift_distribution", ""),
-]
-SETS = [
-    [("temperature_uniform", ""), ("modulus", "")],
-    [("temperature_uniform", ""), ("gauge_bias", "g04")],
-    [("temperature_gradient", ""), ("large_deflection", "")],
 ]
 
 
@@ -73,31 +59,6 @@ def test_evidence_of_one_effect_equals_its_integral_within_a_tenth(chosen):
     most = float(log_likelihood.max())
     integral = np.trapezoid(np.exp(log_likelihood - most) * density, size) * (2.0 if effect.is_one_sided else 1.0)
     assert inference.fit([member]).log_factor == pytest.approx(most + float(np.log(integral)), abs=0.1)
-
-
-@pytest.mark.parametrize("chosen", SETS, ids=["+".join(name for name, _ in chosen) for chosen in SETS])
-def test_evidence_equals_nested_sampling_within_a_tenth(chosen):
-    inference = inference_of(3)
-    members = [candidate(inference, *one) for one in chosen]
-    effects = [inference.model.inputs.candidates[j].effect for j in members]
-    closed = inference.fit(members)
-    tables = [mixture_quantiles(effect.is_one_sided) for effect in effects]
-    white = inference.model.whitened
-    gram, projection = white.gram[np.ix_(members, members)], white.projection[members]
-
-    def log_likelihood(size):
-        return float(projection @ size - 0.5 * size @ gram @ size)
-
-    def prior(cube):  # the mixture's own quantiles: one smooth map of the cube
-        return np.array(
-            [np.interp(u, share, e.prior_sd * z) for u, e, (z, share) in zip(cube, effects, tables, strict=True)]
-        )
-
-    sampler = NestedSampler(
-        log_likelihood, prior, len(members), nlive=500, bound="single", sample="unif", rstate=np.random.default_rng(1)
-    )
-    sampler.run_nested(print_progress=False, dlogz=0.02)
-    assert closed.log_factor == pytest.approx(sampler.results.logz[-1], abs=0.1)
 
 
 @pytest.mark.parametrize("seed", range(3))

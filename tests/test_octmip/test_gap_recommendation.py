@@ -165,21 +165,6 @@ def test_channels_that_say_nothing_are_repaired_first(gain, name):
         assert recommend(changed).startswith(beginning + end)
 
 
-def test_a_gauge_that_is_stuck_in_the_readings_is_named():
-    campaign = measured(4)
-    readings = campaign.readings.copy()
-    readings[:, 2] = 512.0
-    stuck = diagnose(dataclasses.replace(campaign, readings=readings), TWIN, None, COMMISSIONING)
-    assert recommend(stuck).startswith("Repair the channel of gauge g03, whose readings never change; ")
-
-
-def test_a_sentence_is_one_and_shows_no_code_name(gain):
-    for diagnosis in (gain, diagnosed(effect("modulus", 3.0), seed=5), diagnosed(seed=4)):
-        sentence = recommend(diagnosis)
-        assert "_" not in sentence
-        assert ". " not in sentence.replace(". ", "", 0).rstrip(".")
-
-
 # Words and numbers
 
 

@@ -2,25 +2,18 @@
 
 import itertools
 import json
-import shutil
-import sqlite3
-import subprocess
-from contextlib import closing
-from ctypes import CDLL, POINTER, c_double
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.export_runs import C_FLAGS
 from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Split, predict, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.formats.problem_file import data_digest, encode, question_digest
 from octmip.monitor.compiled import CompiledTree
-from octmip.monitor.export import c_source, onnx_model, sql, sql_expression
+from octmip.monitor.export import sql
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.methods.exact import branch_and_bound
@@ -28,6 +21,7 @@ from octmip.trees.methods.options import ExactOptions, MipOptions
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_missing, without_empty_sides
+from tests.test_octmip.exported import EXPORTS, sql_labels
 
 NAN = float("nan")
 
@@ -243,43 +237,12 @@ def test_a_compiled_tree_goes_the_same_ways(tree):
 # The exports
 
 
-def run_c(tree: Node, folder: Path) -> list[int]:
-    source, library = folder / "tree.c", folder / "tree.so"
-    source.write_text(c_source(tree, "abc", range(4)))
-    subprocess.run(["cc", *C_FLAGS, "-shared", "-fPIC", "-o", library, source], check=True, capture_output=True)
-    function = CDLL(str(library)).octmip_label
-    function.argtypes = [POINTER(c_double)]
-    return [function((c_double * 3)(*row)) for row in READINGS.tolist()]
-
-
-def run_sqlite(tree: Node, folder: Path) -> list[int]:
-    with closing(sqlite3.connect(folder / "base")) as base:
-        base.execute("CREATE TABLE readings (n INTEGER, a DOUBLE PRECISION, b DOUBLE PRECISION, c DOUBLE PRECISION)")
-        rows = [(k, *row) for k, row in enumerate(READINGS.tolist())]
-        base.executemany("INSERT INTO readings VALUES (?, ?, ?, ?)", rows)
-        found = base.execute(f"SELECT {sql_expression(tree, 'abc')} FROM readings ORDER BY n").fetchall()
-    return [label for (label,) in found]
-
-
-def run_flat_sql(tree: Node, folder: Path) -> list[int]:
-    """Run the flat form, which only trees of more than ten levels get."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sql, "DEEPEST_NEST", 0)
-        return run_sqlite(tree, folder)
-
-
-def run_onnx(tree: Node, folder: Path) -> list[int]:
-    runtime = pytest.importorskip("onnxruntime")
-    session = runtime.InferenceSession(onnx_model(tree, list("abc"), range(4)).SerializeToString())
-    return session.run(["label"], {"readings": READINGS})[0].tolist()
-
-
 @pytest.mark.parametrize("tree", TREES)
-@pytest.mark.parametrize("run", [run_c, run_sqlite, run_flat_sql, run_onnx])
-def test_every_export_goes_the_same_ways(run, tree, tmp_path):
-    if run is run_c and shutil.which("cc") is None:
-        pytest.skip("no C compiler")
-    assert run(tree, tmp_path) == answered(tree)
+@pytest.mark.parametrize("export", EXPORTS)
+def test_every_export_goes_the_same_ways(export, tree, tmp_path_factory, monkeypatch):
+    assert list(export(tree, READINGS, tmp_path_factory.mktemp("tree"))) == answered(tree)
+    monkeypatch.setattr(sql, "DEEPEST_NEST", 0)  # the flat form, which only trees of more than ten levels get
+    assert list(sql_labels(tree, READINGS, tmp_path_factory.mktemp("flat"))) == answered(tree)
 
 
 # The estimator

@@ -1,9 +1,6 @@
 """From a reading to a state: the compiled tree, its exports bit for bit, the library, and the appended selector."""
 
-import shutil
 import sqlite3
-import subprocess
-from ctypes import CDLL, POINTER, c_double
 from itertools import pairwise
 
 import numpy as np
@@ -24,11 +21,12 @@ from octmip.monitor import (
     library_of,
     without_dead_ends,
 )
-from octmip.monitor.export import c_source, onnx_model, sql_expression
+from octmip.monitor.export import sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.test_octmip.beam_twin import Beam
+from tests.test_octmip.exported import EXPORTS
 
-N_READINGS = 100_000
+N_READINGS = 20_000
 NAMES = ("a", 'b "quoted" */', "c")
 
 
@@ -116,50 +114,10 @@ def test_the_path_leads_to_its_leaf(case):
         assert isinstance(every[path[-1]], Leaf)
 
 
-def test_the_c_function_answers_bit_for_bit(case, tmp_path):
-    if shutil.which("cc") is None:
-        pytest.skip("no C compiler")
+@pytest.mark.parametrize("export", EXPORTS)
+def test_an_export_answers_bit_for_bit(case, export, tmp_path):
     tree, readings, answers = case
-    source, target = tmp_path / "tree.c", tmp_path / "tree.so"
-    source.write_text(c_source(tree, NAMES, ["one", "two */ x", "three", "four"]))
-    flags = ["-std=c99", "-O3", "-march=native", "-ffp-contract=fast", "-Wall", "-Werror", "-pedantic"]
-    subprocess.run(["cc", *flags, "-shared", "-fPIC", "-o", target, source], check=True)
-    label = CDLL(str(target)).octmip_label
-    label.argtypes = [POINTER(c_double)]
-    size = 8 * readings.shape[1]
-    start = readings.ctypes.data
-    got = [label(c_double.from_address(start + size * k)) for k in range(len(readings))]
-    assert np.array_equal(got, answers)
-
-
-def test_the_sql_expression_answers_bit_for_bit(case):
-    tree, readings, answers = case
-    base = sqlite3.connect(":memory:")
-    columns = ", ".join('"' + name.replace('"', '""') + '" DOUBLE PRECISION' for name in NAMES)
-    base.execute(f"CREATE TABLE readings (number INTEGER, {columns})")
-    base.executemany("INSERT INTO readings VALUES (?, ?, ?, ?)", [(k, *row) for k, row in enumerate(readings.tolist())])
-    got = base.execute(f"SELECT {sql_expression(tree, NAMES, range(4))} FROM readings ORDER BY number").fetchall()
-    base.close()
-    assert np.array_equal([answer for (answer,) in got], answers)
-
-
-def test_the_onnx_graph_answers_bit_for_bit(case):
-    onnx = pytest.importorskip("onnx")
-    tree, readings, answers = case
-    model = onnx_model(tree, NAMES, range(4))
-    onnx.checker.check_model(model)
-    runtime = pytest.importorskip("onnxruntime")
-    session = runtime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
-    assert np.array_equal(session.run(None, {"readings": readings})[0], answers)
-    assert {prop.key for prop in model.metadata_props} == {"features", "classes"}
-
-
-def test_a_leaf_alone_is_a_tree_in_every_language():
-    assert "return 2;" in c_source(Leaf(2), NAMES, "abc")
-    assert sql_expression(Leaf(2), NAMES) == "2"
-    runtime = pytest.importorskip("onnxruntime")
-    session = runtime.InferenceSession(onnx_model(Leaf(2), NAMES, "abc").SerializeToString())
-    assert session.run(None, {"readings": np.zeros((4, 3))})[0].tolist() == [2] * 4
+    assert np.array_equal(export(tree, readings, tmp_path), answers)
 
 
 @pytest.mark.parametrize("number", [900.0000001, -1e-300, 2.0**70 + 2.0**20, 5e-324, 0.0, -0.1, 1e308])
@@ -169,11 +127,6 @@ def test_sql_numbers_keep_all_their_bits(number):
     with sqlite3.connect(":memory:") as base:
         assert base.execute(f"SELECT {threshold}").fetchone()[0] == number
     base.close()
-
-
-def test_a_bad_name_of_a_c_function_is_refused():
-    with pytest.raises(TreeError, match="no C name"):
-        c_source(Leaf(0), NAMES, "a", name="2 fast")
 
 
 # The library and the selector

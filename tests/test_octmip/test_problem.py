@@ -133,6 +133,10 @@ WRONG = {
     "unknown split": ({"split": "curve"}, "split is 'curve'"),
     "split size of axis": ({"split_size": 2}, "split is 'axis'; say split='hyperplane'"),
     "split size 0": ({"split": "hyperplane", "split_size": 0}, "split_size is 0"),
+    "integer normals beyond float64": (
+        {"split": "hyperplane", "integer_normals": 10**30},
+        "integer_normals is 1000",
+    ),
     "integer normals 0": ({"split": "hyperplane", "integer_normals": 0}, "integer_normals is 0"),
     "sensors of other length": ({"sensor_of_feature": ["a"]}, "sensor_of_feature has 1 entries"),
     "sensor cost missing": ({"sensor_cost": {"x0": 1, "x1": 1}}, r"missing: \['x2'\]"),

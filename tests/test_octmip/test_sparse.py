@@ -57,11 +57,6 @@ def test_it_is_the_best_of_all_depths(price):
     assert solution.objective == costs[max(0, depth(solution.tree) - 1)] <= min(costs)
 
 
-def test_threads_change_nothing():
-    one, two = (solve(priced(2.0), "exact", n_jobs=n) for n in (1, 2))
-    assert (one.tree, one.bound, one.n_nodes) == (two.tree, two.bound, two.n_nodes)
-
-
 def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     problem = priced(2.0)
     assert problem.any_depth

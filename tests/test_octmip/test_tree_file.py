@@ -135,123 +135,76 @@ def test_a_truncated_file_is_refused(tmp_path, share):
 LOW = {"label": "low"}
 
 
-def change(content, *keys, to):
-    for key in keys[:-1]:
-        content = content[key]
-    content[keys[-1]] = to
-
-
-@pytest.mark.parametrize(
-    ("keys", "to", "sentence"),
-    [
-        (("format",), "pmml", "is no tree file: format is 'pmml'"),
-        (("version",), 99, "of version 99, newer than"),
-        (("version",), "1", "has version '1'"),
-        (("version",), True, "has version True"),
-        (("version",), 2.5, "has version 2.5"),
-        (("tree",), {"label": "unknown"}, "class 'unknown', which is not among"),
-        (
-            ("tree",),
-            {"feature": "z", "threshold": 1, "left": {"label": "low"}, "right": {"label": "low"}},
-            "feature 'z'",
-        ),
-        (
-            ("tree",),
-            {"feature": "a", "threshold": "1", "left": {"label": "low"}, "right": {"label": "low"}},
-            "tree.threshold is '1'; expected a finite number; write the file again",
-        ),
-        (("tree",), [], "no valid tree"),
-        (("tree",), {}, "lacks the entry 'label', 'value' or 'left'"),
-        (("solution", "stop"), "tired", "solution.stop is 'tired'; expected one of 'optimal'"),
-        (("solution", "bound"), [], r"solution.bound is \[\]; expected a finite number or null"),
-        (("solution", "seconds"), "long", "solution.seconds is 'long'"),
-        (("solution", "seed"), True, "solution.seed is True"),
-        (("training", "sha256"), None, "training.sha256 is None; expected the 64 digits"),
-        (("training", "n_samples"), 1.5, "training.n_samples is 1.5"),
-        (("training",), 7, "no valid tree"),
-        (("feature_names",), 5, "feature_names is 5"),
-        (("class_names",), ["low", "low"], "expected a list of different names"),
-        (("class_names",), [["low"], ["high"]], "no valid tree"),
-        (("solution",), {}, "lacks the entry"),
-        (("training", "leaf_counts"), [[1, 2]], "leaf_counts has shape"),
-    ],
-)
-def test_a_file_changed_by_hand_is_refused(tmp_path, keys, to, sentence):
-    path = written(tmp_path)
+def changed(path, keys, to):
     content = json.loads(path.read_text())
-    change(content, *keys, to=to)
+    place = content
+    for key in keys[:-1]:
+        place = place[key]
+    place[keys[-1]] = to
     path.write_text(json.dumps(content))
-    with pytest.raises(TreeError, match=sentence):
-        read_tree_file(path)
+    return path
 
 
 LONG = 10**29
+CLASSES = [
+    (("format",), "pmml", "is no tree file: format is 'pmml'"),
+    (("version",), 99, "of version 99, newer than"),
+    (("version",), "1", "has version '1'"),
+    (("version",), True, "has version True"),
+    (("version",), 2.5, "has version 2.5"),
+    (("tree",), {"label": "unknown"}, "class 'unknown', which is not among"),
+    (("tree",), {"feature": "z", "threshold": 1, "left": LOW, "right": LOW}, "feature 'z'"),
+    (
+        ("tree",),
+        {"feature": "a", "threshold": "1", "left": LOW, "right": LOW},
+        "no valid tree: .*tree.threshold is '1'; expected a finite number; write the file again",
+    ),
+    (("tree",), {"feature": "a", "threshold": 10**400, "left": LOW, "right": LOW}, "tree.threshold is a whole"),
+    (("tree",), {"feature": ["a"], "threshold": 1, "left": LOW, "right": LOW}, "tree.feature is a list of 1"),
+    (("tree",), {"label": "low", "feature": "a"}, "tree has the entry 'feature'; expected an object with label"),
+    (
+        ("tree",),
+        {"features": ["a", "b"], "coefficients": [1], "offset": 1, "left": LOW, "right": LOW},
+        "a node has 2 features and 1 coefficients",
+    ),
+    (
+        ("tree",),
+        {"features": ["a", "a"], "coefficients": [1, 2], "offset": 1, "left": LOW, "right": LOW},
+        "expected ascending indices, none twice",
+    ),
+    (("tree",), [], "no valid tree"),
+    (("tree",), {}, "lacks the entry 'label', 'value' or 'left'"),
+    (("solution",), {}, "lacks the entry"),
+    (("problem",), None, "no valid tree: .*problem is None; expected an object with depth"),
+    (("training", "leaf_counts"), [[1, 2]], "leaf_counts has shape"),
+    (("training", "leaf_counts"), [[LONG, 1]] * 3, r"leaf_counts\[0\]\[0\] is 100000000000000000000000000000"),
+    (("training", "n_samples"), 41, "leaf_counts adds up to 40; expected training.n_samples, 41"),
+    (("training", "leaf_counts", 0, 0), 39, "leaf_counts adds up to .*; expected training.n_samples, 40"),
+    (("problem", "loss", "costs"), [[0], [1]], r"problem.loss.costs has 2 rows; expected \(2, 2\) numbers"),
+    (("problem", "loss", "costs"), [[0, -1], [1, 0]], r"costs\[0\]\[1\] is -1; expected a finite number of 0"),
+    (("problem", "sensor_of_feature"), ["left"], "sensor_of_feature has 1 names; expected one for each of 3"),
+    (("problem", "sensor_of_feature"), None, "problem.sensor_of_feature is None; expected a list"),
+    (("solution", "details"), [], r"solution.details is \[\]; expected an object"),
+    (("feature_names", 0), "b", "feature_names holds 'b' 2 times"),
+    (("class_names",), ["low", "low"], "expected a list of different names"),
+]
+"""What no kind of a field says; that each kind refuses what its schema does, tests of `checked` say."""
 
-
-@pytest.mark.parametrize(
-    ("keys", "to", "sentence"),
-    [
-        (("training", "leaf_counts"), [[LONG, 1]] * 3, r"leaf_counts\[0\]\[0\] is 100000000000000000000000000000"),
-        (("training", "leaf_counts", 0, 0), 0.5, r"leaf_counts\[0\]\[0\] is 0.5; expected a whole number"),
-        (("training", "leaf_counts", 0, 0), -1, r"leaf_counts\[0\]\[0\] is -1; expected a whole number from 0"),
-        (("training", "n_samples"), 41, "leaf_counts adds up to 40; expected training.n_samples, 41"),
-        (("training", "leaf_counts", 0, 0), 39, "leaf_counts adds up to .*; expected training.n_samples, 40"),
-        (("training", "n_samples"), 0, "training.n_samples is 0; expected a whole number from 1"),
-        (
-            ("problem", "loss", "costs"),
-            [[0, 10**400], [1, 0]],
-            r"problem.loss.costs\[0\]\[1\] is a whole number of more than 60",
-        ),
-        (("problem", "loss", "costs"), [[0], [1]], r"problem.loss.costs has 2 rows; expected \(2, 2\) numbers"),
-        (
-            ("problem", "loss", "costs"),
-            [[0, -1], [1, 0]],
-            r"problem.loss.costs\[0\]\[1\] is -1; expected a finite number of 0",
-        ),
-        (("problem", "sensor_of_feature"), "left", "problem.sensor_of_feature is 'left'; expected a list"),
-        (("problem", "sensor_of_feature"), ["left"], "sensor_of_feature has 1 names; expected one for each of 3"),
-        (("problem", "sensor_of_feature"), None, "problem.sensor_of_feature is None; expected a list"),
-        (("problem", "sensor_cost"), [1, 2], "problem.sensor_cost is a list of 2; expected an object"),
-        (("problem", "allowed_splits"), 5, "problem.allowed_splits is 5; expected a list or null"),
-        (("problem", "allowed_splits"), [5], r"problem.allowed_splits\[0\] is 5; expected a list of at least 1"),
-        (("problem", "allowed_splits"), [[None]], r"allowed_splits\[0\]\[0\] is None; expected a text"),
-        (("problem", "depth"), LONG, "problem.depth is 1000.*; expected a whole number from 1 to 30"),
-        (("problem", "depth"), True, "problem.depth is True; expected a whole number"),
-        (
-            ("problem", "sensor_budget"),
-            -1,
-            "problem.sensor_budget is -1; expected a finite number of 0 or more or null",
-        ),
-        (("problem",), None, "problem is None; expected an object with depth"),
-        (("solution", "objective"), 10**400, "solution.objective is a whole number of more than 60 digits"),
-        (("solution", "tolerance"), -1, "solution.tolerance is -1; expected a finite number of 0 or more"),
-        (("solution", "tolerance"), 10**400, "solution.tolerance is a whole number of more than 60 digits"),
-        (("solution", "details"), [], r"solution.details is \[\]; expected an object"),
-        (("feature_names", 0), "a" * 1001, r"feature_names\[0\] is 'aaa.*; expected a text of at most 1000"),
-        (("feature_names", 0), "b", "feature_names holds 'b' 2 times"),
-        (("class_names", 0), None, r"class_names\[0\] is None; expected a text"),
-        (("tree",), {"label": "low", "feature": "a"}, "tree has the entry 'feature'; expected an object with label"),
-        (("tree",), {"feature": "a", "threshold": 10**400, "left": LOW, "right": LOW}, "tree.threshold is a whole"),
-        (("tree",), {"feature": ["a"], "threshold": 1, "left": LOW, "right": LOW}, "tree.feature is a list of 1"),
-        (
-            ("tree",),
-            {"features": ["a", "b"], "coefficients": [1], "offset": 1, "left": LOW, "right": LOW},
-            "a node has 2 features and 1 coefficients",
-        ),
-        (
-            ("tree",),
-            {"features": ["a", "a"], "coefficients": [1, 2], "offset": 1, "left": LOW, "right": LOW},
-            "expected ascending indices, none twice",
-        ),
-    ],
-)
-def test_a_value_out_of_its_bounds_is_refused_with_its_place(tmp_path, keys, to, sentence):
-    path = written(tmp_path)
-    content = json.loads(path.read_text())
-    change(content, *keys, to=to)
-    path.write_text(json.dumps(content))
-    with pytest.raises(TreeError, match=f"no valid tree: .*{sentence}"):
-        read_tree_file(path)
+NUMBERS = [
+    (("tree", "left"), LOW, "names the class 'low', which is not among its 0 class names"),
+    (("tree", "left", "coefficients"), [1.0], "a node has 0 features and 1 coefficients"),
+    (("tree", "left", "label"), "low", "tree.left has the entry 'value'; expected an object with label"),
+    (("class_names",), ["low", "high"], "class_names has 2 names but problem.loss is 'squared'"),
+    (("problem", "loss"), {"name": "classes", "costs": []}, "class_names has 0 names but problem.loss is 'classes'"),
+    (("problem", "loss"), {"name": "cubic"}, "problem.loss.name is 'cubic'; expected one of 'classes', 'sample"),
+    (("problem", "loss"), {"name": "squared", "costs": []}, "problem.loss has the entry 'costs'"),
+    (("training", "leaf_counts"), [[4, 0], [4, 0]], r"leaf_counts has shape \(2, 2\); expected \(2, 1\)"),
+    (
+        ("held_out",),
+        {"share": None, "seed": 0, "n_samples": 2, "measures": {"errors": 1}, "cost": 1.0},
+        "held_out.measures has the entries '?errors'?; expected '?mae'?(,| and) '?rmse'?",
+    ),
+]
 
 
 def numbers_written(tmp_path):
@@ -271,39 +224,12 @@ def test_a_tree_of_numbers_comes_back_the_same_and_is_of_the_published_schema(tm
 
 
 @pytest.mark.parametrize(
-    ("keys", "to", "sentence"),
-    [
-        (("tree", "left"), LOW, "names the class 'low', which is not among its 0 class names"),
-        (("tree", "left", "value"), "1", "tree.left.value is '1'; expected a finite number"),
-        (("tree", "left", "coefficients"), [1.0], "a node has 0 features and 1 coefficients"),
-        (("tree", "left", "label"), "low", "tree.left has the entry 'value'; expected an object with label"),
-        (("class_names",), ["low", "high"], "class_names has 2 names but problem.loss is 'squared'"),
-        (
-            ("problem", "loss"),
-            {"name": "classes", "costs": []},
-            "class_names has 0 names but problem.loss is 'classes'",
-        ),
-        (
-            ("problem", "loss"),
-            {"name": "cubic"},
-            "problem.loss.name is 'cubic'; expected one of 'classes', 'sample costs'",
-        ),
-        (("problem", "loss"), {"name": "squared", "costs": []}, "problem.loss has the entry 'costs'"),
-        (("problem", "loss"), "squared", "problem.loss is 'squared'; expected an object with name"),
-        (("training", "leaf_counts"), [[4, 0], [4, 0]], r"leaf_counts has shape \(2, 2\); expected \(2, 1\)"),
-        (
-            ("held_out",),
-            {"share": None, "seed": 0, "n_samples": 2, "measures": {"errors": 1}, "cost": 1.0},
-            "held_out.measures has the entries '?errors'?; expected '?mae'?(,| and) '?rmse'?",
-        ),
-    ],
+    ("kind", "keys", "to", "sentence"),
+    [*((written, *row) for row in CLASSES), *((numbers_written, *row) for row in NUMBERS)],
 )
-def test_a_tree_of_numbers_changed_by_hand_is_refused_with_its_place(tmp_path, keys, to, sentence):
-    path = numbers_written(tmp_path)
-    content = json.loads(path.read_text())
-    change(content, *keys, to=to)
-    path.write_text(json.dumps(content))
-    with pytest.raises(TreeError, match=f"no valid tree: .*{sentence}"):
+def test_a_file_changed_by_hand_is_refused_with_its_place(tmp_path, kind, keys, to, sentence):
+    path = changed(kind(tmp_path), keys, to)
+    with pytest.raises(TreeError, match=sentence):
         read_tree_file(path)
 
 
@@ -313,9 +239,7 @@ def test_a_number_in_a_tree_of_classes_and_a_tree_that_predicts_something_else_a
         read_tree_file(path, "number")
     with pytest.raises(TreeError, match="leaves predict a number; expected a class in every leaf"):
         read_tree_file(numbers_written(tmp_path), "class")
-    content = json.loads(path.read_text())
-    content["tree"] = {"value": 1.0, "features": [], "coefficients": []}
-    path.write_text(json.dumps(content))
+    changed(path, ["tree"], {"value": 1.0, "features": [], "coefficients": []})
     with pytest.raises(TreeError, match=r"a leaf predicts the number 1\.0; expected one of the 2 classes"):
         read_tree_file(path)
 

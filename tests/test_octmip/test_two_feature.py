@@ -15,7 +15,6 @@ from octmip.errors import ProblemError
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem as AnyProblem
-from octmip.trees.solver import solve
 from octmip.trees.tree import HyperplaneSplit, Split, splits
 
 
@@ -91,29 +90,12 @@ def test_tree_bound_and_counters_do_not_depend_on_the_number_of_threads() -> Non
     assert one.n_nodes == three.n_nodes
 
 
-def test_a_known_tree_is_never_made_worse_and_its_proof_needs_no_more_boxes() -> None:
-    problem = published_like(80, 2)
-    first = two_feature_branch_and_bound(problem)
-    again = two_feature_branch_and_bound(problem, incumbent=first.tree)
-    assert again.is_optimal
-    assert again.objective == first.objective
-    assert again.n_nodes <= first.n_nodes
-
-
 def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> None:
     problem = published_like(150, 3)
     optimum = two_feature_branch_and_bound(problem).objective
     bounds = [two_feature_branch_and_bound(problem, limits=Limits(nodes=n)).bound for n in (1, 300, 1000)]
     assert bounds == sorted(bounds)
     assert all(bound <= optimum for bound in bounds)
-
-
-def test_a_time_limit_of_nothing_returns_a_tree_and_a_valid_bound() -> None:
-    rng = np.random.default_rng(0)
-    problem = Problem(rng.normal(size=(3000, 8)), rng.integers(0, 3, 3000), depth=1, split="hyperplane", split_size=2)
-    solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=0.0))
-    certify(problem, solution)
-    assert solution.stop in (Stop.TIME, Stop.OPTIMAL)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -127,13 +109,6 @@ def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: 
         )
         assert solution.bound <= least * (1 + 1e-12), seconds
         assert solution.is_optimal <= (solution.objective == pytest.approx(least)), seconds
-
-
-def test_the_method_exact_proves_two_feature_trees() -> None:
-    problem = published_like(60, 2)
-    solution = solve(problem, "exact")
-    assert solution.is_optimal
-    assert solution.objective == two_feature_branch_and_bound(problem).objective
 
 
 def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() -> None:
@@ -198,21 +173,6 @@ def test_where_no_whole_numbered_coefficients_do_the_bound_is_that_of_real_ones(
     assert solution.bound == 0 < solution.objective
     assert solution.stop is Stop.FINISHED
     assert solution.details["coefficients"] == "whole; the bound is that of real ones"
-
-
-@pytest.mark.parametrize("budget", [1.0, 2.0, 3.0])
-def test_a_sensor_budget_binds_the_whole_tree(budget: float) -> None:
-    rng = np.random.default_rng(8)
-    problem = Problem(
-        rng.integers(0, 5, (9, 3)),
-        rng.integers(0, 3, 9),
-        depth=2,
-        split="hyperplane",
-        split_size=2,
-        sensor_budget=budget,
-        class_names=(0, 1, 2),
-    )
-    assert solve_and_certify(problem) == float(least_cost(problem))
 
 
 def test_a_memory_limit_stops_the_search_with_a_tree_and_a_bound() -> None:

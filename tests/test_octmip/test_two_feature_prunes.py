@@ -66,8 +66,3 @@ def test_what_one_set_of_sensors_teaches_is_not_used_under_another(seed: int) ->
     certify(budget, solution)
     assert solution.is_optimal
     assert solution.objective >= optimum(problem, [])
-
-
-def test_an_unknown_prune_is_refused() -> None:
-    with without("luck"), pytest.raises(ValueError, match="no prune is called luck"):
-        two_feature_branch_and_bound(clouds(0))

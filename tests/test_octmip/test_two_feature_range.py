@@ -179,14 +179,3 @@ def test_a_log_that_the_checker_refuses_is_not_written_and_the_solution_stays(
     assert not path.exists()
     assert "samples wrong" in said.out
     assert "proof.log is not written" in said.err
-
-
-def test_boxes_within_boxes_without_end_are_refused(tmp_path: Path) -> None:
-    problem = problem_of("a sample 1e-13 from an edge")
-    path = tmp_path / "proof.log"
-    two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
-    lines = path.read_text().split("\n")
-    first = next(row for row, line in enumerate(lines) if line.startswith(("T ", "R ")))
-    path.write_text("\n".join([*lines[:first], *["R 0 0"] * 200_000, *lines[first:]]))
-    with pytest.raises(CertificateError, match="expected 1000 nodes in one another at most"):
-        check_proof(problem, path)

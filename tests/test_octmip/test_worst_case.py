@@ -149,11 +149,6 @@ def test_wrong_bands_are_refused(bands: object, off: int, reason: str) -> None:
         solve(five_values(), bands, off)  # type: ignore[arg-type]
 
 
-def test_hyperplanes_are_refused() -> None:
-    with pytest.raises(ProblemError, match="use 'axis'"):
-        solve(five_values(split="hyperplane"), 1.0)
-
-
 def test_a_sensor_moves_all_its_features() -> None:
     problem = Problem(
         np.array([[0.0, 0.0], [0.0, 2.0], [2.0, 0.0], [2.0, 2.0]]),

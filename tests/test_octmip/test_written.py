@@ -241,15 +241,6 @@ def test_a_latin_1_table_with_semicolons_is_read_with_notes(tmp_path, capsys):
     assert "decimal commas" in told
 
 
-def test_a_quantity_as_label_is_told_of_target(tmp_path, capsys):
-    data = tmp_path / "t.csv"
-    data.write_text("x,y\n" + "".join(f"{k},{k * 1.5}\n" for k in range(40)))
-    assert main(["solve", str(data), "--label", "y", "--depth", "2"]) == 2
-    error = capsys.readouterr().err
-    assert "--target 'y'" in error
-    assert "--numbers-are-classes" in error
-
-
 def test_a_threshold_on_dates_is_a_date_where_no_column_is_text(tmp_path, capsys):
     rows = [f"2025-01-{k:02},{'late' if k > 15 else 'early'}" for k in range(1, 29)]
     data = tmp_path / "t.csv"

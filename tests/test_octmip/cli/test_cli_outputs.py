@@ -19,30 +19,6 @@ from octmip.trees.solution import ProofError
 Run = Callable[..., tuple[int, str, str]]
 
 
-def same_table(data: Path, how: str) -> str:
-    """Return another name of a table."""
-    if how == "relative":
-        return os.path.relpath(data)
-    if how == "dotted":
-        return f"{data.parent}/./{data.name}"
-    other = data.with_name("other.csv")
-    if how == "link":
-        other.symlink_to(data)
-    elif how == "hard link":
-        other.hardlink_to(data)
-    return str(other if "link" in how else data)
-
-
-@pytest.mark.parametrize("how", ["name", "relative", "dotted", "link", "hard link"])
-@pytest.mark.parametrize("option", ["--out", "--proof", "--write-problem", "--checkpoint"])
-def test_no_output_of_solve_overwrites_the_table(data: Path, run: Run, option: str, how: str) -> None:
-    before = data.read_bytes()
-    code, out, err = run("solve", data, "--label", "y", "--depth", 1, option, same_table(data, how))
-    assert (code, out) == (2, "")
-    assert "is the file that DATA names, which would be overwritten" in err
-    assert data.read_bytes() == before
-
-
 @pytest.mark.parametrize(
     ("words", "named"),
     [
@@ -91,9 +67,12 @@ def test_a_device_may_be_named_twice(data: Path, run: Run) -> None:
     assert run(*words)[0] == 0
 
 
-def test_names_that_do_not_exist_yet_are_compared_by_their_places(tmp_path: Path) -> None:
+def test_names_are_compared_by_the_files_that_they_mean(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "new")
-    assert is_same_file(tmp_path / "new", tmp_path / "link")
+    (tmp_path / "old").write_text("1")
+    (tmp_path / "hard").hardlink_to(tmp_path / "old")
+    for one, other in (("new", "link"), ("old", "hard"), ("old", "./old"), ("new", "./link")):
+        assert is_same_file(tmp_path / one, Path(os.path.relpath(tmp_path)) / other)
     assert not is_same_file(tmp_path / "new", tmp_path / "other")
 
 

@@ -6,10 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import Problem, SquaredError, ValueLeaf, solve
-from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_file import read_tree_file
 from octmip.trees.losses import SPELLINGS, number_loss
-from octmip.trees.methods.options import SearchOptions
 
 
 @pytest.fixture
@@ -56,17 +54,6 @@ def test_a_tree_is_solved_certified_applied_and_shown(houses, run, tmp_path, los
     code, out, err = solved(run, houses, "--loss", loss, "--proof", log, "--write-problem", problem, "--json")
     assert json.loads(out)["loss"] == json.loads(problem.read_text())["loss"] == file.loss.spelling
     assert log.read_text().startswith(f"octmip-proof 3 regression {file.loss.spelling}\n")
-
-
-def test_json_is_one_object_and_an_incumbent_is_taken_up(houses, run, tmp_path):
-    tree = tmp_path / "t.json"
-    first = json.loads(solved(run, houses, "--json", "--out", tree, "--weights", "w", "--method", "search")[1])
-    assert first["bound"] is None
-    best = json.loads(solved(run, houses, "--json", "--weights", "w", "--incumbent", tree)[1])
-    assert best["is_optimal"]
-    assert best["objective"] <= first["objective"]
-    assert run("certify", tree, houses)[0] == 0
-    assert json.loads(run("certify", tree, houses, "--json")[1])["objective"] == first["objective"]
 
 
 def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
@@ -138,22 +125,6 @@ def _with_other_table(run, houses, tmp_path):
     solved(run, houses, "--out", tree)
     pd.read_csv(houses).iloc[1:].to_csv(other, index=False)
     return run("certify", tree, other)[2]
-
-
-def test_planes_and_linear_leaves_come_back_the_same(tmp_path):
-    rng = np.random.default_rng(1)
-    features = rng.normal(size=(50, 3))
-    targets = np.where(features[:, 0] + features[:, 1] > 0, features[:, 2], 4.0)
-    options = {"split": "hyperplane", "leaf_model": "linear", "sensor_cost": [1, 2, 3], "sensor_budget": 9}
-    problem = Problem(features, targets, depth=1, loss=SquaredError(), **options)
-    solution = solve(problem, options=SearchOptions(restarts=2))
-    write_tree_file(tmp_path / "t.json", record_tree(problem, solution))
-    file = read_tree_file(tmp_path / "t.json")
-    assert file.solution == solution
-    assert isinstance(file.tree.left, ValueLeaf)
-    again = file.problem(features, targets, np.ones(50))
-    assert again.digest() == file.sha256
-    assert again.sensor_costs.tolist() == [1, 2, 3]
 
 
 def test_a_share_of_the_rows_is_held_out_and_recounted_by_certify(houses, run, tmp_path):
