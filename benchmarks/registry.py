@@ -17,6 +17,7 @@ FAMILIES = {
     "exact_flat": "benchmarks.cases.exact.flat",
     "exact_large": "benchmarks.cases.exact.large",
     "exact_boundaries": "benchmarks.cases.exact.boundaries",
+    "exact_ablation": "benchmarks.cases.exact.ablation",
     "sparse": "benchmarks.cases.exact.sparse",
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "exact_cluster": "benchmarks.cases.exact.cluster",

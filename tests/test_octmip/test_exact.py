@@ -15,7 +15,7 @@ from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
-from octmip.trees.solution import Limits, Progress, Stop
+from octmip.trees.solution import Limits, Stop
 
 
 def without(prune: str, problem: Problem, limits: Limits | None = None) -> Solution:
@@ -127,37 +127,6 @@ def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> Non
     found = branch_and_bound(problem, limits=Limits(nodes=1))
     assert found.stop is Stop.NODES
     assert 1000 < least <= found.bound
-
-
-@pytest.mark.parametrize(("depth", "n_classes"), [(5, 5), (5, 6), (6, 5)])
-def test_deep_trees_of_many_labels_are_bounded_by_shallow_ones_of_sets_of_labels(depth: int, n_classes: int) -> None:
-    rng = np.random.default_rng(depth + n_classes)
-    features = rng.integers(0, 40, (1000, 3)).astype(float)
-    labels = (features @ [3, 5, 0]).astype(int) // 29 % n_classes
-    labels = np.where(rng.random(1000) < 0.3, rng.integers(0, n_classes, 1000), labels)
-    problem, limits = Problem(features, labels, depth=depth), Limits(nodes=50_000)
-    reports: list[Progress] = []
-    found = branch_and_bound(problem, limits=limits, progress=reports.append)
-    assert found.stop is Stop.NODES
-    assert without("label_sets", problem, limits).bound == 0 < found.bound <= found.objective
-    assert reports[-1].bound <= found.bound
-    if n_classes == 5:  # sets of four labels: what costs is the label that is left out
-        left_out = Problem(features, labels, depth=depth - 2, loss=ClassCosts(np.eye(5)))
-        assert found.bound == branch_and_bound(left_out).objective
-
-
-@pytest.mark.parametrize(
-    "options", [{}, {"leaf_penalty": 0.5}, {"loss": ClassCosts(np.abs(np.subtract.outer(range(6), range(6))))}]
-)
-def test_that_bound_is_none_above_the_optimum(options: dict[str, object]) -> None:
-    """Proofs that begin with it end with the answer of those that do not."""
-    for seed in range(3):
-        rng = np.random.default_rng(seed)
-        problem = Problem(rng.integers(0, 9, (40, 2)).astype(float), rng.integers(0, 6, 40), depth=5, **options)
-        found, alone = branch_and_bound(problem), without("label_sets", problem)
-        assert (found.objective, found.bound, found.stop) == (alone.objective, alone.bound, Stop.OPTIMAL)
-        assert found.n_nodes != alone.n_nodes
-        assert branch_and_bound(problem, n_jobs=3).tree == found.tree
 
 
 def test_the_tree_is_the_same_for_any_number_of_threads_and_any_vectors() -> None:

@@ -15,7 +15,7 @@ from octmip.trees.proof import check_proof
 from octmip.trees.solution import Limits
 
 BLOCK = 50
-COST_BOUNDS = ("mixed_labels", "set_range", "buckets", "cost_range", "vectors")
+COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
 
 
 def cost_problem(rng, n, p, depth):
@@ -73,18 +73,6 @@ def test_every_bound_of_costs_is_valid_by_itself(seed):
         with without(*(name for name in COST_BOUNDS if name != kept)):
             alone = branch_and_bound(problem)
         assert alone.objective == alone.bound == least, kept
-
-
-def test_samples_cost_at_most_what_they_do_under_the_labels_of_one_set():
-    rng = np.random.default_rng(77)
-    labels = np.arange(300) % 5
-    features = labels[:, None] * rng.uniform(0, 1, 6) + rng.normal(size=(300, 6))
-    problem = Problem(features, labels, depth=3, loss=ClassCosts(np.abs(np.subtract.outer(np.arange(5), np.arange(5)))))
-    with without("set_range"):
-        plain = branch_and_bound(problem)
-    solution = branch_and_bound(problem)
-    assert solution.objective == plain.objective
-    assert solution.n_nodes < 0.95 * plain.n_nodes
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -115,7 +115,7 @@ def branch_and_bound(
         file = Checkpoint(problem, ranks, options.checkpoint, every_of(options), SOLVER, off, started)
     search = _Search(problem, limits, n_jobs, progress, started, ranks, file)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
-        search.off = [*search.off, "level_below", "label_sets", "cancelling"]
+        search.off = [*search.off, "level_below", "cancelling"]
     with ExitStack() as stack:
         search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
         search.search(start)

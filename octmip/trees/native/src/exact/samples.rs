@@ -26,7 +26,7 @@ use crate::problem::Problem;
 use crate::ranks::sorted_by_rank;
 
 use directions::doubled_spans;
-use label_sets::{LabelSets, few_sets};
+use label_sets::LabelSets;
 
 /// Samples, gains and limits; read by all threads.
 #[derive(Debug, Clone)]
@@ -235,26 +235,6 @@ impl Samples {
         self.sets = sizes.map(|size| LabelSets::new(&self.gains, self.n_labels, size)).collect();
     }
 
-    /// The same where a leaf predicts a set of so many labels, and each sample gets the best of them; None where that
-    /// costs nothing, or where these sets are too many.
-    ///
-    /// No tree of depth `d` costs less than the best of these of depth `l`, with sets of `2^(d - l)` labels: cut it off
-    /// at that depth; what was below a node predicts that many labels at most.
-    pub(crate) fn of_label_sets(&self, size: usize) -> Option<Self> {
-        let sets = few_sets(self.n_labels, size)?;
-        let best = |row: &[i64], set: &Vec<usize>| set.iter().map(|&label| row[label]).max().unwrap_or(0);
-        let rows = self.gains.chunks(self.n_labels);
-        let mut relaxed = Self {
-            n_labels: sets.len(),
-            labels: (0..sets.len() as u32).collect(),
-            is_single: false,
-            gains: rows.flat_map(|row| sets.iter().map(move |set| best(row, set))).collect(),
-            ..self.clone()
-        };
-        relaxed.set_bounds();
-        Some(relaxed)
-    }
-
     /// The sets of as many labels as a child of this many leaves may predict, where they bound anything.
     pub(crate) fn label_sets(&self, n_leaves: usize) -> Option<&LabelSets> {
         self.sets.get((n_leaves.max(2).ilog2() - 1) as usize)?.as_ref()
@@ -268,16 +248,6 @@ impl Samples {
     /// Gains of one sample of a profile (`n_labels`).
     pub(crate) fn gains_of(&self, profile: usize) -> &[i64] {
         &self.gains[profile * self.n_labels..(profile + 1) * self.n_labels]
-    }
-
-    /// What a sample costs beside its cheapest prediction when a label is predicted for it.
-    #[inline(always)]
-    pub(crate) fn lost(&self, sample: u32, label: usize) -> i64 {
-        let (i, profile) = (sample as usize, self.profile[sample as usize] as usize);
-        if self.is_single {
-            return if profile == label { 0 } else { self.ranges[i] };
-        }
-        self.ranges[i] - self.multiplicity[i] * self.gains[profile * self.n_labels + label]
     }
 
     /// The same samples with only these of the usable features.

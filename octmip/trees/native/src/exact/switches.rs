@@ -7,10 +7,6 @@ crate::switches::switches! {
     cost_range,
     /// Samples between two cuts cost what they do with as many labels as leaves.
     mixed_labels,
-    /// Samples between two cuts cost at most what they do under the labels of one such set.
-    set_range,
-    /// As many labels as leaves, for a whole node.
-    label_count,
     /// Trees of many levels pay for as many splits, and a side of a cut is a leaf or pays for a split.
     price,
     /// Keep the results of nodes that are met again.
@@ -19,8 +15,6 @@ crate::switches::switches! {
     shallower_first,
     /// Show the bound that follows from trees of one level fewer.
     level_below,
-    /// Show the bound of shallower trees whose leaves predict sets of labels.
-    label_sets,
     /// Solve children beyond what their own cut needs.
     slack,
     /// Take features in the order of their incumbents one level lower.
@@ -29,8 +23,6 @@ crate::switches::switches! {
     buckets,
     /// Lower the bounds of buckets that may hide a better stump, before they are walked.
     distinct_labels,
-    /// Pass over groups of features that cannot hold the best stump.
-    group_skip,
     /// Search on equal samples merged.
     merging,
     /// Take from equal samples what they gain under every label.
@@ -42,6 +34,6 @@ crate::switches::switches! {
 impl Switches {
     /// Without the prunes that the checker of a log does not know.
     pub(crate) fn of_logs(self) -> Self {
-        Self { set_range: false, cancelling: false, price: false, kept: false, ..self }
+        Self { cancelling: false, price: false, kept: false, ..self }
     }
 }

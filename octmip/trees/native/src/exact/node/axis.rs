@@ -9,8 +9,6 @@
 //!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
 //!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
-//! * set range: the three together for one set of labels at a time, each sample at its most expensive label of the set
-//!   in place of its cost range: `Axis::by_sets`. Needs all of them. A log has no line for it.
 //! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
 //!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
 
@@ -35,13 +33,6 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     masks
 };
 
-/// How much more than others a sample counts in the middle of an interval that loses by its node's best label. Of 0, 1,
-/// 3, 7, 15, 40 the one with the fewest evaluated cuts over 38 sets of the UCI collection.
-const LOST: i64 = 7;
-
-/// Cost range from which on nothing is added for them, as sums might not fit.
-const LARGE: i64 = 1 << 55;
-
 /// Sums along a feature for the bound of mixed labels.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 enum Counted {
@@ -52,8 +43,6 @@ enum Counted {
     Labels,
     /// Cost under each set of labels.
     Sets,
-    /// Cost under each set of labels, and the most it may be there.
-    Ranges,
 }
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
@@ -67,15 +56,8 @@ pub(crate) struct Axis {
     pub(crate) left: Vec<i64>,
     /// Lower bound of the right child; of the cuts that were solved.
     pub(crate) right: Vec<i64>,
-    /// The stump solver's number of each evaluated cut.
-    pub(crate) evaluated: Vec<u32>,
-    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels, and the
-    /// most that may be paid under each.
+    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels.
     prefix: Vec<[i32; WIDTH]>,
-    /// Left of each cut: cost range, and more for what is lost when all samples get the node's best label.
-    spread: Vec<i64>,
-    /// Whether that is counted: one label gains two thirds of the range, or more.
-    is_spread: bool,
     /// Least cost of the left child by price and labels; empty where a split costs nothing.
     by_price: [Vec<i64>; 2],
     /// Whether that is counted.
@@ -107,9 +89,6 @@ impl Axis {
         let sets = samples.label_sets(n_leaves);
         let is_counted = switches.mixed_labels && self.is_monotone && view.total_range < i64::from(i32::MAX);
         (self.counted, self.width) = match sets {
-            Some(sets) if is_counted && switches.cost_range && switches.set_range => {
-                (Counted::Ranges, 2 * sets.width())
-            }
             Some(sets) if is_counted => (Counted::Sets, sets.width()),
             None if is_counted && samples.is_single && samples.n_labels > n_leaves => {
                 (Counted::Labels, samples.n_labels.div_ceil(WIDTH))
@@ -120,28 +99,22 @@ impl Axis {
         let counts = &mut vec![[0i32; WIDTH]; self.width][..];
         let (ranks, list) = (samples.ranks_of(f), view.list(f));
         let smallest = samples.leaf_size.max(1);
-        let best = (0..samples.n_labels).max_by_key(|&label| view.totals[label]).unwrap_or(0);
-        self.is_spread = view.total_range < LARGE && 3 * view.leaf() < view.total_range;
         self.of_all_levels = 0;
         self.is_priced = samples.penalty > 0 && switches.price;
         if self.is_priced {
             self.lay_prices(samples, view, f);
         }
-        let mut spread = 0;
         let mut total_range = 0;
         let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
         self.n_cuts = 0;
-        self.push(0, [0, 0], counts);
+        self.push(0, 0, counts);
         for (k, &i) in list.iter().enumerate() {
             let next = ranks[i as usize];
             if next != rank && k >= smallest && view.len - k >= smallest {
-                self.push(k, [total_range, spread], counts);
+                self.push(k, total_range, counts);
             }
             rank = next;
             total_range += samples.ranges[i as usize];
-            if self.is_spread {
-                spread += samples.ranges[i as usize] + LOST * samples.lost(i, best);
-            }
             if self.counted == Counted::Labels {
                 let label = samples.profile[i as usize] as usize;
                 let range = samples.ranges[i as usize] as i32;
@@ -151,14 +124,13 @@ impl Axis {
             } else if let Some(sets) = sets.filter(|_| self.counted != Counted::Nothing) {
                 let multiplicity = samples.multiplicity[i as usize] as i32;
                 let profile = samples.profile[i as usize] as usize;
-                for (part, costs) in counts.iter_mut().zip(sets.costs_of(profile).iter().chain(sets.most_of(profile))) {
+                for (part, costs) in counts.iter_mut().zip(sets.costs_of(profile)) {
                     *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
                 }
             }
         }
-        self.push(view.len, [total_range, spread], counts);
+        self.push(view.len, total_range, counts);
         let last = self.last();
-        (self.evaluated[0], self.evaluated[last]) = (0, 1);
         (self.left[0], self.right[0]) = (0, whole);
         (self.left[last], self.right[last]) = (whole, 0);
     }
@@ -167,21 +139,17 @@ impl Axis {
     fn make_room(&mut self, n_cuts: usize) {
         let room = self.positions.len().max(n_cuts);
         self.positions.resize(room, 0);
-        self.evaluated.resize(room, 0);
-        for list in [&mut self.total_range, &mut self.spread, &mut self.left, &mut self.right] {
+        for list in [&mut self.total_range, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
         self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
     }
 
     #[inline(always)]
-    fn push(&mut self, position: usize, [total_range, spread]: [i64; 2], counts: &[[i32; WIDTH]]) {
+    fn push(&mut self, position: usize, total_range: i64, counts: &[[i32; WIDTH]]) {
         let cut = self.n_cuts;
         self.positions[cut] = position as u32;
         self.total_range[cut] = total_range;
-        if self.is_spread {
-            self.spread[cut] = spread;
-        }
         for (part, &count) in counts.iter().enumerate() {
             self.prefix[cut * self.width + part] = count;
         }
@@ -264,11 +232,6 @@ impl Axis {
     #[inline]
     fn by_neighbours(&self, interval: &Interval, k: usize) -> (i64, i64) {
         let Interval { a, b, .. } = *interval;
-        if self.counted == Counted::Ranges {
-            let last = self.last();
-            let left = self.by_sets([self.left[b], self.left[a]], [(k, b), (a, k), (0, k)]);
-            return (left, self.by_sets([self.right[a], self.right[b]], [(a, k), (k, b), (k, last)]));
-        }
         let (mut left, mut right) = (0, 0);
         if self.has_range {
             left = self.left[b] - (self.total_range[b] - self.total_range[k]);
@@ -281,56 +244,15 @@ impl Axis {
         (left.max(0), right.max(0))
     }
 
-    /// Lower bound of a child from a `larger` set and a `smaller` one, `without` the samples between it and the larger,
-    /// `with` those between it and the smaller, of the samples `own`.
-    ///
-    /// The best tree for the child predicts the labels of some set A of as many as it has leaves. With A known:
-    /// * `e(child) >= e(larger) - most_A(without)`: used on the larger set, each new sample costs at most the most
-    ///   expensive label of A;
-    /// * `e(child) >= e(smaller) + least_A(with)`: used on the smaller set, idle splits removed, it costs `e(smaller)`
-    ///   at least, and the others the cheapest label of A or more;
-    /// * `e(child) >= least_A(own)`.
-    ///
-    /// So the least over all A of the largest of the three.
-    #[inline]
-    fn by_sets(&self, [larger, smaller]: [i64; 2], [without, with, own]: [(usize, usize); 3]) -> i64 {
-        let half = self.width / 2;
-        let at = |cut: usize, part: usize| &self.prefix[cut * self.width + part];
-        let (larger, smaller) = (larger as i32, smaller as i32);
-        let mut least = [i32::MAX; WIDTH];
-        for part in 0..half {
-            let [from, to] = [without.0, without.1].map(|cut| at(cut, half + part));
-            let [low, high] = [with.0, with.1].map(|cut| at(cut, part));
-            let [first, last] = [own.0, own.1].map(|cut| at(cut, part));
-            for set in 0..WIDTH {
-                let bound = (larger - (to[set] - from[set])).max(smaller + high[set] - low[set]);
-                least[set] = least[set].min(bound.max(last[set] - first[set]));
-            }
-        }
-        i64::from(least.into_iter().min().unwrap_or(0)).max(0)
-    }
-
     /// Lower bound of the children of any cut of an interval.
     pub(crate) fn least(&self, interval: &Interval) -> i64 {
         let bounds = (interval.low..=interval.high).map(|k| self.together(self.bounds(interval, k)));
         bounds.min().unwrap_or(i64::MAX)
     }
 
-    /// The middle of an interval: of its cuts, or of what they are uncertain by, where one label prevails.
-    ///
-    /// From one cut to the next the children's costs change by samples of other labels, which may lie close together.
-    fn middle(&self, interval: &Interval) -> usize {
-        let Interval { low, high, .. } = *interval;
-        if !self.is_spread {
-            return low + (high - low) / 2;
-        }
-        let ends = self.spread[low] + self.spread[high];
-        low + self.spread[low..high].partition_point(|&spread| 2 * spread < ends)
-    }
-
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
-        let middle = self.middle(interval);
+        let middle = interval.low + (interval.high - interval.low) / 2;
         if self.counted == Counted::Nothing && !self.is_priced {
             return Some(middle);
         }
@@ -377,20 +299,5 @@ impl Axis {
             labels.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
         counts.sort_unstable_by(|a, b| b.cmp(a));
         between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_middle_is_that_of_cuts_or_of_what_they_are_uncertain_by() {
-        let mut axis = Axis { spread: vec![0, 1, 2, 3, 4, 12, 20, 28], ..Axis::default() };
-        let interval = Interval { a: 0, b: 7, low: 1, high: 6 };
-        assert_eq!(axis.middle(&interval), 3);
-        axis.is_spread = true;
-        assert_eq!(axis.middle(&interval), 5);
-        assert_eq!(axis.middle(&Interval { low: 6, ..interval }), 6);
     }
 }

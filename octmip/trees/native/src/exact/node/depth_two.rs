@@ -3,7 +3,7 @@
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::node::search::Search;
-use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
+use crate::exact::stumps::place::{Place, StumpSolver};
 use crate::exact::view::View;
 use crate::interval::Interval;
 
@@ -77,15 +77,10 @@ impl Search<'_> {
                     positions[i as usize] = position as u32;
                 }
             }
-            let neighbours = [interval.a, interval.b].map(|cut| Neighbour {
-                evaluated: axis.evaluated[cut] as usize,
-                distance: (axis.total_range[k] - axis.total_range[cut]).abs(),
-            });
             let k_left = axis.positions[k] as usize;
-            let place = Place { view, f, k: k_left, positions: &positions, neighbours, target };
+            let place = Place { view, f, k: k_left, positions: &positions, target };
             let [left, right] = solver.both(samples, &place, threshold);
             counted.push(k_left as u32);
-            axis.evaluated[k] = solver.last_evaluated() as u32;
             self.n_evaluated += 1;
             (axis.left[k], axis.right[k]) = (left.lower, right.lower);
             if samples.penalty > 0 {

@@ -7,7 +7,7 @@ use crate::exact::node::axis::Axis;
 use crate::exact::node::kept::{Kept, key};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::price::{least_by_labels, levels_below};
+use crate::exact::node::price::levels_below;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::stumps::place::StumpSolver;
@@ -136,9 +136,6 @@ impl<'a> Search<'a> {
         if self.is_leaf_best(view, depth, floor) {
             return NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
         }
-        if self.label_bound(view, depth) >= upper {
-            return NodeResult::none(upper);
-        }
         if depth == 1 {
             return self.depth_one(view, upper);
         }
@@ -165,23 +162,6 @@ impl<'a> Search<'a> {
     /// The price that bounds are allowed to see; 0 where a split costs nothing.
     fn price(&self) -> i64 {
         if self.switches.price { self.samples.penalty } else { 0 }
-    }
-
-    /// A tree of this depth predicts at most `2^depth` labels: the samples of all others are lost.
-    fn label_bound(&self, view: &View, depth: usize) -> i64 {
-        let n_leaves = 1usize << depth.min(20);
-        if !self.switches.label_count || !self.samples.is_single {
-            return 0;
-        }
-        if self.price() > 0 {
-            return least_by_labels(self.samples, view.total_range, &mut view.totals.clone(), n_leaves);
-        }
-        if self.samples.n_labels <= n_leaves {
-            return 0;
-        }
-        let mut totals = view.totals.clone();
-        totals.sort_unstable_by(|a, b| b.cmp(a));
-        view.total_range - totals[..n_leaves].iter().sum::<i64>()
     }
 
     fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
@@ -349,12 +329,8 @@ impl<'a> Search<'a> {
         Children { record, ..children }
     }
 
-    /// Whether a tree of this depth is known, or known not to be below `upper`, without a look at its cuts.
-    pub(crate) fn is_settled(&self, view: &View, depth: usize, upper: i64) -> bool {
-        self.is_leaf_best(view, depth, 0) || self.label_bound(view, depth) >= upper
-    }
-
-    fn is_leaf_best(&self, view: &View, depth: usize, floor: i64) -> bool {
+    /// Whether a leaf is best without a look at the cuts.
+    pub(crate) fn is_leaf_best(&self, view: &View, depth: usize, floor: i64) -> bool {
         let is_cheap = view.leaf() <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
         depth == 0 || is_cheap || view.len < 2 * self.samples.leaf_size || self.samples.p == 0
     }

@@ -8,7 +8,7 @@ use std::collections::VecDeque;
 use crate::exact::node::axis::Axis;
 use crate::exact::node::result::Solved;
 use crate::exact::node::search::{Cut, Search};
-use crate::exact::stumps::place::{Neighbour, Place, StumpSolver};
+use crate::exact::stumps::place::{Place, StumpSolver};
 use crate::exact::view::View;
 use crate::interval::Interval;
 
@@ -93,15 +93,10 @@ impl Search<'_> {
                     positions[i as usize] = position as u32;
                 }
             }
-            let neighbours = [interval.a, interval.b].map(|cut| Neighbour {
-                evaluated: axis.evaluated[cut] as usize,
-                distance: (axis.total_range[k] - axis.total_range[cut]).abs(),
-            });
             let position = axis.positions[k] as usize;
-            let place = Place { view, f, k: position, positions: &positions, neighbours, target };
+            let place = Place { view, f, k: position, positions: &positions, target };
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let bounds = solver.both(samples, &place, threshold).map(|stump| stump.lower);
-            axis.evaluated[k] = solver.last_evaluated() as u32;
             self.n_evaluated += 1;
             [axis.left[k], axis.right[k]] = bounds;
             if bounds[0] + bounds[1] < target {

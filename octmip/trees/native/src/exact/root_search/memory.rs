@@ -40,18 +40,17 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     sides + axes + 8.0 * n + stumps(problem, switches) + kept
 }
 
-/// The cuts of a feature: position, total range, spread, bounds of both sides, evaluated cut; and eight at a time,
-/// where there are more labels than a child of this level has leaves, the cost range of each label, or the least and
-/// the most that is paid under each set of labels.
+/// The cuts of a feature: position, total range, bounds of both sides; and eight at a time, where there are more labels
+/// than a child of this level has leaves, the cost range of each label, or the least that is paid under each set.
 fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
     let prices = if problem.penalty > 0 { 16.0 } else { 0.0 };
-    problem.n as f64 * (40.0 + prices + 32.0 * labels.max(2 * sets) as f64)
+    problem.n as f64 * (28.0 + prices + 32.0 * labels.max(sets) as f64)
 }
 
-/// Tables of offsets into histograms, histograms, and what each group may reach by evaluated cut.
+/// Tables of offsets into histograms, and histograms.
 ///
 /// Below depth three there is one view and one table; from there on views share a table or have their own, and need
 /// numbers of any width up to the widest.
@@ -72,7 +71,7 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let (n_tables, widths) = if problem.depth < 3 { (1.0, widest..=widest) } else { (2.0, 0..=widest) };
     let of_width = |slots: &f64| {
         let groups = (p / slots).ceil();
-        groups * (4.0 * n_tables * slots * n + histogram + 16.0 * n)
+        groups * (4.0 * n_tables * slots * n + histogram)
     };
     SLOTS[widths].iter().map(of_width).sum()
 }

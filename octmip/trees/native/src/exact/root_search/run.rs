@@ -15,10 +15,6 @@ use crate::problem::Problem;
 use crate::supervise::Supervision;
 use crate::tree::Tree;
 
-/// Levels of trees whose leaves predict sets of labels that are searched for a bound of deeper ones, the first at which
-/// sets bound anything.
-const RELAXED: std::ops::RangeInclusive<usize> = 3..=4;
-
 /// Values of a table whose lists are worth less than their memory, and whose bound is raised step by step.
 pub(crate) const LARGE: usize = 1 << 22;
 
@@ -138,7 +134,6 @@ impl Run<'_, '_> {
             self.bound = self.known.as_ref().map_or(0, |known| known.bound);
             return;
         }
-        self.relax(depth, keep_going);
         for level in first..=depth {
             self.bound = self.bound.max(self.deeper(whole, level - 1, depth));
             if self.supervision.reason().is_some() || self.bound >= self.best.0 {
@@ -146,38 +141,6 @@ impl Run<'_, '_> {
             }
             (whole, incumbents, fewer) = self.deep(level, depth, &incumbents, (whole, &fewer), keep_going);
             self.known = None;
-        }
-    }
-
-    /// Bound deep trees by shallower ones whose leaves predict sets of labels.
-    fn relax(&mut self, depth: usize, keep_going: KeepGoing<'_>) {
-        let is_worth = |level: &usize| level + 1 < depth && self.options.switches.label_sets;
-        let sets = |level: usize| Some((level, self.samples.of_label_sets(1 << (depth - level).min(20))?));
-        let Some((level, relaxed)) = RELAXED.filter(is_worth).find_map(sets) else { return };
-        let given = self.supervision.limits();
-        let limits = Limits {
-            seconds: given.seconds - self.supervision.seconds(),
-            nodes: given.nodes - self.control.n_evaluated() as f64,
-            gap: 0.0,
-            ..*given
-        };
-        let options = Options { limits, incumbent: None, ..self.options.clone() };
-        let view = View::root(&relaxed);
-        let mut inner =
-            Run::new(self.problem, (&relaxed, &view), &options, Supervision::new(limits), self.tables, None, None);
-        let shown = self.progress(self.best.0, self.bound);
-        inner.search(level, &mut |state| {
-            keep_going(Progress {
-                seconds: self.supervision.seconds(),
-                objective: shown.objective,
-                bound: state.bound.max(shown.bound).min(shown.objective),
-                n_nodes: shown.n_nodes + state.n_nodes,
-            })
-        });
-        self.control.add(inner.control.n_evaluated());
-        self.bound = self.bound.max(inner.bound.min(inner.best.0));
-        if let Some(reason) = inner.supervision.reason() {
-            self.supervision.stop(reason);
         }
     }
 

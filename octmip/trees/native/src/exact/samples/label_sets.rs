@@ -5,8 +5,6 @@ pub(crate) const WIDTH: usize = 8;
 
 /// Most sets; with more the bound is left out, as its memory and time would show.
 const MOST_SETS: usize = 64;
-/// Most sets that leaves predict in place of labels.
-const MOST_PREDICTED: usize = 16;
 
 /// The sets of as many labels as a tree has leaves.
 #[derive(Debug, Clone, Default)]
@@ -15,8 +13,6 @@ pub(crate) struct LabelSets {
     width: usize,
     /// Cost of one sample of each profile when the cheapest label of each set is predicted (`n_profiles * width`).
     costs: Vec<[i32; WIDTH]>,
-    /// Cost of one sample of each profile when the most expensive label of each set is (`n_profiles * width`).
-    most: Vec<[i32; WIDTH]>,
 }
 
 impl LabelSets {
@@ -31,22 +27,18 @@ impl LabelSets {
         let sets = subsets(n, n_leaves);
         let most_gain = |row: &[i64]| row.iter().copied().max().unwrap_or(0);
         let best = |row: &[i64], labels: &[usize]| labels.iter().map(|&c| row[c]).max().unwrap_or(0);
-        let worst = |row: &[i64], labels: &[usize]| labels.iter().map(|&c| row[c]).min().unwrap_or(0);
-        let rows = |gain: &dyn Fn(&[i64], &[usize]) -> i64| {
-            let mut costs = Vec::with_capacity(gains.len() / n * width);
-            for row in gains.chunks(n) {
-                for part in 0..width {
-                    let mut vector = [0; WIDTH];
-                    for (lane, held) in vector.iter_mut().enumerate() {
-                        let set = &sets[(part * WIDTH + lane).min(sets.len() - 1)];
-                        *held = i32::try_from(most_gain(row) - gain(row, set)).ok()?;
-                    }
-                    costs.push(vector);
+        let mut costs = Vec::with_capacity(gains.len() / n * width);
+        for row in gains.chunks(n) {
+            for part in 0..width {
+                let mut vector = [0; WIDTH];
+                for (lane, held) in vector.iter_mut().enumerate() {
+                    let set = &sets[(part * WIDTH + lane).min(sets.len() - 1)];
+                    *held = i32::try_from(most_gain(row) - best(row, set)).ok()?;
                 }
+                costs.push(vector);
             }
-            Some(costs)
-        };
-        Some(Self { width, costs: rows(&best)?, most: rows(&worst)? })
+        }
+        Some(Self { width, costs })
     }
 
     /// Vectors of a row.
@@ -57,11 +49,6 @@ impl LabelSets {
     /// Cost of one sample of a profile under each set.
     pub(crate) fn costs_of(&self, profile: usize) -> &[[i32; WIDTH]] {
         &self.costs[profile * self.width..(profile + 1) * self.width]
-    }
-
-    /// The most that one sample of a profile may cost under each set.
-    pub(crate) fn most_of(&self, profile: usize) -> &[[i32; WIDTH]] {
-        &self.most[profile * self.width..(profile + 1) * self.width]
     }
 }
 
@@ -76,12 +63,6 @@ pub(crate) fn width(n: usize, n_leaves: usize) -> Option<usize> {
 /// The same, at most, for as many labels or fewer: labels that are never worth predicting fall away.
 pub(crate) fn most_width(n: usize, n_leaves: usize) -> usize {
     (0..=n).filter_map(|n| width(n, n_leaves)).max().unwrap_or(0)
-}
-
-/// The sets of `size` of `n` labels; None where they are all labels, or more than are worth being predicted as labels
-/// are.
-pub(crate) fn few_sets(n: usize, size: usize) -> Option<Vec<Vec<usize>>> {
-    (size < n && n_sets(n, size)? <= MOST_PREDICTED).then(|| subsets(n, size))
 }
 
 /// Number of subsets of `k` of `n`, None when it is very large.

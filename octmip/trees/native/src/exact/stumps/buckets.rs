@@ -1,13 +1,11 @@
 //! Best stumps from histograms: a vector pass over bucket edges, then a walk inside the few buckets that may hide more.
 //!
 //! Slots hold a feature's two sides next to each other; moving the cut over a sample moves it from the one to the
-//! other in every feature. Groups of features are passed over when their gains at the evaluated cuts before and
-//! after show that they cannot hold the best stump here: a stump's gain on a side grows by at most the cost range that
-//! enters, and never grows when samples leave.
+//! other in every feature.
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::groups::{Histogram, Profiles};
-use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, StumpSolver};
+use crate::exact::stumps::place::{NEVER, Place, Stump, StumpSolver};
 use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::stumps::uncertainty::{Candidate, Sides};
@@ -22,14 +20,13 @@ pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
     pub(super) shape: Shape,
     pub(super) profiles: Profiles<T>,
-    skips: bool,
     tightens: bool,
     pub(super) tables: [Table; 2],
     /// 0: the table shared with other views, 1: the view's own.
     pub(super) used: usize,
     pub(super) groups: Vec<Histogram<T, N, S>>,
     scores: Vec<i64>,
-    /// Gain that each group may reach on both sides, by evaluated cut (`[evaluated cut][group][side]`).
+    /// Gain that each group may reach on both sides of the cut (`[group][side]`).
     pub(super) reaches: Vec<[i64; 2]>,
     k: usize,
     pub(super) totals: [Vec<i64>; 2],
@@ -50,7 +47,6 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             arch: if switches.vectors { pulp::Arch::new() } else { pulp::Arch::Scalar },
             shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_labels == 2 },
             profiles,
-            skips: switches.group_skip,
             tightens: switches.distinct_labels && samples.is_single,
             tables: [Table::default(), Table::default()],
             used: 1,
@@ -103,14 +99,6 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         Sides { total_range: self.total_range, leaf, best: leaf, penalty }
     }
 
-    /// Gain that a group may reach on both sides here, from the evaluated cuts before and after.
-    fn inherited(&self, group: usize, neighbours: &[Neighbour; 2]) -> [i64; 2] {
-        let n = self.groups.len();
-        let [before, after] = neighbours.map(|n_| (self.reaches[n_.evaluated * n + group], n_.distance));
-        // The left side grew since the cut before by that distance, and is part of the left side of the cut after.
-        [(before.0[0] + before.1).min(after.0[0]), before.0[1].min(after.0[1] + after.1)]
-    }
-
     /// By lane, the best gain of a group at a bucket edge and the largest that any of its stumps may have.
     fn sweep(&mut self, group: usize) -> ([T; N], [T; N]) {
         let histogram = &mut self.groups[group];
@@ -147,13 +135,6 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
         let most = self.most_buckets(view.len);
         self.tables[0].lay(samples, view, self.shape, most);
-        if self.groups.len() > 1 && self.skips {
-            self.load(samples, view);
-            let mut order: Vec<usize> = (0..samples.p).collect();
-            order.sort_by_key(|&f| -self.scores[f]);
-            self.tables[0].reorder(order);
-            self.tables[0].fill(samples, view, self.shape);
-        }
     }
 
     fn forget(&mut self) {
@@ -171,24 +152,16 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
         self.totals[1].clone_from(&view.totals);
         self.total_range = [0, view.total_range];
         self.k = 0;
-        let place = Place {
-            view,
-            f: 0,
-            k: 0,
-            positions: &[],
-            target: NEVER,
-            neighbours: [Neighbour { evaluated: 0, distance: 0 }; 2],
-        };
+        let place = Place { view, f: 0, k: 0, positions: &[], target: NEVER };
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
-        self.reaches.clear();
         for group in 0..self.groups.len() {
             self.groups[group].load(samples, view, &self.tables[self.used], self.shape);
             let (best, reach) = self.sweep(group);
             let first = group * self.shape.slots;
-            for slot in first..(first + self.shape.slots).min(samples.p) {
-                let lane = 2 * (slot - first) + 1;
-                self.scores[self.tables[self.used].feature_of_slot[slot]] = best[lane].widen();
+            for f in first..(first + self.shape.slots).min(samples.p) {
+                let lane = 2 * (f - first) + 1;
+                self.scores[f] = best[lane].widen();
                 sides.best[1] = sides.best[1].max(best[lane].widen());
             }
             let mut reachable = [0, reach.iter().skip(1).step_by(2).map(|r| r.widen()).max().unwrap_or(0)];
@@ -196,10 +169,6 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
                 self.tighten(group, sides.best, &mut reachable);
                 self.refine(samples, &place, (group, 1), &mut sides, &mut reachable, i64::MAX);
             }
-            self.reaches.push(reachable);
-        }
-        for group in 0..self.groups.len() {
-            self.reaches.push([self.reaches[group][1], 0]);
         }
         let cost = sides.cost(1, sides.best[1]);
         Stump { lower: cost, value: cost }
@@ -211,7 +180,6 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
 
     fn rewind(&mut self) {
         self.groups.iter_mut().for_each(Histogram::rewind);
-        self.reaches.truncate(2 * self.groups.len());
         self.totals[0].fill(0);
         self.total_range[0] = 0;
         self.k = 0;
@@ -221,27 +189,17 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
         self.shift_totals(samples, place);
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
-        let first_reach = self.reaches.len();
+        self.reaches.clear();
         for group in 0..self.groups.len() {
-            let mut reach = self.inherited(group, &place.neighbours);
-            let is_idle = reach[0] <= sides.best[0] && reach[1] <= sides.best[1];
-            if !(self.skips && group > 0 && is_idle) {
-                self.groups[group].shift(samples, place, &self.tables[self.used]);
-                let seen = self.visit(group, &mut sides);
-                reach = [reach[0].min(seen[0]), reach[1].min(seen[1])];
-            }
+            self.groups[group].shift(samples, place, &self.tables[self.used]);
+            let reach = self.visit(group, &mut sides);
             self.reaches.push(reach);
         }
-        self.finish(samples, place, &mut sides, first_reach, threshold);
-        let n = self.groups.len();
+        self.finish(samples, place, &mut sides, threshold);
         let reach = [0, 1].map(|side| {
-            let open = self.reaches[first_reach..first_reach + n].iter().map(|reach| reach[side]).max();
+            let open = self.reaches.iter().map(|reach| reach[side]).max();
             open.unwrap_or(0).max(sides.best[side])
         });
         [0, 1].map(|side| Stump { lower: sides.cost(side, reach[side]), value: sides.cost(side, sides.best[side]) })
-    }
-
-    fn last_evaluated(&self) -> usize {
-        self.reaches.len() / self.groups.len() - 1
     }
 }

@@ -1,4 +1,4 @@
-//! Histograms of the two sides of a cut, one for each group of features, moved only when it is needed.
+//! Histograms of the two sides of a cut, one for each group of features.
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::aligned::Aligned;
@@ -55,8 +55,8 @@ pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     runs: Vec<[T; N]>,
     /// Whether the bounds of the last pass were lowered.
     pub(crate) is_tight: bool,
-    /// Samples left of the cut; None: not yet put back for this feature.
-    k: Option<usize>,
+    /// Samples left of the cut.
+    k: usize,
     group: usize,
     /// Slots that have a feature.
     used: usize,
@@ -74,15 +74,10 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             scores: Vec::new(),
             runs: Vec::new(),
             is_tight: false,
-            k: None,
+            k: 0,
             group,
             used: (p - group * S).min(S),
         }
-    }
-
-    /// The slots of this group.
-    fn slots(&self, p: usize, shape: Shape) -> std::ops::Range<usize> {
-        self.group * shape.slots..((self.group + 1) * shape.slots).min(p)
     }
 
     /// Enter all samples of a view on the right.
@@ -101,38 +96,32 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
         self.scores.resize(if samples.is_single { 0 } else { b }, [T::default(); N]);
         self.tops.resize(b / STRIDE, [T::default(); N]);
         self.runs.resize(b / STRIDE * samples.n_labels, [T::default(); N]);
-        let slots = self.slots(samples.p, shape);
-        for slot in slots.clone() {
-            let f = table.feature_of_slot[slot];
-            let lane = 2 * (slot % shape.slots);
+        for f in self.group * shape.slots..((self.group + 1) * shape.slots).min(samples.p) {
+            let lane = 2 * (f % shape.slots);
             for bucket in (0..b).filter(|bucket| table.is_open[f * b + bucket]) {
                 self.open[bucket][lane..lane + 2].fill(T::MAX);
             }
         }
-        self.k = None;
         view.with_ids(|ids| self.apply(samples, table, ids, 1, T::enter));
         self.start.clone_from(&self.pairs);
-        self.k = Some(0);
+        self.k = 0;
     }
 
-    /// Put the cut back to 0 before it is next moved.
+    /// Put the cut back to 0.
     pub(crate) fn rewind(&mut self) {
-        if self.k != Some(0) {
-            self.k = None;
+        if self.k > 0 {
+            self.pairs.get_mut().copy_from_slice(self.start.get());
+            self.k = 0;
         }
     }
 
     /// Move the cut.
     pub(crate) fn shift(&mut self, samples: &Samples, place: &Place<'_>, table: &Table) {
-        let at = self.k.unwrap_or_else(|| {
-            self.pairs.get_mut().copy_from_slice(self.start.get());
-            0
-        });
         let list = place.view.list(place.f);
-        let (from, to) = (at.min(place.k), at.max(place.k));
-        let sign = if place.k > at { 1 } else { -1 };
+        let (from, to) = (self.k.min(place.k), self.k.max(place.k));
+        let sign = if place.k > self.k { 1 } else { -1 };
         self.apply(samples, table, &list[from..to], sign, T::shift);
-        self.k = Some(place.k);
+        self.k = place.k;
     }
 
     /// Apply a change to all slots for every sample of `ids`.

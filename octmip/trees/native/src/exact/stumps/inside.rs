@@ -10,17 +10,10 @@ use crate::exact::stumps::uncertainty::{Candidate, Sides};
 impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Look inside buckets, the side of larger remaining uncertainty first, until the stumps are exact or close the
     /// interval.
-    pub(super) fn finish(
-        &mut self,
-        samples: &Samples,
-        place: &Place<'_>,
-        sides: &mut Sides,
-        first: usize,
-        threshold: i64,
-    ) {
+    pub(super) fn finish(&mut self, samples: &Samples, place: &Place<'_>, sides: &mut Sides, threshold: i64) {
         let n = self.groups.len();
         loop {
-            let reach = |side: usize| (0..n).map(|g| (self.reaches[first + g][side], g)).max().unwrap_or((0, 0));
+            let reach = |side: usize| (0..n).map(|g| (self.reaches[g][side], g)).max().unwrap_or((0, 0));
             let widest = [reach(0), reach(1)];
             let uncertainty = [0, 1].map(|side| widest[side].0 - sides.best[side]);
             let side = usize::from(uncertainty[1] > uncertainty[0]);
@@ -29,15 +22,15 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
                 return;
             }
             let group = widest[side].1;
-            let mut lowered = self.reaches[first + group];
+            let mut lowered = self.reaches[group];
             if self.tighten(group, sides.best, &mut lowered) {
-                self.reaches[first + group] = lowered;
+                self.reaches[group] = lowered;
                 continue;
             }
             let other = gains[1 - side];
             let mut reach = [other, other];
             self.refine(samples, place, (group, side), sides, &mut reach, threshold);
-            self.reaches[first + group][side] = reach[side];
+            self.reaches[group][side] = reach[side];
         }
     }
 
@@ -77,11 +70,11 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
                     continue;
                 }
                 for lane in (side..N).step_by(2).filter(|&lane| caps[lane] > least) {
-                    let slot = group * self.shape.slots + lane / 2;
-                    if slot < p {
+                    let feature = group * self.shape.slots + lane / 2;
+                    if feature < p {
                         let cap = histogram.cap(lane, bucket, &self.profiles, caps[lane].widen());
                         if cap > best {
-                            self.candidates.push(Candidate { cap, slot, bucket });
+                            self.candidates.push(Candidate { cap, feature, bucket });
                         }
                     }
                 }
@@ -92,13 +85,12 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
 
     /// Largest gain of a cut inside a bucket, on one side.
     fn walk(&mut self, samples: &Samples, place: &Place<'_>, group: usize, side: usize, candidate: Candidate) -> i64 {
-        let Candidate { slot, bucket, .. } = candidate;
+        let Candidate { feature, bucket, .. } = candidate;
         let mut left = std::mem::take(&mut self.left);
         left.resize(self.whole.len(), 0);
-        let lane = 2 * (slot % self.shape.slots) + side;
+        let lane = 2 * (feature % self.shape.slots) + side;
         self.groups[group].running_sums(lane, bucket, &self.profiles, &mut left);
         let table = &self.tables[self.used];
-        let feature = table.feature_of_slot[slot];
         let ranks = samples.ranks_of(feature);
         let members = table.members(samples, place.view.list(feature), feature, bucket);
         let (mut best, mut last) = (i64::MIN, None);

@@ -12,15 +12,6 @@ pub(crate) struct Stump {
     pub(crate) value: i64,
 }
 
-/// A cut that was evaluated, and the cost range between it and the cut asked for.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Neighbour {
-    /// Its number, as `both` counts; 0: everything right of the cut, 1: everything left.
-    pub(crate) evaluated: usize,
-    /// Cost range between.
-    pub(crate) distance: i64,
-}
-
 /// The place of the cut: the first `k` samples of list `f` of `view` are left.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Place<'a> {
@@ -32,8 +23,6 @@ pub(crate) struct Place<'a> {
     pub(crate) k: usize,
     /// Position of every sample in list `f`.
     pub(crate) positions: &'a [u32],
-    /// The evaluated cuts before and after.
-    pub(crate) neighbours: [Neighbour; 2],
     /// Both sides together must cost less for the cut to matter.
     pub(crate) target: i64,
 }
@@ -73,7 +62,4 @@ pub(crate) trait StumpSolver: Send {
 
     /// Best stumps of both sides, exact unless their bounds reach `threshold` together.
     fn both(&mut self, samples: &Samples, place: &Place<'_>, threshold: i64) -> [Stump; 2];
-
-    /// Number of the cut last evaluated.
-    fn last_evaluated(&self) -> usize;
 }

@@ -1,7 +1,7 @@
 //! Best stumps by a plain walk along every list: the reference, and the solver where leaves have a least size.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::place::{NEVER, Neighbour, Place, Stump, StumpSolver};
+use crate::exact::stumps::place::{NEVER, Place, Stump, StumpSolver};
 use crate::exact::view::View;
 
 /// Stump solver by walks.
@@ -89,8 +89,7 @@ impl StumpSolver for Scan {
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.scores.resize(samples.p, 0);
-        let neighbours = [Neighbour { evaluated: 0, distance: 0 }; 2];
-        self.stump(samples, &Place { view, f: 0, k: 0, positions: &[], neighbours, target: NEVER }, 1)
+        self.stump(samples, &Place { view, f: 0, k: 0, positions: &[], target: NEVER }, 1)
     }
 
     fn scores(&self) -> &[i64] {
@@ -101,9 +100,5 @@ impl StumpSolver for Scan {
 
     fn both(&mut self, samples: &Samples, place: &Place<'_>, _threshold: i64) -> [Stump; 2] {
         [0, 1].map(|side| self.stump(samples, place, side))
-    }
-
-    fn last_evaluated(&self) -> usize {
-        0
     }
 }

@@ -6,8 +6,7 @@ use crate::exact::view::View;
 
 /// Bucket of every sample in every feature, as a cell of a histogram.
 ///
-/// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature. The features with
-/// the best stumps share the first groups, so that later groups can often be passed over.
+/// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     /// Cell `bucket * rows + row` of sample `i` in slot `s` of group `g`, at `(g * n + i) * slots + s`.
@@ -22,10 +21,6 @@ pub(crate) struct Table {
     pub(crate) is_difference: bool,
     /// Size of the view that it was laid out for.
     pub(crate) len: usize,
-    /// Feature of each slot (`p`).
-    pub(crate) feature_of_slot: Vec<usize>,
-    /// Slot of each feature (`p`).
-    pub(crate) slot_of_feature: Vec<usize>,
     /// Ends of each feature's buckets in its list.
     ends: Vec<Vec<u32>>,
 }
@@ -61,10 +56,6 @@ impl Table {
     pub(crate) fn lay(&mut self, samples: &Samples, view: &View, shape: Shape, most: usize) {
         let p = samples.p;
         self.len = view.len;
-        if self.feature_of_slot.len() != p {
-            self.feature_of_slot = (0..p).collect();
-            self.slot_of_feature = (0..p).collect();
-        }
         let mut ends = std::mem::take(&mut self.ends);
         ends.resize_with(p, Vec::new);
         let most_pure = most.max(view.len / PER_PURE_BUCKET);
@@ -79,13 +70,6 @@ impl Table {
                 longest += longest / 2;
             }
         }
-        self.ends = ends;
-        self.fill(samples, view, shape);
-    }
-
-    /// Enter the samples into the buckets that are marked, features in the order of their slots.
-    pub(crate) fn fill(&mut self, samples: &Samples, view: &View, shape: Shape) {
-        let ends = std::mem::take(&mut self.ends);
         let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
         self.n_buckets = longest.next_multiple_of(8);
         let n_slots = samples.p.div_ceil(shape.slots) * shape.slots;
@@ -105,19 +89,10 @@ impl Table {
         if self.is_difference { 1 } else { shape.rows }
     }
 
-    /// Put the features in this order; needs to be filled again.
-    pub(crate) fn reorder(&mut self, order: Vec<usize>) {
-        for (slot, &f) in order.iter().enumerate() {
-            self.slot_of_feature[f] = slot;
-        }
-        self.feature_of_slot = order;
-    }
-
     fn lay_feature(&mut self, samples: &Samples, list: &[u32], f: usize, shape: Shape, ends: &[u32]) {
         let ranks = samples.ranks_of(f);
-        let slot = self.slot_of_feature[f];
         let rows = self.rows(shape);
-        let first = slot / shape.slots * samples.n * shape.slots + slot % shape.slots;
+        let first = f / shape.slots * samples.n * shape.slots + f % shape.slots;
         let mut start = 0;
         for (bucket, &end) in ends.iter().enumerate() {
             let members = &list[start..end as usize];

@@ -5,8 +5,8 @@
 pub(crate) struct Candidate {
     /// Largest gain that it may hide.
     pub(crate) cap: i64,
-    /// Slot of its feature.
-    pub(crate) slot: usize,
+    /// Its feature.
+    pub(crate) feature: usize,
     /// The bucket.
     pub(crate) bucket: usize,
 }
