@@ -8,7 +8,7 @@ import pytest
 from femlib.errors import InputError
 from femlib.wing import ReducedWing, Wing, WingTwin, reduced_twin, saved_twin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.gap import Campaign, Diagnosis, diagnose
+from octmip.gap import Campaign, Diagnosis, Recorded, diagnose, gathered
 from octmip.twin import Effect, Twin, predict_states
 
 LOADS, REPEATS, NOISE = (0.0, 1.0, 2.0, 3.0), 8, 5.0
@@ -29,18 +29,10 @@ def campaign(twin: WingTwin, state: dict[str, float], effect: str, size: float, 
     rng = np.random.default_rng(3)
     signature = twin.effects[effect].signature
     means = [twin.predict(state, load) + size * signature(twin, state, load) for load in LOADS]
-    rows = len(LOADS) * REPEATS
-    values = [state.get(name, 0.0) for name in twin.parameters] if is_known else [np.nan] * len(twin.parameters)
-    return Campaign(
-        gauges=twin.gauges,
-        parameters=twin.parameters,
-        test=("T0",) * rows,
-        load_factor=np.repeat(LOADS, REPEATS),
-        states=np.tile(values, (rows, 1)),
-        readings=np.repeat(means, REPEATS, axis=0) + NOISE * rng.standard_normal((rows, len(twin.gauges))),
-        time=np.full(rows, np.nan),
-        temperature=np.full(rows, np.nan),
-    )
+    noise = NOISE * rng.standard_normal((len(LOADS), REPEATS, len(twin.gauges)))
+    told = state if is_known else dict.fromkeys(twin.parameters, np.nan)
+    blocks = zip(LOADS, np.array(means)[:, None] + noise, strict=True)
+    return gathered(twin, [Recorded(rows, {"load_factor": load}, "T0", told) for load, rows in blocks])
 
 
 def test_full_and_reduced_wing_answer_by_one_protocol(full: WingTwin, reduced: WingTwin) -> None:

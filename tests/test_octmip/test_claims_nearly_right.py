@@ -11,19 +11,14 @@ from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_o
 from octmip.errors import CertificateError, SolverError
 from octmip.monitor import calibrated_content
 from octmip.trees.losses import SquaredError
-from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
+from octmip.trees.near_sets import NearTree, counting
 from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
 from octmip.trees.tree import Node, ValueLeaf
 from octmip.trees.uncertainty import CredibleSets
 from octmip.trees.worst_case import certify_worst_case
-
-
-def five_values(labels: str = "aabab", **options: object) -> Problem:
-    """Return samples at 0, 1, 2, 3, 4 of two classes."""
-    settings: dict[str, object] = {"depth": 1} | options
-    return Problem(np.arange(5.0)[:, None], np.array(list(labels)), **settings)  # type: ignore[arg-type]
+from tests.test_octmip.test_near_sets import Claimed, five_values
 
 
 def claim(tree: Leaf | Split, objective: float, bound: float) -> Solution:
@@ -57,14 +52,6 @@ def test_no_worst_case_has_a_bound_above_the_best_leaf() -> None:
     assert certify_worst_case(problem, claim(crossed, 5.0, 2.0), 0.0).worst == 5.0
     with pytest.raises(CertificateError, match=r"one of 2\.0 is known"):
         certify_worst_case(problem, claim(crossed, 5.0, 3.0), 0.0)
-
-
-class Claimed:
-    """A set that claims other numbers than another one."""
-
-    def __init__(self, true: NearOptimalSet, **other: object) -> None:
-        names = ("limit", "optimum", "trees", "trees_at_least", "predictions", "by_root")
-        self.__dict__ |= {name: getattr(true, name) for name in names} | other
 
 
 def test_an_optimum_claimed_too_low_is_refused_as_one_too_high() -> None:

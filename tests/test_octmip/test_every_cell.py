@@ -12,7 +12,7 @@ from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, writ
 from octmip.interfaces.report.html import tree_page
 from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.registry import REGISTRY
-from octmip.trees.tree import complexity, depth
+from octmip.trees.tree import depth
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
@@ -113,20 +113,16 @@ def test_a_tree_of_another_problem_is_no_incumbent(cell):
             solve(problem(loss, split), method, incumbent=tree)
 
 
-def test_a_number_of_splits_is_kept(cell):
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_a_setting_is_kept_or_refused_by_name(cell, setting):
     loss, split, method = cell
-    if "max_splits" not in REGISTRY[loss, split][method].cannot:
-        asked = problem(loss, split, depth=2, max_splits=1)
-        solution = solve(asked, method)
-        certify(asked, solution)
-        assert complexity(solution.tree) <= 1
-
-
-def test_what_a_cell_cannot_do_is_refused_by_name(cell):
-    loss, split, method = cell
-    for setting in set(REGISTRY[loss, split][method].cannot) & set(SETTINGS):
+    of_axis_trees = setting in ("any_depth", "monotone") and split != "axis"
+    if of_axis_trees or setting in REGISTRY[loss, split][method].cannot:
         with pytest.raises(ProblemError, match="depth (of|is) None" if setting == "any_depth" else setting):
             solve(problem(loss, split, **SETTINGS[setting]), method)
+    else:
+        asked = problem(loss, split, **{"depth": 2, **SETTINGS[setting]})
+        certify(asked, solve(asked, method))
 
 
 def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):

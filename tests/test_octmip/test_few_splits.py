@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from benchmarks.kinds.classes import FEW_LEAVES_KIND, complaint
-from octmip import Leaf, Problem, Split, Stop, certify, solve
+from octmip import Leaf, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.problem_file import encode, question_digest
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
@@ -18,14 +17,6 @@ FEATURES, LABELS = RNG.normal(size=(40, 3)), RNG.integers(0, 2, 40)
 
 def asked(depth: int, most: int | None) -> Problem:
     return Problem(FEATURES, LABELS, depth=depth, max_splits=most)
-
-
-@pytest.mark.parametrize("seed", range(60))
-def test_the_exact_core_finds_what_enumeration_finds(seed):
-    problem = FEW_LEAVES_KIND.draw(np.random.default_rng([77, seed]))
-    solution = solve(problem, "exact")
-    assert complaint(problem, solution, FEW_LEAVES_KIND.truth(problem)) == ""
-    assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
 
 
 def test_more_splits_are_never_worse_and_enough_of_them_are_no_limit():

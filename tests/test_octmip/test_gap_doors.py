@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import CachedTwin, Campaign, diagnose, function_twin
+from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered
 from octmip.gap.doors import Card, open_twin, script_twin, table_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
@@ -44,10 +44,7 @@ def measured(seed=0, stiffness=100.0, gap=0.0, loads=(50.0, 100.0, 200.0), repea
     rng, force = np.random.default_rng(seed), np.repeat(loads, repeats)
     clean = [list(beam({"stiffness": stiffness, "gap": gap}, {"force": f}).values()) for f in force]
     readings = np.array(clean) + rng.standard_normal((len(force), 3)) * [0.01, 0.004, 0.02]
-    nan, n = np.full(len(force), np.nan), len(force)
-    return Campaign(
-        tuple(READINGS), (), ("pull",) * n, force, np.zeros((n, 0)), readings, nan, nan, load_names=("force",)
-    )
+    return gathered(TWIN, [Recorded(row, {"force": f}) for f, row in zip(force, readings, strict=True)])
 
 
 def found_in(twin, **truth):

@@ -1,41 +1,30 @@
 """Twins of several loads, of one load under another name, and of none."""
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.gap import CachedTwin, Campaign, diagnose, read_campaign
+from octmip.gap import CachedTwin, Campaign, Recorded, diagnose, gathered, read_campaign
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.twin import Loads, load_words, loads_of, units_of
-from tests.test_octmip.beam_twin import Beam
+from tests.test_octmip.beam_twin import Beam, Field
 
 SETTINGS = [(f, a) for f in (1.0, 2.0, 4.0) for a in (0.5, 1.0, 2.0)]
 
 
-@dataclass(frozen=True)
-class Grows:
+class Grows(Field):
     """An effect that grows with the square of the amplitude."""
-
-    name: str = "softening"
-    parameter: str = "softening of the spring"
-    unit: str = "%"
-    prior_mean: float = 0.0
-    prior_sd: float = 5.0
-    prior_source: str = "chosen for the test"
-    is_one_sided: bool = False
-    separated_by: str = "two amplitudes"
-    load_power: None = None
-
-    def places(self, twin):
-        return ("",)
 
     def signature(self, twin, state, load_factor, place="", time=0.0):
         return -(load_factor["amplitude"] ** 2) * np.linspace(1.0, 4.0, 6)
+
+
+GROWS = Grows("softening", np.zeros(6), None, 5.0)
 
 
 @dataclass(frozen=True)
@@ -45,7 +34,7 @@ class Shaker:
     gauges: tuple = tuple(f"a{k}" for k in range(1, 7))
     parameters: tuple = ()
     loads: tuple = ("frequency", "amplitude")
-    effects: dict = field(default_factory=lambda: {"softening": Grows()})
+    effects: dict = field(default_factory=lambda: {"softening": GROWS})
 
     def predict(self, state, loads):
         reach = np.linspace(1.0, 3.0, 6) ** (loads["frequency"] / 2)
@@ -56,12 +45,9 @@ def shaken(seed: int, size: float) -> Campaign:
     rng = np.random.default_rng(seed)
     twin, rows = Shaker(), [pair for pair in SETTINGS for _ in range(10)]
     loads = [Loads(twin.loads, pair) for pair in rows]
-    clean = np.array([twin.predict({}, load) + size * Grows().signature(twin, {}, load) for load in loads])
-    return Campaign(
-        gauges=twin.gauges, parameters=(), test=("sweep",) * len(rows), load_factor=np.array(rows),
-        states=np.zeros((len(rows), 0)), readings=clean + rng.normal(0.0, 1.0, clean.shape),
-        time=np.full(len(rows), np.nan), temperature=np.full(len(rows), np.nan), load_names=twin.loads,
-    )  # fmt: skip
+    clean = np.array([twin.predict({}, load) + size * GROWS.signature(twin, {}, load) for load in loads])
+    readings = clean + rng.normal(0.0, 1.0, clean.shape)
+    return gathered(twin, [Recorded(row, load, "sweep") for load, row in zip(loads, readings, strict=True)])
 
 
 def test_an_effect_is_found_where_readings_depend_on_two_loads():
@@ -76,10 +62,7 @@ def test_an_effect_is_found_where_readings_depend_on_two_loads():
 def test_a_wrong_amplitude_is_the_error_of_that_load_alone():
     twin, whole = Shaker(), shaken(1, 0.0)
     readings = whole.readings + np.array([0.06 * twin.predict({}, Loads(twin.loads, tuple(r))) for r in whole.applied])
-    given = Campaign(
-        whole.gauges, (), whole.test, whole.load_factor, whole.states, readings, whole.time, whole.temperature,
-        load_names=whole.load_names,
-    )  # fmt: skip
+    given = replace(whole, readings=readings)
     diagnosis = diagnose(given, twin)
     names = {name for cause in diagnosis.credible for name in cause.effects}
     assert "amplitude_error" in names
@@ -122,12 +105,10 @@ def test_a_load_by_another_name_is_a_float_and_keeps_its_name():
     rng, twin = np.random.default_rng(5), Turned()
     torque = np.repeat([0.0, 1.0, 2.0], 20)
     clean = np.array([twin.predict({}, t) for t in torque])
-    given = Campaign(
-        twin.gauges, (), ("bench",) * 60, torque, np.zeros((60, 0)), clean + rng.normal(0, 20.0, clean.shape),
-        np.full(60, np.nan), np.full(60, np.nan), load_names=("torque",),
-    )  # fmt: skip
+    readings = clean + rng.normal(0, 20.0, clean.shape)
     twin.parameters = ()
-    diagnosis = diagnose(given, twin)
+    blocks = [Recorded(row, {"torque": t}) for t, row in zip(torque, readings, strict=True)]
+    diagnosis = diagnose(gathered(twin, blocks), twin)
     assert diagnosis.is_sound
     assert {place.name for place in diagnosis.where.loads} == {"torque 0", "torque 1", "torque 2"}
     assert "torque_error" in diagnosis.detectable

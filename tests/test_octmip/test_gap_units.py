@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import CachedTwin, Campaign, diagnose, function_twin, read_campaign
+from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.doors.card import Range
 from octmip.gap.doors.parameter import parameter_effect
 from octmip.gap.effects import chain_of
@@ -17,29 +17,19 @@ from octmip.interfaces.report.diagnosis.phrases import amount
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.twin import units_of
+from tests.test_octmip.beam_twin import Field
 
 STATES = tuple(f"f{k}" for k in range(1, 5))
 
 
-@dataclass(frozen=True)
-class Softer:
+class Softer(Field):
     """A spring softer than the model's: frequencies fall, displacements grow."""
-
-    name: str = "spring"
-    parameter: str = "stiffness of the spring above the model's"
-    unit: str = "%"
-    prior_mean: float = 0.0
-    prior_sd: float = 8.0
-    prior_source: str = "chosen for the test"
-    is_one_sided: bool = False
-    separated_by: str = "a static test of the spring"
-    load_power: None = None
-
-    def places(self, twin):
-        return ("",)
 
     def signature(self, twin, state, load_factor, place="", time=0.0):
         return np.concatenate([[0.02, 0.03, 0.1, 0.2], -2e-5 * load_factor * np.linspace(0.2, 1.6, 5)])
+
+
+SPRING = Softer("spring", np.zeros(9), None, 8.0)
 
 
 @dataclass(frozen=True)
@@ -51,7 +41,7 @@ class Tower:
     sign: str = "displacement positive with the force"
     loads: tuple = ("force",)
     parameters: tuple = ()
-    effects: dict = field(default_factory=lambda: {"spring": Softer()})
+    effects: dict = field(default_factory=lambda: {"spring": SPRING})
 
     def predict(self, state, force):
         return np.concatenate([[2.0, 6.0, 11.0, 19.0], 2e-3 * force * np.linspace(0.2, 1.0, 5) ** 2])
@@ -60,14 +50,15 @@ class Tower:
 def tower(seed, size=0.0, twin=Tower(), change=None):
     rng = np.random.default_rng(seed)
     force = np.repeat([1.0, 2.0, 3.0], 12)
-    clean = np.array([twin.predict({}, f) + size * Softer().signature(twin, {}, f) for f in force])
+    clean = np.array([twin.predict({}, f) + size * SPRING.signature(twin, {}, f) for f in force])
     readings = clean + rng.standard_normal(clean.shape) * np.array([0.01] * 4 + [2e-5] * 5)
     if change is not None:
         change(readings)
-    return Campaign(
-        twin.gauges, (), ("pull",) * 36, force, np.zeros((36, 0)), readings, np.full(36, np.nan), np.full(36, np.nan),
-        load_names=("force",),
-    )  # fmt: skip
+    return pulled(twin, force, readings)
+
+
+def pulled(twin, force, readings):
+    return gathered(twin, [Recorded(row, {"force": f}, "pull") for f, row in zip(force, readings, strict=True)])
 
 
 @pytest.fixture(scope="module")
@@ -140,9 +131,7 @@ def test_one_unit_for_all_readings_keeps_the_plain_names(unit, factor):
     rng, force = np.random.default_rng(3), np.repeat([0.0, 1.0, 2.0, 3.0], 20)
     readings = np.array([twin.predict({}, f) for f in force]) + factor * rng.standard_normal((80, 9))
     readings[:, 2] += 12.0 * factor
-    nan = np.full(80, np.nan)
-    given = Campaign(twin.gauges, (), ("t",) * 80, force, np.zeros((80, 0)), readings, nan, nan, load_names=("force",))
-    found = diagnose(given, twin, chain_of(twin, {unit: 200 * factor}))
+    found = diagnose(pulled(twin, force, readings), twin, chain_of(twin, {unit: 200 * factor}))
     assert found.which[0].effects == ("gauge_bias",)
     assert found.which[0].parameters[0].size == pytest.approx(12.0 * factor, rel=0.1)
     assert found.which[0].parameters[0].unit == unit
@@ -222,7 +211,7 @@ class Wrong(Softer):
 
 def test_what_goes_wrong_inside_an_effect_is_one_sentence():
     with pytest.raises(TwinError, match=r"effect spring answers with shape \(2,\)"):
-        diagnose(tower(7), replace(Tower(), effects={"spring": Wrong()}))
+        diagnose(tower(7), replace(Tower(), effects={"spring": Wrong("spring", np.zeros(9), None, 8.0)}))
 
 
 def test_units_that_are_not_one_each_are_refused():

@@ -71,16 +71,6 @@ def test_the_optimum_is_that_of_enumeration(method, case):
     assert solution.details["start"]["accepted"], solution.details["start"]
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_random_problems_have_the_optimum_of_enumeration(seed):
-    problem = random_problem(np.random.default_rng(seed), max_samples=9, max_depth=2)
-    for solve in SOLVERS.values():
-        solution = solve(problem)
-        certify(problem, solution)
-        assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
-        assert solution.is_optimal
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
     from octmip.trees.mip.flow import encode as encode_flow

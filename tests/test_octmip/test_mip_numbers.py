@@ -56,25 +56,10 @@ def holds(problem: Problem, solution, best: float) -> None:
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("method", ["oct", "flow"])
-def test_what_is_claimed_of_axis_trees_holds_at_any_size(method, size):
-    solver = {"oct": solve_oct, "flow": solve_flow}[method]
-    stops = []
-    for seed in range(9):
-        problem = wild(seed, size)
-        solution = solver(problem)
-        holds(problem, solution, optimum(problem).objective)
-        stops.append(solution.stop)
-    assert stops.count(Stop.OPTIMAL) >= 2
-
-
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("method", ["oct_h", "flow"])
-def test_what_is_claimed_of_hyperplane_trees_holds_at_any_size(method, size):
-    solver = {"oct_h": solve_oct_h, "flow": solve_flow}[method]
-    for seed in range(0, 10, 2):  # depth 1: the printed form takes seconds at depth 2
+def test_what_flow_claims_of_hyperplane_trees_holds_at_any_size(size):
+    for seed in range(0, 10, 2):  # depth 1: the printed form takes seconds at depth 2; the fuzz asks the others
         problem = wild(seed, size, "hyperplane")
-        holds(problem, solver(problem), float(least_cost(problem)))
+        holds(problem, solve_flow(problem), float(least_cost(problem)))
 
 
 def test_whole_weights_of_one_large_unit_are_proven_outright():

@@ -19,10 +19,10 @@ from octmip.trees.solution import Limits, Stop
 from octmip.trees.tree import Leaf, Split
 
 
-def five_values(**options: object) -> Problem:
-    """Return samples at 0, 1, 2, 3, 4 of classes a, a, b, a, b."""
+def five_values(labels: str = "aabab", **options: object) -> Problem:
+    """Return samples at 0, 1, 2, 3, 4 of two classes."""
     settings: dict[str, object] = {"depth": 1} | options
-    return Problem(np.arange(5.0)[:, None], np.array(list("aabab")), **settings)  # type: ignore[arg-type]
+    return Problem(np.arange(5.0)[:, None], np.array(list(labels)), **settings)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("seed", range(150))

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.kinds.classes import SPARSE_KIND, complaint
-from octmip import Leaf, Problem, Split, Stop, certify, solve
+from benchmarks.kinds.classes import SPARSE_KIND
+from octmip import Leaf, Problem, Split, certify, solve
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier
@@ -16,7 +16,6 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.tree import depth
 
-N_PROBLEMS, BLOCK = 100, 20
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.normal(size=(30, 2)), RNG.integers(0, 3, 30)
 
@@ -27,15 +26,6 @@ def drawn(seed: int) -> Problem:
 
 def priced(price: float, **more: object) -> Problem:
     return Problem(FEATURES, LABELS, leaf_penalty=price, **more)
-
-
-@pytest.mark.parametrize("first", range(0, N_PROBLEMS, BLOCK))
-def test_it_finds_what_enumeration_of_all_trees_finds(first):
-    for seed in range(first, first + BLOCK):
-        problem = drawn(seed)
-        solution = solve(problem, "exact")
-        assert complaint(problem, solution, SPARSE_KIND.truth(problem)) == "", seed
-        assert solution.stop in (Stop.OPTIMAL, Stop.NUMERICS)
 
 
 @pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])

@@ -1,4 +1,4 @@
-"""Two-feature splits: the proven optimum against enumeration, and what the returned tree must hold."""
+"""Two-feature splits: what the returned tree must hold, and stops. The fuzz holds the optimum against enumeration."""
 
 import signal
 import threading
@@ -23,13 +23,6 @@ def solve_and_certify(problem: AnyProblem, **options: object) -> float:
     certify(problem, solution)
     assert solution.is_optimal, solution
     return solution.objective
-
-
-@pytest.mark.parametrize(("depth", "max_samples", "n_problems"), [(1, 12, 150), (2, 9, 150)])
-def test_random_problems_reach_the_optimum_of_enumeration(depth: int, max_samples: int, n_problems: int) -> None:
-    for seed in range(n_problems):
-        problem = random_two_feature_problem(np.random.default_rng(seed), depth=depth, max_samples=max_samples)
-        assert solve_and_certify(problem) == float(least_cost(problem)), f"seed {seed}"
 
 
 def test_a_point_one_unit_in_the_last_place_off_a_line_counts_as_off_it() -> None:

@@ -3,11 +3,10 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from benchmarks.oracles.rational import least_cost
-from octmip import Limits, Problem, Stop, certify
+from octmip import Problem, Stop, certify
 from octmip.errors import CertificateError
 from octmip.interfaces.cli import main
 from octmip.trees.methods.options import ExactOptions
@@ -95,43 +94,6 @@ def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) ->
     assert solution.bound <= optimum <= solution.objective
     assert solution.is_optimal or solution.stop is Stop.NUMERICS
     assert check_proof(problem, tmp_path / "log", bound=solution.bound).bound == solution.bound
-
-
-def wide_problem(rng: np.random.Generator) -> Problem:
-    """Return a problem of up to five samples with clusters, one-ulp neighbours and values of any size."""
-    n = int(rng.integers(3, 6))
-    kinds = [
-        lambda: rng.choice([-1, 1], n) * 10.0 ** rng.uniform(-300, 300, n),
-        lambda: np.nextafter(rng.integers(0, 3, n), rng.choice([-9, 9], n)),
-        lambda: rng.choice([0, 5e-324, -5e-324, 1e-300, 1, 1 - 2**-53, 1e300, -1.7976931348623157e308], n),
-        lambda: rng.integers(0, 3, n) + rng.integers(-2, 3, n) * 10.0 ** rng.uniform(-16, -9),
-        lambda: rng.integers(0, 3, n).astype(float),
-    ]
-    x = kinds[rng.integers(len(kinds))]()
-    y = kinds[rng.integers(len(kinds))]()
-    if rng.random() < 0.3:
-        y = x / 2 + rng.integers(-1, 2, n) * 1e-13
-    labels = rng.integers(0, 3, n)
-    labels[:2] = 0, 1
-    options: dict[str, Any] = {"leaf_penalty": float(rng.integers(0, 2))}
-    if rng.random() < 0.3:
-        options["leaf_size"] = 2
-    return Problem(
-        np.column_stack([x, y]), labels, depth=2, split="hyperplane", class_names=(0, 1, 2), split_size=2, **options
-    )
-
-
-def test_random_problems_over_all_of_float64_have_true_bounds_and_accepted_logs(tmp_path: Path) -> None:
-    for seed in range(60):
-        problem = wide_problem(np.random.default_rng([90, seed]))
-        path = tmp_path / "log"
-        solution = two_feature_branch_and_bound(
-            problem, options=ExactOptions(proof=path), check_log=False, limits=Limits(nodes=500)
-        )
-        optimum = float(least_cost(problem))
-        assert solution.bound <= optimum <= solution.objective, f"seed {seed}"
-        assert not solution.is_optimal or solution.objective == optimum, f"seed {seed}"
-        assert check_proof(problem, path).bound == solution.bound, f"seed {seed}"
 
 
 def test_a_tolerance_that_a_sample_could_hide_in_proves_nothing() -> None:
