@@ -108,11 +108,8 @@ def calls(family: str) -> Iterator[tuple[str, Callable[[], Any]]]:
 
 
 def _octmip(name: str) -> Any:
-    """Return a module of octmip's trees, which once lay one folder higher."""
-    try:
-        return importlib.import_module(f"octmip.trees.{name}")
-    except ModuleNotFoundError:
-        return importlib.import_module(f"octmip.{name}")
+    """Return a module of octmip's trees."""
+    return importlib.import_module(f"octmip.trees.{name}")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ from types import ModuleType
 FAMILIES = {
     "exact_uci": "benchmarks.cases.exact.uci",
     "exact_uav": "benchmarks.cases.exact.uav",
-    "exact_budget": "benchmarks.cases.exact.budget",
     "exact_order": "benchmarks.cases.exact.order",
     "exact_anytime": "benchmarks.cases.exact.anytime",
     "walk": "benchmarks.source_map.walk",
@@ -38,7 +37,6 @@ FAMILIES = {
     "mio_binary": "benchmarks.cases.mio.binary",
     "mio_gaps": "benchmarks.cases.mio.gaps",
     "mio_root_rows": "benchmarks.cases.mio.root_rows",
-    "mio_limits": "benchmarks.cases.mio.limits",
     "mio_random": "benchmarks.cases.mio.random_problems",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "exports": "benchmarks.cases.fuzz.exports",

@@ -102,7 +102,7 @@ def log_complaint(problem: Any, log: Path, solution: Solution, least: Fraction) 
 
 
 def _wide(rng: Generator) -> Problem:
-    return wide_problem(rng, split="axis")
+    return wide_problem(rng)
 
 
 def _hyperplanes(rng: Generator) -> Problem:
@@ -110,7 +110,7 @@ def _hyperplanes(rng: Generator) -> Problem:
 
 
 def _missing(rng: Generator) -> Problem:
-    return with_missing(rng, wide_problem(rng, split="axis"))
+    return with_missing(rng, wide_problem(rng))
 
 
 def _sized(rng: Generator) -> Problem:
@@ -128,11 +128,11 @@ def _two_features(rng: Generator) -> Problem:
 
 
 def _few_splits(rng: Generator) -> Problem:
-    return replace(wide_problem(rng, split="axis"), max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
+    return replace(wide_problem(rng), max_splits=int(rng.integers(0, MOST_SPLITS + 1)))
 
 
 def _few_leaves(rng: Generator) -> Problem:
-    problem = wide_problem(rng, split="axis")
+    problem = wide_problem(rng)
     depth = int(rng.integers(1, 5))
     return replace(problem, depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
 
@@ -150,7 +150,7 @@ def _grid(rng: Generator) -> Problem:
 
 
 def _sparse(rng: Generator) -> Problem:
-    problem = wide_problem(rng, split="axis") if rng.random() < 0.5 else _grid(rng)
+    problem = wide_problem(rng) if rng.random() < 0.5 else _grid(rng)
     share = float(rng.choice((0.02, 0.05, 0.1, 0.2, 0.5)))
     price = share * problem.baseline if rng.random() < 0.7 else float(math.ceil(share * problem.baseline))
     most = int(rng.integers(0, 6)) if rng.random() < 0.2 else None

@@ -39,9 +39,9 @@ class Question:
 
     @property
     def is_free(self) -> bool:
-        """Whether an exact method has time enough and no other limit."""
-        limits = self.limits
-        return self.method not in HEURISTIC and limits == Limits(seconds=limits.seconds) and limits.seconds >= ENOUGH
+        """Whether an exact method has time enough, no other limit and no log to write, whose grid may be too coarse."""
+        is_exact = self.method not in HEURISTIC and not self.proof
+        return is_exact and self.limits == Limits(seconds=self.limits.seconds) and self.limits.seconds >= ENOUGH
 
     def __str__(self) -> str:
         limits = f"seconds={self.limits.seconds:g}, nodes={self.limits.nodes:g}, gap={self.limits.gap:g}"

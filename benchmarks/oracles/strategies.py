@@ -49,35 +49,6 @@ def with_missing(rng: Generator, problem: Problem) -> Problem:
     return replace(problem, features=features, takes_missing=bool(rng.random() < 0.5) or bool(np.isnan(features).any()))
 
 
-def wide_problem(rng: Generator, *, orders: float = 12.0, max_samples: int = 10, max_depth: int = 3) -> Problem:
-    """Return a small axis-aligned problem whose weights, costs and penalty may span many orders of magnitude."""
-
-    def spread(size: int | tuple[int, int], by: float = orders) -> NDArray[np.float64]:
-        return 10.0 ** rng.uniform(-by, by, size)
-
-    n, p, k = int(rng.integers(2, max_samples + 1)), int(rng.integers(1, 4)), int(rng.integers(2, 5))
-    labels = rng.integers(0, k, n)
-    labels[:2] = [0, 1]
-    power = 10.0 ** float(rng.integers(-int(orders), int(orders)))
-    weights = [spread(n), spread(n, 2), rng.integers(0, 4, n) * power, np.where(rng.random(n) < 0.5, 1.0, power)]
-    options: ProblemOptions = {"weights": weights[rng.integers(4)], "depth": int(rng.integers(1, max_depth + 1))}
-    options["weights"][0] = max(options["weights"][0], 1e-3)
-    off_diagonal, state = 1 - np.eye(k), np.arange(k)
-    steps = np.abs(state[:, None] - state[None, :]) * power
-    costs = [None, spread((k, k)) * off_diagonal, spread((k, k)), spread((k, k), 1) * off_diagonal, steps]
-    if (chosen := costs[rng.integers(5)]) is not None:
-        options["loss"] = ClassCosts(chosen)
-    if rng.random() < 0.3:
-        options["leaf_penalty"] = float(spread(1, 1.5 * orders)[0])
-    if rng.random() < 0.3:
-        options["leaf_size"] = int(rng.integers(1, max(2, n // 2) + 1))
-    if rng.random() < 0.2:
-        options["sensor_budget"] = float(rng.integers(0, p + 1))
-    features = rng.integers(0, rng.integers(2, 8), (n, p)).astype(float)
-    options["class_names"] = tuple(range(k))
-    return Problem(features, labels, **options)
-
-
 def hyperplane_problem(rng: Generator, **sizes: int) -> Problem:
     """Return a random problem with hyperplane splits: sizes, groups and integer normals as they come."""
     axis = random_problem(rng, **sizes)

@@ -20,7 +20,7 @@ TINY = (5e-324, -5e-324, 2.2250738585072014e-308, 1e-300, -1e-300)
 EXTREMES = np.array([0.0, -0.0, *TINY, np.nextafter(1.0, 0.0), 1.0, 1e300, -1e300, LARGEST, -LARGEST])
 
 
-def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"], max_samples: int = 7) -> Problem:
+def wide_problem(rng: Generator, *, split: Literal["axis", "hyperplane"] = "axis", max_samples: int = 7) -> Problem:
     """Return a random problem of the kind "axis" or "hyperplane" that exact enumeration can answer.
 
     Hyperplanes have at most two features per split and depth 2 at most, axis-aligned trees depth 3 at most.

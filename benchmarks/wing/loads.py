@@ -1,7 +1,7 @@
-"""Loads and effects of the wing beside the ellipse: `python -m benchmarks.wing.loads [--refinement 1]`.
+"""Loads of the wing beside the ellipse: `python -m benchmarks.wing.loads [--refinement 1]`.
 
-Prints Markdown: bending moments and strains of the vortex lattice and of the inertia over the ellipse's, and what each
-effect does to the 20 usable gauges at load factor 3. The lattice needs AeroSandbox: pip install 'octmip[aero]'.
+Prints Markdown: bending moments and strains of the vortex lattice and of the inertia over the ellipse's. The lattice
+needs AeroSandbox: pip install 'octmip[aero]'.
 """
 
 import argparse
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from benchmarks.main_program import run_main
 from femlib.wing import Wing, inertial_load, uav_wing, vortex_lattice
-from femlib.wing.effects import wing_effects
 
 STATIONS = (0.0, 0.25, 0.5, 0.75)
 LOAD_FACTORS = (-1.0, 1.0, 3.0, 4.0)
@@ -19,12 +18,11 @@ Floats = NDArray[np.float64]
 
 
 def main() -> None:
-    """Print both tables."""
+    """Print the table."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.loads", description=__doc__)
     parser.add_argument("--refinement", type=float, default=1.0)
     wing = uav_wing(refinement=parser.parse_args().refinement)
     loads(wing)
-    effects(wing)
 
 
 def loads(wing: Wing) -> None:
@@ -48,17 +46,6 @@ def moment(wing: Wing, force: Floats, eta: float) -> float:
     """Return the bending moment of vertical forces outboard of a span fraction [N m]."""
     y = wing.structure.shells.mesh.nodes[:, 1]
     return float(np.maximum(y - eta * wing.span, 0.0) @ force.reshape(-1, 6)[:, 2])
-
-
-def effects(wing: Wing) -> None:
-    """Print each effect with its prior and what one prior sd does at its most visible place."""
-    usable = wing.gauges.is_usable
-    print("\n| effect | unit | prior sd | places | one sd at load factor 3, 20 gauges |\n|---|---|---|---|---|")
-    for name, effect in wing_effects(wing).items():
-        places = effect.places(None)
-        signatures = [effect.signature(None, {}, 3.0, place, 3600.0)[usable] for place in places]
-        largest = effect.prior_sd * max(float(np.sqrt(np.mean(signature**2))) for signature in signatures)
-        print(f"| {name} | {effect.unit} | {effect.prior_sd:g} | {len(places)} | {largest:.1f} microstrain rms |")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ from benchmarks.oracles.page_check import check_page
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import WEAR, Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import GUST, MOST, STEP, Capable, chance_of_failing
-from benchmarks.uav.mission.filter_study import filter_rows
 from benchmarks.uav.mission.flight import Flight, recorded
 from benchmarks.uav.mission.histories import KINDS, draw
 from benchmarks.uav.mission.page import flight_page
@@ -162,13 +161,6 @@ def test_policies_keep_their_order(aircraft: Aircraft):
     assert cost[planner] < min(cost[always], cost[never], cost["trees", "paper", 0.5])
     assert lost["filter", "limit", 0.02] <= lost["filter", "limit", 0.1] <= lost["trees", "limit", 0.5]
     assert steps[oracle] <= steps[planner] + 0.5 <= steps[always] + 0.5 == WIDE_STEPS + 0.5
-
-
-def test_the_filter_beats_the_tree_and_covers(aircraft: Aircraft):
-    rows = filter_rows(aircraft, 60, 4, kinds=("paper",))
-    second = next(row for row in rows if row["parameter"] == "mu2" and row["observation"] == "leaf")
-    assert second["lower by %"] > 30
-    assert 85 < second["coverage, calibrated 90 % sets %"] < 95
 
 
 def test_the_interval_of_a_share_is_wilsons():

@@ -1,7 +1,5 @@
 """The risk study runs from the command, and its figures hang together."""
 
-import matplotlib.image
-import numpy as np
 import pytest
 
 from benchmarks.data import SHARED
@@ -14,12 +12,10 @@ needs_strains = pytest.mark.skipif(not STRAINS.exists(), reason="the published s
 
 
 @needs_strains
-def test_the_command_writes_tables_and_pictures(tmp_path, capsys):
+def test_the_command_writes_its_table(tmp_path, capsys):
     main(["--smoke", "--out", str(tmp_path)])
     assert "| decisions | mu2 | unweighted | 1 of 1 |" in capsys.readouterr().out
     assert (tmp_path / "risk_published.md").exists()
-    for label in ("mu1", "mu2"):
-        assert np.ptp(matplotlib.image.imread(tmp_path / f"risk_reliability_{label}_published.png")) > 0
 
 
 @needs_strains

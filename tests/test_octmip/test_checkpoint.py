@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, wide_problem
+from benchmarks.oracles.strategies import random_problem
+from benchmarks.oracles.wide_problems import wide_problem
 from octmip import Limits, Problem, certify
 from octmip.errors import DataError
 from octmip.trees.methods.checkpoint import file

@@ -9,7 +9,8 @@ from operator import le
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem, wide_problem
+from benchmarks.oracles.strategies import random_problem
+from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Leaf, Problem, Split, solve
 from octmip.trees.encoding import grid, integer_costs
 from octmip.trees.encoding.numbers import exact_objective

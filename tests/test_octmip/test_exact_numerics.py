@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import wide_problem
+from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Problem, certify, predict
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.encoding import grid

@@ -1,18 +1,11 @@
 """One proof over several processes: the same problem by one thread, and by `octmip.trees.cluster` with one and two.
 
 Trees, bounds and evaluated cuts must be the same.
-
-Killed: `--only 'mu2, depth 4' --kills 5 --threads 2` solves the case by so many processes once more, and kills one of
-them, drawn anew, at each of five moments drawn from the time that the proof takes without.
 """
 
-import os
-import random
 import re
-import signal
-import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +13,7 @@ import numpy as np
 from benchmarks.data import published, uci
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.cluster import Cluster, open_cluster
+from octmip.trees.cluster import open_cluster
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
@@ -40,8 +33,8 @@ NO_LIMITS = Limits()
 SMALL = Problem(np.arange(40.0).reshape(20, 2) % 7, np.arange(20) % 2, depth=3)
 
 
-def results(limit: float, threads: Sequence[int], only: str = "", kills: int = 0) -> Iterator[Line]:
-    """Yield for each case and number of processes the measured times, and those with kills.
+def results(limit: float, threads: Sequence[int], only: str = "") -> Iterator[Line]:
+    """Yield for each case and number of processes the measured times.
 
     `only` is a regular expression on "set, depth D".
     """
@@ -54,42 +47,16 @@ def results(limit: float, threads: Sequence[int], only: str = "", kills: int = 0
         alone, seconds = timed(problem, Limits(seconds=limit))
         case: Line = {"size": size, "seed": 0, "objective": alone.objective, "alone": seconds}
         for count in threads:
-            shared, line = _shared(problem, alone, count)
-            yield case | line
-            if kills:
-                yield case | _killed(problem, alone, count, kills, shared.seconds)
+            yield case | _shared(problem, alone, count)
 
 
-def _shared(
-    problem: Problem, alone: Solution, count: int, kill: Callable[[Cluster], Any] = id
-) -> tuple[Solution, Line]:
-    """Return the solution by so many processes, `kill` called when it begins, and whether it is that of one thread."""
+def _shared(problem: Problem, alone: Solution, count: int) -> Line:
+    """Return what so many processes take, and whether their solution is that of one thread."""
     with open_cluster("local", count) as cluster:
         timed(SMALL, cluster=cluster)  # workers import what they need
-        kill(cluster)
         shared, wall = timed(problem, cluster=cluster)
     same = (shared.tree, shared.bound, shared.n_nodes) == (alone.tree, alone.bound, alone.n_nodes)
-    return shared, {"workers": count, "seconds": wall, "same": same}
-
-
-def _killed(problem: Problem, alone: Solution, count: int, kills: int, seconds: float) -> Line:
-    """Return the line of a proof, of so many seconds, during which processes are killed at random moments."""
-    drawn = random.Random(0)
-    moments: list[float] = []  # those at which a process was killed: the proof may end before others
-
-    def kill_one(cluster: Cluster, moment: float) -> None:
-        process = drawn.choice(sorted(cluster.client.run(os.getpid).values()))
-        os.kill(process, signal.SIGKILL)
-        moments.append(round(moment, 1))
-
-    def kill(cluster: Cluster) -> None:
-        for moment in sorted(drawn.uniform(0.0, seconds) for _ in range(kills)):
-            timer = threading.Timer(moment, kill_one, (cluster, moment))
-            timer.daemon = True
-            timer.start()
-
-    _, line = _shared(problem, alone, count, kill)
-    return {"moments": moments, **line}
+    return {"workers": count, "seconds": wall, "same": same}
 
 
 def timed(problem: Problem, limits: Limits = NO_LIMITS, cluster: Any = None) -> tuple[Solution, float]:
@@ -107,7 +74,6 @@ def summary(lines: Sequence[Line]) -> str:
                 "processes": line["workers"],
                 "wall s": round(line["seconds"], 2),
                 "one thread, wall s": round(line["alone"], 2),
-                "killed after s": ", ".join(map(str, line.get("moments", ()))),
                 "same tree, bound, cuts": "yes" if line["same"] else "NO",
             }
             for line in lines

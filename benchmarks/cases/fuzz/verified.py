@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corruptions import LINE_CHANGES, Generator, changed_data, raise_claim
-from benchmarks.oracles.strategies import random_problem, wide_problem, with_missing
+from benchmarks.oracles.strategies import random_problem, with_missing
+from benchmarks.oracles.wide_problems import wide_problem
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from benchmarks.main_program import run_main
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
-from benchmarks.uav.mission.filter_study import filter_rows
 from benchmarks.uav.mission.flight import recorded
 from benchmarks.uav.mission.histories import KINDS
 from benchmarks.uav.mission.page import flight_page
@@ -17,7 +16,7 @@ from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, se
 from octmip.formats.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
-TABLES = ("filter", "watch", "policies")
+TABLES = ("watch", "policies")
 
 
 def main() -> None:
@@ -42,8 +41,6 @@ def main() -> None:
 def _tables(
     name: str, aircraft: Aircraft, folder: Path, n: int, seed: int, kinds: Sequence[str] = KINDS
 ) -> Sequence[tuple[str, Sequence[dict[str, object]]]]:
-    if name == "filter":
-        return [("filter", filter_rows(aircraft, max(50, n // 20), seed))]
     if name == "policies":
         return [("policies", policy_rows(aircraft, n, seed, kinds))]
     watch = aircraft.watch()

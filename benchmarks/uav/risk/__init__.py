@@ -1,1 +1,1 @@
-"""Risk and uncertainty on the wing: what fearing to miss a critical damage costs, and how far leaves can be trusted."""
+"""Risk on the wing: what fearing to miss a critical damage costs."""

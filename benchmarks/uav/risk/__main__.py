@@ -1,4 +1,4 @@
-"""`python -m benchmarks.uav.risk`: risk-weighted trees and the trust in their leaves, tables and pictures."""
+"""`python -m benchmarks.uav.risk`: risk-weighted trees by the price of a failure, one table."""
 
 import argparse
 import time
@@ -7,11 +7,9 @@ from pathlib import Path
 from benchmarks.data import SHARED
 from benchmarks.main_program import run_main
 from benchmarks.uav.risk.decisions import Row, decision_rows, state_rows
-from benchmarks.uav.risk.leaves import Trust, trust
-from benchmarks.uav.risk.tables import decision_table, trust_table
+from benchmarks.uav.risk.tables import decision_table
 from femlib.dataset import MeanStrains, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import uav_wing
-from octmip.interfaces.plot import reliability_figure
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -21,20 +19,15 @@ def main(arguments: list[str] | None = None) -> None:
     depth, seeds = (2, (0,)) if options.smoke else (3, range(options.seeds))
     start, means = time.process_time(), _means(options.source)
     rows: list[Row] = []
-    found: list[Trust] = []
     folder = Path(options.out)
     folder.mkdir(parents=True, exist_ok=True)
     text = ""
     for n, seed in enumerate(seeds, start=1):
         data = build_dataset(means, recipe, seed=seed)
         rows += [*decision_rows(data, seed, depth), *state_rows(data, seed, depth)]
-        found += [trust(data, label, seed, depth) for label in ("mu1", "mu2")]
         seconds = time.process_time() - start
-        text = f"{means.source}, {n} seeds, {seconds:.0f} CPU s\n\n{decision_table(rows)}\n{trust_table(found)}"
+        text = f"{means.source}, {n} seeds, {seconds:.0f} CPU s\n\n{decision_table(rows)}"
         (folder / f"risk_{options.source}.md").write_text(text)  # each seed is kept, should the next be interrupted
-    for t in found[:2]:
-        picture = reliability_figure(t.bins, f"{t.label}, depth {depth}, unseen readings")
-        picture.savefig(folder / f"risk_reliability_{t.label}_{options.source}.png", dpi=150)
     print(text)
 
 

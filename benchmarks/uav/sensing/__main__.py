@@ -5,12 +5,11 @@ import time
 from pathlib import Path
 
 from benchmarks.main_program import run_main
-from benchmarks.uav.sensing import budget, failure, frontier, placement, sequential
+from benchmarks.uav.sensing import budget, failure, placement, sequential
 from octmip.formats.files import write_bytes
 
 STUDIES = {
     "placement": placement.report,
-    "frontier": frontier.report,
     "budget": budget.report,
     "sequential": sequential.report,
     "failure": failure.report,
