@@ -1,13 +1,18 @@
 """Markdown tables of benchmark lines: one row per case, one column per solver; ratios and their geometric mean."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 Line = dict[str, Any]
 """One result: a JSON object, printed as one line. Its keys are the family's own, whose summary reads them back."""
 OURS, PEER = "octmip", "pycontree"
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Return a table in Markdown, its cells as they are."""
+    return "\n".join(f"| {' | '.join(map(str, cells))} |" for cells in (head, ["---"] * len(head), *rows))
 
 
 def race_table(lines: Iterable[Line], ours: str = OURS, peer: str = PEER) -> str:
@@ -19,17 +24,11 @@ def race_table(lines: Iterable[Line], ours: str = OURS, peer: str = PEER) -> str
         rows.setdefault((line["size"], line["seed"]), {})[column] = line
         columns += [column] if column not in columns else []
     head = ["case", "seed", "optimum", *columns, "ratio"]
-    table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    for (size, seed), row in rows.items():
-        cells = [
-            size,
-            str(seed),
-            _optimum(row),
-            *(_cell(row.get(column)) for column in columns),
-            _ratio_cell(row, ours, peer),
-        ]
-        table.append("| " + " | ".join(cells) + " |")
-    return "\n".join([*table, "", *_verdicts(list(rows.values()), ours, peer)])
+    cells = [
+        [size, seed, _optimum(row), *(_cell(row.get(column)) for column in columns), _ratio_cell(row, ours, peer)]
+        for (size, seed), row in rows.items()
+    ]
+    return "\n".join([markdown(head, cells), "", *_verdicts(list(rows.values()), ours, peer)])
 
 
 def _column(line: Line) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from sklearn.ensemble import RandomForestClassifier
 
 from benchmarks.public_tables import PrunedCart, samples
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip import OptimalTreeClassifier
 from octmip.trees.uncertainty import brier_score, calibration_error
 
@@ -64,12 +64,13 @@ def _model(name: str, limit: float, threads: int) -> Any:
 
 def summary(lines: list[Line]) -> str:
     """Return the errors of each table and their means as a table in Markdown."""
-    rows = ["| table | new rows | calibration error % | Brier score |", "|---|---|---|---|"]
+    rows = []
     for table in dict.fromkeys(line["case"] for line in lines):
         mine = [line for line in lines if line["case"] == table]
-        rows.append(f"| {table} | {mine[0]['n_new']} | {_figures(mine, 'ece', 100)} | {_figures(mine, 'brier', 1)} |")
-    rows.append(f"| mean | | {_figures(lines, 'ece', 100)} | {_figures(lines, 'brier', 1)} |")
-    return f"{' / '.join(LEARNERS)}\n\n" + "\n".join(rows)
+        rows.append([table, mine[0]["n_new"], _figures(mine, "ece", 100), _figures(mine, "brier", 1)])
+    rows.append(["mean", "", _figures(lines, "ece", 100), _figures(lines, "brier", 1)])
+    head = ["table", "new rows", "calibration error %", "Brier score"]
+    return f"{' / '.join(LEARNERS)}\n\n{markdown(head, rows)}"
 
 
 def _figures(lines: list[Line], key: str, scale: float) -> str:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.data import SHARED, uci
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.dataset import Recipe, build_dataset, published_strains
 from octmip import Limits, Problem, solve
 from octmip.trees.tradeoff import leaves_on_fresh_rows
@@ -84,7 +84,7 @@ def _samples(name: str, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 def summary(lines: list[Line]) -> str:
     """Return means over the seeds as a table in Markdown."""
     two = "training / corrected"
-    rows = [f"| set | claimed, {two} | right | ECE, {two} | Brier, {two} | CPU s |", "|---|---|---|---|---|---|"]
+    rows = []
     for name in dict.fromkeys(line["case"] for line in lines):
         mine = [line for line in lines if line["case"] == name]
 
@@ -92,7 +92,5 @@ def summary(lines: list[Line]) -> str:
             return float(np.mean([line[key] for line in mine]))
 
         pairs = [f"{mean(f'{k}_training'):.4f} / {mean(f'{k}_corrected'):.4f}" for k in ("claimed", "ece", "brier")]
-        rows.append(
-            f"| {name} | {pairs[0]} | {mean('right'):.4f} | {pairs[1]} | {pairs[2]} | {mean('cpu_seconds'):.2f} |"
-        )
-    return "\n".join(rows)
+        rows.append([name, pairs[0], f"{mean('right'):.4f}", *pairs[1:], f"{mean('cpu_seconds'):.2f}"])
+    return markdown(["set", f"claimed, {two}", "right", f"ECE, {two}", f"Brier, {two}", "CPU s"], rows)

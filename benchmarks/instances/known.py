@@ -9,6 +9,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from benchmarks import tables
 from benchmarks.instances.catalogue import INSTANCES, Instance
 
 FILE = Path(__file__).with_name("known.json")
@@ -42,14 +43,14 @@ def tree_key(instance: Instance) -> str:
 def markdown(content: dict[str, Any]) -> str:
     """Return the table of the instances: sizes, best tree and bound, and the best bound of a run on the file itself."""
     head = ["instance", "rows", "columns", "integers", "nonzeros", "best tree", "bound", "proven by", "on the file"]
-    lines = ["| " + " | ".join(head) + " |", "|---|" + "---:|" * 6 + "---|---|"]
+    rows = []
     for instance in INSTANCES:
         size, best = content["sizes"][instance.name], content["trees"][tree_key(instance)]
         runs = [run for run in content["runs"] if run["instance"] == instance.name]
         cells = [f"`{instance.name}`", *(f"{size[key]:,}" for key in ("rows", "columns", "integers", "nonzeros"))]
         cells += [str(best["errors"]), str(best["bound"]), best["proof"], "; ".join(map(_run, runs)) or "open"]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        rows.append(cells)
+    return tables.markdown(head, rows)
 
 
 def _run(run: dict[str, Any]) -> str:

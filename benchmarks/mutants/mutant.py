@@ -49,3 +49,8 @@ class Mutant:
         except SyntaxError as error:
             raise ValueError(f"{self.file} with {self.replacement!r} is no Python: {error}; correct the row") from error
         return changed
+
+
+def mutants_of(file: str, tests: tuple[str, ...], *changes: tuple[str, ...]) -> tuple[Mutant, ...]:
+    """Return the mutants of a file: of each change what stands there, what replaces it, and why it is equivalent."""
+    return tuple(Mutant(file, source, replacement, tests, *why) for source, replacement, *why in changes)

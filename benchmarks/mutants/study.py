@@ -29,7 +29,7 @@ from pathlib import Path
 
 from benchmarks.mutants.mutant import Mutant
 from benchmarks.mutants.rows import MUTANTS
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
 NATIVE = "octmip/trees/_native*.so"
@@ -186,12 +186,11 @@ def summary(lines: Sequence[Line]) -> str:
     """Return the outcomes by part of the sources, and those that no test noticed."""
     counts = Counter((_part(line["file"]), line["outcome"]) for line in lines)
     outcomes = ("killed", "time", "survived", "equivalent")
-    table = ["| part | " + " | ".join(outcomes) + " |", "|" + "---|" * (len(outcomes) + 1)]
-    for part in sorted({part for part, _ in counts}):
-        table.append(f"| {part} | " + " | ".join(str(counts[part, outcome]) for outcome in outcomes) + " |")
+    parts = sorted({part for part, _ in counts})
+    table = markdown(["part", *outcomes], ([part, *(counts[part, one] for one in outcomes)] for part in parts))
     n_noticed = sum(line["outcome"] in NOTICED for line in lines)
     unseen = [f"{line['outcome']}: {line['size']} {line['by']}" for line in lines if line["outcome"] not in NOTICED]
-    return "\n".join([f"{n_noticed} of {len(lines)} mutants killed.", "", *table, "", *unseen])
+    return "\n".join([f"{n_noticed} of {len(lines)} mutants killed.", "", table, "", *unseen])
 
 
 def _part(file: str) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 import octmip
 from benchmarks.source_map.levels import LEVELS, part_of
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CachedTwin, Campaign, diagnose
@@ -108,5 +108,5 @@ def to_verdict() -> Callable[[], object]:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of walks."""
-    rows = [f"| {line['size']} | {line['files']} | {line['stays']} | {line['climbs']} |" for line in lines]
-    return "\n".join(["| walk | files | stays | climbs |", "|---|---|---|---|", *rows])
+    rows = ([line[key] for key in ("size", "files", "stays", "climbs")] for line in lines)
+    return markdown(["walk", "files", "stays", "climbs"], rows)

@@ -10,6 +10,7 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
+from benchmarks.tables import markdown
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
 from octmip import Problem
@@ -18,7 +19,7 @@ from octmip.trees.solution import Limits
 from octmip.trees.tradeoff import baselines_of, solve_default
 from octmip.trees.tree import leaves, predict
 
-HEADER = "| label | model | errors train % | errors test % | MAE train | MAE test |"
+HEADER = ("label", "model", "errors train %", "errors test %", "MAE train", "MAE test")
 
 
 def rows_of(data: Dataset, seed: int, seconds: float, n_jobs: int) -> list[dict[str, object]]:
@@ -49,12 +50,11 @@ def _row(data: Dataset, label: str, problem: Problem, name: str, codes: NDArray[
     return row
 
 
-def markdown(rows: Sequence[dict[str, object]]) -> str:
+def text_of(rows: Sequence[dict[str, object]]) -> str:
     """Return the table, MAE in percent loss of stiffness."""
-    lines = ["# Models without a tree", "", "MAE in percent loss of stiffness; all gauges.", "", HEADER]
-    lines.append("|" + "---|" * 6)
+    cells = []
     for row in rows:
         errors = [f"{100 * float(str(row[f'error_{part}'])):.1f}" for part in ("train", "test")]
         maes = [f"{row[f'mae_{part}']:.2f}" for part in ("train", "test")]
-        lines.append(f"| {row['label']} | {row['model']} | {' | '.join([*errors, *maes])} |")
-    return "\n".join(lines) + "\n"
+        cells.append([row["label"], row["model"], *errors, *maes])
+    return f"# Models without a tree\n\nMAE in percent loss of stiffness; all gauges.\n\n{markdown(HEADER, cells)}\n"

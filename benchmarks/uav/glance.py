@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from benchmarks.tables import markdown
 from benchmarks.uav.study import LABELS, METHODS, Outcome
 
 COLUMNS = {
@@ -28,9 +29,8 @@ def glance(outcomes: Sequence[Outcome]) -> list[str]:
         "A bound of 0 is the value of OCT's linear relaxation as printed, which these seconds do not raise; rows of "
         "Benders at its root close the gap (`octmip solve --method oct --option root_rows=1000`).",
         "",
-        "| task | " + " | ".join(COLUMNS.values()) + " | paper |",
-        "|---|" + "---|" * (len(COLUMNS) + 1),
     ]
+    table = []
     tasks = dict.fromkeys((o.cell.label, o.cell.task, o.cell.gauge_set, o.cell.depth) for o in outcomes)
     for label, task, gauge_set, depth in sorted(tasks, key=lambda one: LABELS.index(one[0])):
         rows = {
@@ -41,8 +41,8 @@ def glance(outcomes: Sequence[Outcome]) -> list[str]:
         cells = [_cell(rows[method]) if method in rows else "" for method in COLUMNS]
         name = f"{label}, {task}, {next(iter(rows.values()))['n_gauges']} gauges, depth {depth}"
         paper = PAPER_ERRORS.get((task, label, depth, gauge_set), "")
-        lines.append("| " + " | ".join([name, *cells, paper]) + " |")
-    return lines
+        table.append([name, *cells, paper])
+    return [*lines, markdown(["task", *COLUMNS.values(), "paper"], table)]
 
 
 def _cell(row: dict[str, object]) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor
 
+from benchmarks.tables import markdown
 from benchmarks.uav.bayes import class_posterior
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
@@ -20,7 +21,7 @@ from octmip.trees.tree import Node
 
 Floats = NDArray[np.float64]
 Rule = Callable[[Floats], Floats]
-HEADER = "| label | predicts | depth | MAE train | MAE test | RMSE train | RMSE test | objective | proven |"
+HEADER = ("label", "predicts", "depth", "MAE train", "MAE test", "RMSE train", "RMSE test", "objective", "proven")
 
 
 def rows_of(data: Dataset, depths: Sequence[int], seconds: float) -> Iterator[dict[str, object]]:
@@ -77,17 +78,13 @@ def _median(posterior: Floats, values: NDArray[np.int64]) -> Floats:
     return np.asarray(values[(np.cumsum(posterior, axis=1) >= 0.5).argmax(axis=1)], dtype=np.float64)
 
 
-def markdown(rows: Sequence[dict[str, object]]) -> str:
+def text_of(rows: Sequence[dict[str, object]]) -> str:
     """Return the table, errors in percent loss of stiffness."""
-    lines = ["# mu as a number", "", "Errors in percent loss of stiffness; all gauges.", "", HEADER]
-    lines.append("|" + "---|" * HEADER.count(" | ") + "---|")
+    cells = []
     for row in rows:
         figures = [f"{row[f'{measure}_{part}']:.2f}" for measure in ("mae", "rmse") for part in ("train", "test")]
         gap = row.get("gap")
         proven = "-" if gap is None else ("yes" if gap == 0 else f"gap {100 * float(str(gap)):.1f} %")
         objective = f"{row['objective']:.10g}" if "objective" in row else "-"
-        lines.append(
-            f"| {row['label']} | {row['rule']} | {row['depth'] or '-'} | {' | '.join(figures)} | {objective} | "
-            f"{proven} |"
-        )
-    return "\n".join(lines) + "\n"
+        cells.append([row["label"], row["rule"], row["depth"] or "-", *figures, objective, proven])
+    return f"# mu as a number\n\nErrors in percent loss of stiffness; all gauges.\n\n{markdown(HEADER, cells)}\n"

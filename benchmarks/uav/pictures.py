@@ -20,7 +20,7 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
     """Return the planform with damage regions and gauges, one panel a label; the gauges its tree uses stand out."""
     figure, axes = plt.subplots(len(used), 1, figsize=(9, 2.3 * len(used)), squeeze=False, layout="constrained")
     for axis, (title, gauges) in zip(axes[:, 0], used.items(), strict=True):
-        _draw_planform(axis, wing)
+        draw_planform(axis, wing)
         for name, position in zip(wing.gauges.names, wing.gauges.position, strict=True):
             is_used = name in gauges
             place = (position[1], -position[0])
@@ -38,7 +38,8 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
     return figure
 
 
-def _draw_planform(axis: Axes, wing: Wing) -> None:
+def draw_planform(axis: Axes, wing: Wing) -> None:
+    """Draw outline and damage regions, from the root to the right."""
     outline = wing.outline()
     axis.add_patch(Polygon(np.column_stack([outline[:, 1], -outline[:, 0]]), closed=True, fill=False, ec=INK, lw=1.2))
     for region in wing.regions:

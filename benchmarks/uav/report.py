@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.uav.pictures import strain_picture, wing_picture
 from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
-from benchmarks.uav.tables import answers, markdown
+from benchmarks.uav.tables import answers, text_of
 from femlib.dataset import Dataset, MeanStrains
 from femlib.wing import Wing
 from octmip.formats.files import write_bytes
@@ -34,7 +34,7 @@ def write_results(
 ) -> None:
     """Write everything that a run of the study has to show."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_bytes(folder / "table.md", markdown(outcomes, answers(outcomes)).encode())
+    write_bytes(folder / "table.md", text_of(outcomes, answers(outcomes)).encode())
     write_bytes(folder / "table.json", _json([outcome.row for outcome in outcomes]))
     write_bytes(folder / "run.json", _json(_run(data, outcomes, seconds)))
     for name, figure in _figures(wing, simulated, published, data, outcomes).items():

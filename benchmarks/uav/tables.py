@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from benchmarks.tables import markdown
 from benchmarks.uav.glance import glance
 from benchmarks.uav.study import CRITICAL_PERCENT, CRITICAL_WEIGHT, LABELS, Outcome, pick
 
@@ -15,13 +16,12 @@ METHOD_NAMES = {
     "oct_h": "OCT-H (HiGHS)",
 }
 HEADER = (
-    "| task | depth | gauges | method | errors | cost | lower bound | gap | proven | MAE train | MAE test "
-    "| Bayes limit (MAE) | paper train / test | gauges used | s | limit |\n"
-    "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+    *("task", "depth", "gauges", "method", "errors", "cost", "lower bound", "gap", "proven", "MAE train", "MAE test"),
+    *("Bayes limit (MAE)", "paper train / test", "gauges used", "s", "limit"),
 )
 
 
-def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
+def text_of(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
     """Return the whole of table.md: the answer in words, then one table a label."""
     first = outcomes[0].row
     lines = [
@@ -40,22 +40,22 @@ def markdown(outcomes: Sequence[Outcome], answers: Sequence[str]) -> str:
     ]
     for label in LABELS:
         rows = [o.row for o in outcomes if o.cell.label == label]
-        lines += ["", f"## {label}: {rows[0]['n_train']} training samples", "", HEADER, *map(_line, rows)]
+        lines += ["", f"## {label}: {rows[0]['n_train']} training samples", "", markdown(HEADER, map(_cells, rows))]
     return "\n".join(lines) + "\n"
 
 
-def _line(row: dict[str, object]) -> str:
+def _cells(row: dict[str, object]) -> list[object]:
     paper = "" if row["paper_mae_train"] is None else f"{row['paper_mae_train']} / {row['paper_mae_test']}"
     bound = "-" if row["bound"] is None else f"{row['bound']:g}"
     gap = "-" if row["gap"] is None else f"{100 * float(str(row['gap'])):.1f} %"
     sensors = row["sensors"]
     assert isinstance(sensors, list)
-    cells = [
-        str(row["task"]),
-        str(row["depth"]),
-        str(row["n_gauges"]),
+    return [
+        row["task"],
+        row["depth"],
+        row["n_gauges"],
         METHOD_NAMES[str(row["method"])],
-        str(row["errors"]),
+        row["errors"],
         f"{row['objective']:g}",
         bound,
         gap,
@@ -68,7 +68,6 @@ def _line(row: dict[str, object]) -> str:
         f"{row['seconds']:.2f}",
         f"{row['seconds_limit']:g}",
     ]
-    return "| " + " | ".join(cells) + " |"
 
 
 def answers(outcomes: Sequence[Outcome]) -> list[str]:

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.cases.fuzz.proofs import corrupted
 from benchmarks.cases.regression.speed import made_up
 from benchmarks.kinds.numbers import NUMBER_KINDS, far_problem, wide_problem
-from benchmarks.uav.numbers import markdown, rows_of
+from benchmarks.uav.numbers import rows_of, text_of
 from femlib.dataset import Recipe, build_dataset, simulated_strains
 from femlib.wing import uav_wing
 from octmip import solve
@@ -43,4 +43,4 @@ def test_numbers_of_the_study_are_judged_by_every_rule():
     squared = next(row for row in rows if row["rule"] == "regression tree, squared error")
     greedy = next(row for row in rows if row["rule"] == "scikit-learn DecisionTreeRegressor")
     assert squared["rmse_train"] <= greedy["rmse_train"] + 1e-9
-    assert markdown(rows).count("\n|") == 16
+    assert text_of(rows).count("\n|") == 16

@@ -3,8 +3,7 @@
 import pytest
 
 from benchmarks.data import SHARED
-from benchmarks.uav.risk.__main__ import main
-from benchmarks.uav.risk.decisions import decision_rows, state_rows
+from benchmarks.uav.risk.decisions import decision_rows, report, state_rows
 from femlib.dataset import Recipe, build_dataset, published_strains
 
 STRAINS = SHARED / "uav" / "strains.csv"
@@ -12,10 +11,8 @@ needs_strains = pytest.mark.skipif(not STRAINS.exists(), reason="the published s
 
 
 @needs_strains
-def test_the_command_writes_its_table(tmp_path, capsys):
-    main(["--smoke", "--out", str(tmp_path)])
-    assert "| decisions | mu2 | unweighted | 1 of 1 |" in capsys.readouterr().out
-    assert (tmp_path / "risk_published.md").exists()
+def test_a_small_study_writes_its_table(tmp_path):
+    assert "| decisions | mu2 | unweighted | 1 of 1 |" in report("published", tmp_path, 1, True)
 
 
 @needs_strains

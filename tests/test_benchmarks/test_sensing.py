@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.uav.sensing import __main__ as command
 from benchmarks.uav.sensing import budget, placement
 from benchmarks.uav.sensing import readings as source
 from benchmarks.uav.sensing.readings import candidate_wing, installed, mean_strains, readings
@@ -52,7 +51,3 @@ def test_slopes_of_the_readings_are_those_of_the_mean_strains():
     means = mean_strains("wing")
     grid = means.strain_microstrain[:, means.is_usable].reshape(5, 5, -1) / means.load_factor
     assert np.allclose(slopes[12, :, 1], (grid[2, 3] - grid[2, 1]) / 2)
-
-
-def test_the_command_knows_every_study():
-    assert set(command.STUDIES) >= {"placement", "budget"}

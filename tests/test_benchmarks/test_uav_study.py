@@ -119,7 +119,7 @@ def test_models_without_a_tree_stand_beside_the_default_in_training_and_on_new_r
     features, levels = data.features[data.is_train], data.mu1[data.is_train]
     nearest = 20 * (LinearRegression().fit(features, levels).predict(data.features[~data.is_train]) / 20).round()
     assert by_line["mae_test"] == pytest.approx(abs(nearest.clip(0, 80) - data.mu1[~data.is_train]).mean())
-    assert baselines.markdown(rows).count("\n") == 6 + 14
+    assert baselines.text_of(rows).count("\n") == 6 + 14
 
 
 def test_the_composed_tree_names_the_state_that_its_two_trees_name_and_is_exported(

@@ -8,7 +8,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from benchmarks.cpu import Stopwatch
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.dataset import Sampling, random_states, stream_dataset
 from femlib.wing import reduce_wing, uav_wing
 
@@ -58,11 +58,6 @@ def streamed(model: str, n_states: int, n_readings: int, n_jobs: int, refinement
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/wing.md."""
-    head = "| model, states, readings | rows | jobs | CPU s | clock s | file, MB | before, MB | at most, MB |"
-    rows = [
-        f"| {line['size']} | {line['rows']:,} | {line['threads']} | {line['cpu_seconds']:.1f} "
-        f"| {line['wall_seconds']:.1f} | {line['megabytes']:.0f} | {line['ready_megabytes']} "
-        f"| {line['peak_megabytes']} |"
-        for line in lines
-    ]
-    return "\n".join([head, "|" + "---|" * 8, *rows])
+    head = ("model, states, readings", "rows", "jobs", "CPU s", "clock s", "file, MB", "before, MB", "at most, MB")
+    keys = ("size", "rows", "threads", "cpu_seconds", "wall_seconds", "megabytes", "ready_megabytes", "peak_megabytes")
+    return markdown(head, ([line[key] for key in keys] for line in lines))

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.arrays import FloatArray
 from femlib.wing import uav_wing
 
@@ -46,11 +46,11 @@ def _increments(refinement: float) -> tuple[FloatArray, int, float]:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of docs/wing.md."""
-    head = "| refinement | unknowns | finer by | pristine strain (most) | mu1 increment | mu2 increment | CPU s |"
-    rows = [
-        f"| {line['size'].removeprefix('refinement ')} | {line['unknowns']:,} | {line['times_finer']:.1f} | "
-        f"{line['pristine_rms']:.2f} % ({line['pristine_most']:.1f}) | {line['mu1_rms']:.2f} % | "
-        f"{line['mu2_rms']:.2f} % | {line['cpu_seconds']:.1f} |"
-        for line in lines
-    ]
-    return "\n".join([head, "|" + "---|" * 7, *rows])
+    head = ("refinement", "unknowns", "finer by", "pristine strain (most)", "mu1 increment", "mu2 increment", "CPU s")
+    rows = []
+    for line in lines:
+        sizes = [line["size"].removeprefix("refinement "), f"{line['unknowns']:,}", f"{line['times_finer']:.1f}"]
+        increments = [f"{line[f'{name}_rms']:.2f} %" for name in ("mu1", "mu2")]
+        pristine = f"{line['pristine_rms']:.2f} % ({line['pristine_most']:.1f})"
+        rows.append([*sizes, pristine, *increments, f"{line['cpu_seconds']:.1f}"])
+    return markdown(head, rows)

@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from benchmarks.wing.damages import random_states
 from benchmarks.wing.pymor_basis import PymorBasis, pymor_basis
 from femlib.components import PortFlexibility, port_flexibility
@@ -158,11 +158,9 @@ def _median_seconds(call: Callable[[], object], times: int) -> float:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table: a row for each model and kind of state."""
-    rows = [
-        "| wing | model | modes | set-up, CPU s | damaged | worst error | bound below error | largest bound, bound / "
-    ]
-    rows[0] += "error | query, us | in a batch, us | bound, us |"
-    rows.append("|---|---|---|---|---|---|---|---|---|---|---|")
+    head = ["wing", "model", "modes", "set-up, CPU s", "damaged", "worst error", "bound below error"]
+    head += ["largest bound, bound / error", "query, us", "in a batch, us", "bound, us"]
+    rows = []
     for line in lines:
         damaged = f"{line['damaged']}, to {100 * line['most_damage']:.0f} %" if "damaged" in line else "all, to 80 %"
         cells = [line["size"], line["solver"], line["modes"], line["offline_cpu_seconds"], damaged]
@@ -171,8 +169,8 @@ def summary(lines: Sequence[Line]) -> str:
         cells.append(f"{line['bound_below_error']} of {line['states']}" if held else "")
         cells.append(f"{line['largest_bound']:.2g}, {line['bound_over_error']:.0f}" if held else "")
         cells += [_number(line.get(f"{name}_microseconds")) for name in ("query", "batch", "bound")]
-        rows.append("| " + " | ".join(str(cell) for cell in cells) + " |")
-    return "\n".join(rows)
+        rows.append(cells)
+    return markdown(head, rows)
 
 
 def _number(value: float | None) -> str:

@@ -28,7 +28,7 @@ from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
 from octmip.trees.losses import ClassCosts
@@ -63,12 +63,8 @@ def summary(lines: Sequence[Line]) -> str:
     """Return the table of outcomes."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     faults = [fault for line in lines for fault in line["faults"]]
-    head = [
-        f"{sum(counts.values())} corruptions, {len(faults)} wrong or other {faults}.",
-        "",
-        "| what: outcome | count |",
-    ]
-    return "\n".join([*head, "|---|---|", *(f"| {kind} | {counts[kind]} |" for kind in sorted(counts))])
+    table = markdown(["what: outcome", "count"], sorted(counts.items()))
+    return f"{counts.total()} corruptions, {len(faults)} wrong or other {faults}.\n\n{table}"
 
 
 @cache

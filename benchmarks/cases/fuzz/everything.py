@@ -56,7 +56,7 @@ from benchmarks.kinds.parted import PART_KINDS
 from benchmarks.kinds.sample_costs import SAMPLE_COSTS_KIND
 from benchmarks.kinds.texts import Texts
 from benchmarks.kinds.ties import TIES_KIND
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.trees.registry import REGISTRY
 from octmip.trees.solution import Limits, Stop
@@ -225,14 +225,12 @@ def summary(lines: Sequence[Line]) -> str:
     kinds = Counter(reason.partition(":")[0] for reason in wrong.values())
     outcomes = sorted({key.split()[2] for key in counts})
     methods = sorted({" ".join(key.split()[:2]) for key in counts})
-    table = ["| solver | " + " | ".join(outcomes) + " | in all |", "|" + "---|" * (len(outcomes) + 2)]
-    for method in methods:
-        row = [counts[f"{method} {outcome}"] for outcome in outcomes]
-        table.append(f"| {method} | " + " | ".join(map(str, row)) + f" | {sum(row)} |")
+    rows = {method: [counts[f"{method} {outcome}"] for outcome in outcomes] for method in methods}
+    table = markdown(["solver", *outcomes, "in all"], ([method, *row, sum(row)] for method, row in rows.items()))
     n_problems = sum(line["n_problems"] for line in lines)
     head = [
         f"{n_problems} problems, {sum(counts.values())} calls, {len(wrong)} wrong {dict(kinds)}.",
         f"Latest {max(line['latest'] for line in lines):.2f} s over its limit; "
         f"at most {max(line['megabytes'] for line in lines):.0f} MB.",
     ]
-    return "\n".join([*head, "", *table, "", *(f"{q}: {json.dumps(r)}" for q, r in sorted(wrong.items())[:60])])
+    return "\n".join([*head, "", table, "", *(f"{q}: {json.dumps(r)}" for q, r in sorted(wrong.items())[:60])])

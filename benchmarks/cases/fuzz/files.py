@@ -54,7 +54,7 @@ from benchmarks.readers.mangling import mangled_bytes, pick
 from benchmarks.readers.octmip import OCTMIP
 from benchmarks.readers.structures import STRUCTURES
 from benchmarks.readers.twins import TWINS
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 
@@ -195,11 +195,8 @@ def summary(lines: Sequence[Line]) -> str:
     """Return what became of the files, a row a reader."""
     kinds = ("accepted", "refused", "other")
     counts = [[line["counts"].get(kind, 0) for kind in kinds] for line in lines]
-    rows = [
-        f"| {line['size']} | {line['files']} | " + " | ".join(map(str, row)) + " |"
-        for line, row in zip(lines, counts, strict=True)
-    ]
+    rows = [[line["size"], line["files"], *row] for line, row in zip(lines, counts, strict=True)]
     total = [sum(column) for column in zip(*counts, strict=True)]
-    rows.append(f"| all | {sum(total)} | " + " | ".join(map(str, total)) + " |")
+    table = markdown(["reader", "files", "accepted", "refused", "others"], [*rows, ["all", sum(total), *total]])
     found = [f"{line['size']}, file {seed}: {why}" for line in lines for seed, why in line["others"]]
-    return "\n".join(["| reader | files | accepted | refused | others |", "|---|---|---|---|---|", *rows, "", *found])
+    return "\n".join([table, "", *found])

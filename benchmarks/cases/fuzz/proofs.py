@@ -23,7 +23,7 @@ from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.regression_runs import Runs
 from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
 from octmip.trees.methods.options import ExactOptions
@@ -81,12 +81,10 @@ def summary(lines: Sequence[Line]) -> str:
     """Return the table of corruptions by outcome."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [f"{line['size']}: {seed}" for line in lines for seed in line["wrong"]]
-    head = [f"{counts.total()} corruptions, {len(wrong)} wrongly accepted {wrong}.", ""]
-    table = ["| logs | corrupted | refused | accepted, and still true |", "|---|---|---|---|"]
-    for what in dict.fromkeys(key.rpartition(":")[0] for key in sorted(counts)):
-        kind, _, corruption = what.partition(", ")
-        table.append(f"| {kind} | {corruption} | {counts[f'{what}: refused']} | {counts[f'{what}: true']} |")
-    return "\n".join([*head, *table])
+    said = f"{counts.total()} corruptions, {len(wrong)} wrongly accepted {wrong}."
+    what = dict.fromkeys(key.rpartition(":")[0] for key in sorted(counts))
+    rows = [[*one.split(", "), counts[f"{one}: refused"], counts[f"{one}: true"]] for one in what]
+    return f"{said}\n\n{markdown(['logs', 'corrupted', 'refused', 'accepted, and still true'], rows)}"
 
 
 def corrupted(kind: str, seed: int) -> tuple[str, str]:

@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.corruptions import LINE_CHANGES, Generator, changed_data, raise_claim
 from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.wide_problems import wide_problem
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.formats.problem_file import write_problem_file
 from octmip.trees.methods.exact import branch_and_bound
@@ -63,8 +63,7 @@ def summary(lines: Sequence[Line]) -> str:
     """Return the table of logs by verdict."""
     counts = sum((Counter(line["counts"]) for line in lines), Counter[str]())
     wrong = [seed for line in lines for seed in line["wrong"]]
-    head = [f"{len(wrong)} disagreements {wrong}.", "", "| log: verdict | count |", "|---|---|"]
-    return "\n".join([*head, *(f"| {kind} | {counts[kind]} |" for kind in sorted(counts))])
+    return f"{len(wrong)} disagreements {wrong}.\n\n{markdown(['log: verdict', 'count'], sorted(counts.items()))}"
 
 
 Pair = tuple[str, Verdict, Verdict]

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import Table, first_rows, published, uci
 from benchmarks.problem_options import ProblemOptions
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.certificate import certify
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.search import local_search
@@ -135,9 +135,9 @@ def _draw(axes: Any, line: Line) -> None:
 def summary(lines: list[Line]) -> str:
     """Return the table."""
     head = ["case", "method", "found", "bound", "CPU s to 10 %", "to 1 %", "to 0 %", "CPU s in all"]
-    table = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    rows = []
     for line in lines:
         reached = ["-" if at is None else f"{at:.3g}" for at in line["to_gap"].values()]
         cells = [line["size"], line["method"], f"{line['objective']:g}", f"{line['bound']:g}", *reached]
-        table.append("| " + " | ".join([*cells, f"{line['cpu_seconds']:.3g}"]) + " |")
-    return "\n".join(table)
+        rows.append([*cells, f"{line['cpu_seconds']:.3g}"])
+    return markdown(head, rows)

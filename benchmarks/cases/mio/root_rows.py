@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import Table, first_rows, published, uci
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.mip import oct
@@ -103,11 +103,10 @@ def picture(lines: Sequence[Line], path: Path) -> None:
 def summary(lines: list[Line]) -> str:
     """Return the table."""
     head = ["case", "subproblems", "relaxation", "optimum", "closed", "CPU s"]
-    table = ["| " + " | ".join(head) + " |", "|---|---:|---:|---:|---:|---:|"]
+    rows = []
     for line in lines:
         solved = "as printed" if line["subproblems"] is None else f"{line['subproblems']:,}"
         value = "-" if line["bound"] is None else f"{line['bound']:.4g}"
         closed = "-" if line["closed"] is None else f"{100 * line['closed']:.1f} %"
-        cells = [line["size"], solved, value, f"{line['objective']:g}", closed, f"{line['cpu_seconds']:.3g}"]
-        table.append("| " + " | ".join(cells) + " |")
-    return "\n".join(table)
+        rows.append([line["size"], solved, value, f"{line['objective']:g}", closed, f"{line['cpu_seconds']:.3g}"])
+    return markdown(head, rows)

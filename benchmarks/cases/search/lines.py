@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterator, Sequence
 
 from benchmarks.cpu import cpu_limit
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from benchmarks.two_feature import CASES
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
@@ -37,16 +37,16 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of hits, and their sum with the mean excess over the optimum."""
-    rows = ["| case | optimum | found | hits |", "|---|---|---|---|"]
+    rows = []
     n_hits = n_searches = 0
     excess = 0.0
     for line in lines:
         found, best = line["found"], line["optimum"]
         hits = sum(objective <= best for objective in found)
-        rows.append(f"| {line['size']} | {best:g} | {', '.join(f'{o:g}' for o in found)} | {hits} / {len(found)} |")
+        rows.append([line["size"], f"{best:g}", ", ".join(f"{o:g}" for o in found), f"{hits} / {len(found)}"])
         n_hits, n_searches = n_hits + hits, n_searches + len(found)
         excess += sum((objective - best) / max(best, 1.0) for objective in found)
     share = (
         f"{n_hits} of {n_searches} searches at the optimum, {100 * excess / max(n_searches, 1):.1f} % above it in mean."
     )
-    return "\n".join([*rows, "", share])
+    return "\n".join([markdown(["case", "optimum", "found", "hits"], rows), "", share])

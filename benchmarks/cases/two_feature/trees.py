@@ -7,7 +7,7 @@ needed on its own rows of the same sets, so optima may differ by a few.
 
 from collections.abc import Iterator, Sequence
 
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from benchmarks.two_feature import CASES, measure
 from octmip.trees.problem import Problem
 
@@ -30,10 +30,6 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table: optimum, nodes and CPU seconds beside the prototype's."""
-    head = "| case | threads | objective | bound | nodes | CPU s | prototype | prototype, CPU s |"
-    rows = [
-        f"| {line['size']} | {line['threads']} | {line['objective']:g} | {line['bound']:g} | {line['n_nodes']} "
-        f"| {line['cpu_seconds']:.2f} | {line['prototype']} | {line['prototype_cpu_seconds']} |"
-        for line in lines
-    ]
-    return "\n".join([head, "|" + "---|" * 8, *rows])
+    head = ("case", "threads", "objective", "bound", "nodes", "CPU s", "prototype", "prototype, CPU s")
+    keys = ("size", "threads", "objective", "bound", "n_nodes", "cpu_seconds", "prototype", "prototype_cpu_seconds")
+    return markdown(head, ([line[key] for key in keys] for line in lines))

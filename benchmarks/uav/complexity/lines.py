@@ -1,11 +1,5 @@
-"""Lines that are kept: a run that is repeated, or goes on, does only what is missing.
+"""The lines of the complexity study: those that are kept, and the others, run and kept."""
 
-A line is kept under a key of everything that it depends on: its cell, the mean strains, the recipe, the restarts, and
-the native core that searched. After the core is built again nothing old is shown as its work.
-"""
-
-import hashlib
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import groupby
@@ -13,10 +7,10 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from benchmarks.tables import Line, whole_lines
+from benchmarks.tables import Line
 from benchmarks.uav.complexity.cells import Cell, effort_of, run_cells
+from benchmarks.uav.kept import keep, kept_lines, key_of
 from femlib.dataset import MeanStrains, Recipe
-from octmip.trees import _native
 
 
 def run(
@@ -29,7 +23,7 @@ def run(
 ) -> dict[Cell, Line]:
     """Return the line of every cell, those in the file `kept` read from there, the others run and added to it."""
     keys = {cell: _key(cell, means, recipe, restarts) for cell in cells}
-    known = {} if kept is None else _read(kept)
+    known = kept_lines(kept)
     lines = {cell: known[key] for cell, key in keys.items() if key in known}
     columns = [list(group) for _, group in groupby((c for c in cells if c not in lines), key=_column)]
     work = Parallel(n_jobs=n_jobs, return_as="generator")(
@@ -38,9 +32,7 @@ def run(
     for column, found in zip(columns, work, strict=True):
         for cell, line in zip(column, found, strict=True):
             lines[cell] = line
-            if kept is not None:
-                with kept.open("a") as file:
-                    file.write(json.dumps({"key": keys[cell], **line}) + "\n")
+            keep(kept, keys[cell], line)
     return {cell: lines[cell] for cell in cells}
 
 
@@ -50,14 +42,6 @@ def _column(cell: Cell) -> tuple[object, ...]:
     return cell.seed, cell.label, cell.gauge_set, *rest
 
 
-def _read(kept: Path) -> dict[str, Line]:
-    return {line.pop("key"): line for line in map(json.loads, whole_lines(kept))}
-
-
 def _key(cell: Cell, means: MeanStrains, recipe: Recipe, restarts: int) -> str:
-    sha = hashlib.sha256(Path(_native.__file__).read_bytes())
-    sha.update(means.strain_microstrain.tobytes())
     method, options = effort_of(cell, restarts)
-    asked = [asdict(cell), asdict(recipe), method, options.given()]
-    sha.update(json.dumps(asked, sort_keys=True).encode())
-    return sha.hexdigest()
+    return key_of(means, asdict(cell), asdict(recipe), method, options.given())

@@ -1,14 +1,50 @@
-"""Writes the complexity study: complexity.md, and the two figures of each objective as SVG and PNG."""
+"""The complexity study: its tables, and the two figures of each objective as SVG and PNG; the paper's figures."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.uav.bayes import BayesLimit
-from benchmarks.uav.complexity.cells import LABELS, Objective
+from benchmarks.uav.complexity.cells import (
+    LABELS,
+    OBJECTIVES,
+    Cell,
+    Objective,
+    bayes_limits,
+    pair_limits,
+    paper_cells,
+    study_cells,
+)
 from benchmarks.uav.complexity.figures import complexity_figure
-from benchmarks.uav.complexity.tables import Lines, complexity_table, overfitting
+from benchmarks.uav.complexity.lines import run
+from benchmarks.uav.complexity.tables import Lines, complexity_table, overfitting, paper_table
 from benchmarks.uav.report import write_figure
+from benchmarks.uav.study import strains_of
+from femlib.dataset import MeanStrains, Recipe
 from octmip.formats.files import write_bytes
+
+RESTARTS = 4
+"""Of hyperplanes for mu2; others have five times as many."""
+
+
+def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
+    """Return depth against features per split, and draw it."""
+    means = strains_of(source)
+    lines = _run(study_cells(range(1 if is_smoke else seeds)), means, folder, is_smoke)
+    write_complexity(folder, lines, bayes_limits(means), OBJECTIVES)
+    return (folder / "complexity.md").read_text()
+
+
+def paper_report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
+    """Return the paper's own figures beside ours."""
+    means = strains_of(source)
+    lines = _run(paper_cells(range(1 if is_smoke else seeds)), means, folder, is_smoke)
+    return f"# The paper's figures\n\n{paper_table(lines, bayes_limits(means), pair_limits(means, lines))}\n"
+
+
+def _run(cells: Sequence[Cell], means: MeanStrains, folder: Path, is_smoke: bool) -> Lines:
+    if is_smoke:
+        return run(cells, means, 1, 1, recipe=Recipe(samples_per_state=6))
+    return run(cells, means, RESTARTS, 1, folder / "lines.jsonl")
 
 
 def write_complexity(

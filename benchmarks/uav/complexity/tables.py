@@ -1,12 +1,11 @@
 """The study in tables: means over seeds beside the Bayes limit, the paper's figures, two objectives compared."""
 
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from benchmarks.uav.bayes import BayesLimit
 from benchmarks.uav.complexity.cells import DEPTHS, LABELS, OBJECTIVES, SPLIT_SIZES, Cell, Objective
 
@@ -55,7 +54,7 @@ def complexity_table(lines: Lines, objective: Objective, limits: dict[str, Bayes
         for depth in DEPTHS:
             cells = [Cell(label, "all", depth, size, objective, 0) for size in SPLIT_SIZES]
             rows.append([str(depth), *(_train_and_test(lines, cell, limit) for cell in cells), f"{limit:.2f}"])
-        parts.append(_markdown(head, rows))
+        parts.append(markdown(head, rows))
     return "\n\n".join(parts)
 
 
@@ -106,7 +105,7 @@ def paper_table(lines: Lines, limits: dict[str, BayesLimit], pair_limits: dict[s
         limit = limits[figure.label].mae if figure.gauge_set == "all" else pair_limits[figure.label]
         n_seeds = str(len(values(lines, cells[0], "train_mae")))
         rows.append([_name(figure), paper, *shown, n_seeds, f"{limit:.2f}", _verdict(lines, figure)])
-    return _markdown(head, rows)
+    return markdown(head, rows)
 
 
 def _cell(figure: PaperFigure, objective: Objective) -> Cell:
@@ -142,8 +141,3 @@ def _mean_and_deviation(found: NDArray[np.float64]) -> str:
         return "-"
     spread = f" ± {found.std(ddof=1):.2f}" if len(found) > 1 else ""
     return f"{found.mean():.2f}{spread}"
-
-
-def _markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])

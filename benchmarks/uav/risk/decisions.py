@@ -1,13 +1,16 @@
 """Trees that decide between 3 g and 2 g: missed critical damage against false alarms, by the price of a failure."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from femlib.dataset import Dataset
+from benchmarks.tables import markdown
+from benchmarks.uav.study import strains_of
+from femlib.dataset import Dataset, Recipe, build_dataset
 from octmip import ClassCosts, Limits, certify, predict, solve
 from octmip.trees.risk import ErrorRates, RiskModel
 from octmip.trees.solution import Solution
@@ -32,6 +35,17 @@ class Row:
     train: ErrorRates
     test: ErrorRates
     cpu_seconds: float
+
+
+def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
+    """Return the table of the trees of each seed; trees of depth 3, of depth 2 and few readings for smoke."""
+    del folder
+    recipe, depth = (Recipe(samples_per_state=10), 2) if is_smoke else (Recipe(), 3)
+    rows: list[Row] = []
+    for seed in range(1 if is_smoke else seeds):
+        data = build_dataset(strains_of(source), recipe, seed=seed)
+        rows += [*decision_rows(data, seed, depth), *state_rows(data, seed, depth)]
+    return f"## Risk, {source}\n\n{decision_table(rows)}"
 
 
 def losses_of(data: Dataset, task: str) -> NDArray[np.float64]:
@@ -75,3 +89,33 @@ def state_rows(data: Dataset, seed: int, depth: int, prices: Sequence[float] = P
             told = decision[predict(solution.tree, data.features)]
             rates = [model.rates(losses[rows], told[rows]) for rows in (is_train, ~is_train)]
             yield Row("states", task, seed, price, solution, rates[0], rates[1], seconds)
+
+
+def decision_table(rows: Sequence[Row]) -> str:
+    """Return a line for each kind of tree, task and price, means over the seeds."""
+    head = (
+        "classes",
+        "damage",
+        "price of a failure",
+        "proven optimal",
+        "missed critical, train / test",
+        "false alarms, train / test",
+        "regret in test",
+        "CPU s per tree",
+    )
+    cells = []
+    keys = list(dict.fromkeys((row.classes, row.task, row.price) for row in rows))
+    for classes, task, price in keys:
+        here = [row for row in rows if (row.classes, row.task, row.price) == (classes, task, price)]
+        named = "unweighted" if price == UNWEIGHTED else f"{price:g}"
+        proven = sum(row.solution.is_optimal for row in here)
+        rates = [_both(here, lambda rates: rates.missed_critical), _both(here, lambda rates: rates.false_alarm)]
+        regret, seconds = np.mean([(row.test.regret, row.cpu_seconds) for row in here], axis=0)
+        of = f"{proven} of {len(here)}"
+        cells.append([classes, task, named, of, *rates, f"{regret:.2f}", f"{seconds:.2g}"])
+    return markdown(head, cells) + "\n"
+
+
+def _both(rows: Sequence[Row], part: Callable[..., float]) -> str:
+    train, test = (np.mean([part(getattr(row, rates)) for row in rows]) for rates in ("train", "test"))
+    return f"{100 * train:.1f} / {100 * test:.1f} %"

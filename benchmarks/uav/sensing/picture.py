@@ -8,15 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from benchmarks.uav.pictures import draw_planform
 from femlib.wing import Wing
 from octmip.interfaces.plot.style import INK, QUIET, quiet_frame
 
 CHOSEN = "#d55e00"
 MARKERS = {"installed": ("g", "s"), "candidate": ("c", "o")}  # first letter of the names, marker
-DAMAGE = "#e8e2dc"
 NAME_HEIGHT, NAME_WIDTH = 0.16, 0.035  # [m] ahead of the spar, clear of the leading edge; along the span
 
 
@@ -30,7 +29,11 @@ def placement_figure(wing: Wing, sensitivity: NDArray[np.float64], chosen: Seque
     """
     figure = Figure(figsize=(10, 4.0), layout="constrained")
     axes = figure.subplots()
-    _draw_wing(axes, wing)
+    draw_planform(axes, wing)
+    axes.set_aspect("equal")
+    axes.set_yticks([])
+    axes.set_xlabel("distance from the root [m]", color=INK, fontsize=9)
+    quiet_frame(axes)
     usable = wing.gauges.is_usable
     scale = ScalarMappable(LogNorm(max(1.0, sensitivity[usable].min()), sensitivity[usable].max()), "viridis")
     for letter, marker in MARKERS.values():
@@ -45,22 +48,6 @@ def placement_figure(wing: Wing, sensitivity: NDArray[np.float64], chosen: Seque
     bar.ax.tick_params(labelsize=8)
     _legend(figure, axes)
     return figure
-
-
-def _draw_wing(axes: Axes, wing: Wing) -> None:
-    outline = wing.outline()
-    axes.add_patch(Polygon(np.column_stack([outline[:, 1], -outline[:, 0]]), fill=False, ec=INK, lw=1.2))
-    for region in wing.regions:
-        corners = wing.region_outline(region)
-        patch = np.column_stack([corners[:, 1], -corners[:, 0]])
-        axes.add_patch(Polygon(patch, fc=DAMAGE, ec="none", zorder=0))
-        below = (patch[:4, 0].mean(), patch[:, 1].min() - 0.05)
-        axes.annotate(region.parameter, below, ha="center", va="top", fontsize=9, color=INK)
-    axes.set_aspect("equal")
-    axes.autoscale_view()
-    axes.set_yticks([])
-    axes.set_xlabel("distance from the root [m]", color=INK, fontsize=9)
-    quiet_frame(axes)
 
 
 def _mark_chosen(axes: Axes, wing: Wing, chosen: Sequence[str]) -> None:

@@ -6,19 +6,18 @@ the trees of every set of gauges are searched with the same effort. At depths 4 
 made, candidates against installed, and the one without the candidates beside a damage region.
 """
 
-import hashlib
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TypedDict
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from benchmarks.cpu import cpu_seconds
+from benchmarks.tables import Line
 from benchmarks.uav.bayes import bayes_limit
+from benchmarks.uav.kept import keep, kept_lines, key_of
 from benchmarks.uav.report import write_figure
 from benchmarks.uav.sensing.picture import placement_figure
 from benchmarks.uav.sensing.readings import (
@@ -34,7 +33,6 @@ from femlib.dataset import Dataset, MeanStrains
 from octmip import Problem, certify
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_chance, by_information, by_reading, by_tree, place_sensors, placement_on
-from octmip.trees import _native
 from octmip.trees.methods.options import SearchOptions
 
 LABEL, SPLIT_SIZE = "mu2", 4
@@ -49,23 +47,6 @@ PAPER = {"installed": 11.64, "candidates": 9.89}
 STARTED = "candidates, from D-optimal"  # the search over all candidates begins at the D-optimal choice's tree
 CLEAR = "candidates, 40 mm clear"  # of every damage region
 CHOICES = ("candidates", "installed", CLEAR, "D-optimal", STARTED, "random", "greedy", "highest strain")
-
-
-class Line(TypedDict):
-    """A cell and its figures: MAE (training, unseen, least possible), gauges allowed and read, splits, effort."""
-
-    choice: str
-    depth: int
-    seed: int
-    number: int
-    train_mae: float
-    test_mae: float
-    bayes_mae: float
-    allowed: list[str]
-    gauges: list[str]
-    n_splits: int
-    choosing_cpu_s: float
-    cpu_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,17 +75,14 @@ def report(source: str, folder: Path, seeds: int, is_smoke: bool) -> str:
 def run_seed(seed: int, depth: int, is_smoke: bool, kept: Path | None) -> dict[Cell, Line]:
     """Return the lines of one seed and depth: first the tree over all candidates, then those of as many gauges."""
     data = readings("wing", seed, is_smoke)
-    known = _read(kept)
+    known = kept_lines(kept)
     lines: dict[Cell, Line] = {}
     n_gauges = 0
     for cell in cells(seed, depth):
-        key = _key(cell, is_smoke)
+        key = key_of(mean_strains("wing"), asdict(cell), EFFORT.given(), GREEDY_ROWS, is_smoke)
         if key not in known:
-            line = run_cell(cell, data, n_gauges, is_smoke)
-            if kept is not None:
-                with kept.open("a") as file:
-                    file.write(json.dumps({"key": key, **line}) + "\n")
-            known[key] = line
+            known[key] = run_cell(cell, data, n_gauges, is_smoke)
+            keep(kept, key, known[key])
         lines[cell] = known[key]
         if cell.choice == "candidates":
             n_gauges = len(lines[cell]["gauges"])
@@ -122,7 +100,7 @@ def cells(seed: int, depth: int) -> list[Cell]:
 
 
 def run_cell(cell: Cell, data: Dataset, n_gauges: int, is_smoke: bool) -> Line:
-    """Return errors, gauges and Bayes limit of one cell."""
+    """Return errors, gauges and Bayes limit of one cell; MAE of training, of unseen readings, and the least possible."""
     problem = problem_of(data, LABEL, cell.depth, data.gauges, SPLIT_SIZE, for_mae=True)
     effort = SearchOptions(restarts=1, perturbations=0) if is_smoke else EFFORT
     n_gauges = min(n_gauges, 3) if is_smoke else n_gauges
@@ -219,16 +197,3 @@ def picture(lines: dict[Cell, Line]) -> Figure:
     states = means.states_percent.tolist()
     change = means.strain_microstrain[states.index([0, 80])] - means.strain_microstrain[states.index([0, 0])]
     return placement_figure(candidate_wing(), np.abs(change), chosen)
-
-
-def _read(kept: Path | None) -> dict[str, Line]:
-    text = kept.read_text() if kept is not None and kept.exists() else ""
-    return {str(line.pop("key")): line for line in map(json.loads, text.splitlines())}
-
-
-def _key(cell: Cell, is_smoke: bool) -> str:
-    """Return what a line depends on: the cell, the wing, the effort, the native core that searched."""
-    sha = hashlib.sha256(Path(_native.__file__).read_bytes())
-    sha.update(mean_strains("wing").strain_microstrain.tobytes())
-    sha.update(json.dumps([asdict(cell), EFFORT.given(), GREEDY_ROWS, is_smoke], sort_keys=True).encode())
-    return sha.hexdigest()

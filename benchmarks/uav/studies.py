@@ -1,10 +1,16 @@
-"""`python -m benchmarks.uav.sensing STUDY`: the tables and pictures of docs/sensing.md, one study after the other."""
+"""`python -m benchmarks.uav.studies STUDY`: the studies beside `make uav`, one after the other, on one kind of strains.
+
+Each prints its tables, and writes them and its pictures into a folder of the strains. What the studies of complexity,
+of the paper's figures and of placement have done already is read, not run again.
+"""
 
 import argparse
 import time
 from pathlib import Path
 
 from benchmarks.main_program import run_main
+from benchmarks.uav.complexity import report as complexity
+from benchmarks.uav.risk import decisions
 from benchmarks.uav.sensing import budget, failure, placement, sequential
 from octmip.formats.files import write_bytes
 
@@ -13,6 +19,9 @@ STUDIES = {
     "budget": budget.report,
     "sequential": sequential.report,
     "failure": failure.report,
+    "risk": decisions.report,
+    "complexity": complexity.report,
+    "paper": complexity.paper_report,
 }
 
 
@@ -30,12 +39,12 @@ def main() -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.uav.sensing", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.uav.studies", description=__doc__)
     parser.add_argument("studies", nargs="+", choices=tuple(STUDIES))
     parser.add_argument("--source", choices=("published", "wing"), default="wing", help="the strains")
     parser.add_argument("--seeds", type=int, default=5, help="of readings and searches; where a study has several")
     parser.add_argument("--smoke", action="store_true", help="small and quick: shows that it runs")
-    parser.add_argument("--out", default="results/uav/sensing")
+    parser.add_argument("--out", default="results/uav/studies")
     return parser
 
 
