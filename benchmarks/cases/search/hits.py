@@ -6,13 +6,12 @@ the optimum" are counted up to the first progress report that shows it, a few hu
 """
 
 import os
-import statistics
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, numeric_sets, published, synthetic_uav, uci
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.methods.search import local_search
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Progress
@@ -110,31 +109,19 @@ def _searched(problem: Problem, optimum: float, seed: int, n_jobs: int) -> Line:
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return the shares by depth, what was left out and why, then every case that is missed or slow."""
+    """Return the shares by depth, then what was left out and why."""
     runs = [line for line in lines if "optimum" in line]
-    depths = [_shares(f"{depth}", [line for line in runs if line["depth"] == depth]) for depth in DEPTHS]
-    rows = [_row(size, [line for line in runs if line["size"] == size]) for size in _sizes(runs)]
+    depths = [_shares(str(depth), [line for line in runs if line["depth"] == depth]) for depth in DEPTHS]
+    head = ("depth", "cases", "searches", "at the optimum", "within 1 %", "known in the time wanted", "ended in it")
     reasons = dict.fromkeys(line["outcome"] for line in lines if "outcome" in line)
     left_out = {reason: [line["size"] for line in lines if line.get("outcome") == reason] for reason in reasons}
-    return "\n".join(
-        [
-            "| depth | cases | searches | at the optimum | within 1 % | known in the time wanted | ended in it |",
-            "|---|---|---|---|---|---|---|",
-            *depths,
-            _shares("all", runs),
-            "",
-            *(f"Left out, {reason}: {'; '.join(names)}." for reason, names in left_out.items()),
-            f"Time wanted: {QUICK:g} CPU s; "
-            + "; ".join(f"{name}, depth {depth}: {wanted[1]:g}" for (name, depth), wanted in UNBEATEN.items()),
-            "",
-            "| case | n x p | optimum | hits (in time) | worst | CPU s to the optimum: median, most | to the end |",
-            "|---|---|---|---|---|---|---|",
-            *(row for row in rows if row),
-        ]
-    )
+    told = [f"Left out, {reason}: {'; '.join(names)}." for reason, names in left_out.items()]
+    wanted = "; ".join(f"{name}, depth {depth}: {wanted[1]:g}" for (name, depth), wanted in UNBEATEN.items())
+    table = markdown(head, [*depths, _shares("all", runs)])
+    return "\n".join([table, "", *told, f"Time wanted: {QUICK:g} CPU s; {wanted}"])
 
 
-def _shares(name: str, runs: Sequence[Line]) -> str:
+def _shares(name: str, runs: Sequence[Line]) -> list[object]:
     """Return a row of counts, with percentages of the searches."""
     counts = [
         sum(line["objective"] <= line["optimum"] for line in runs),
@@ -143,26 +130,8 @@ def _shares(name: str, runs: Sequence[Line]) -> str:
         sum(line["cpu_seconds"] <= line["wanted_cpu_seconds"] for line in runs),
     ]
     cells = [f"{count} = {100 * count / max(1, len(runs)):.1f} %" for count in counts]
-    return f"| {name} | {len(_sizes(runs))} | {len(runs)} | {' | '.join(cells)} |"
+    return [name, len({line["size"] for line in runs}), len(runs), *cells]
 
 
 def _is_in_time(line: Line) -> bool:
     return line["hit_cpu_seconds"] is not None and line["hit_cpu_seconds"] <= line["wanted_cpu_seconds"]
-
-
-def _sizes(runs: Sequence[Line]) -> list[str]:
-    return list(dict.fromkeys(line["size"] for line in runs))
-
-
-def _row(size: str, runs: Sequence[Line]) -> str:
-    """Return a case's row; nothing for one that every seed solves to the end in a quarter of a second."""
-    optimum, first = runs[0]["optimum"], runs[0]
-    hits = [line["hit_cpu_seconds"] for line in runs if line["hit_cpu_seconds"] is not None]
-    ends = [line["cpu_seconds"] for line in runs]
-    if len(hits) == len(runs) and max(ends) < 0.25:
-        return ""
-    to_hit = f"{statistics.median(hits):.2g}, {max(hits):.2g}" if hits else ""
-    worst = max(line["objective"] for line in runs)
-    to_end = f"{statistics.median(ends):.2g}, {max(ends):.2g}"
-    hit_cell = f"{len(hits)} / {len(runs)} ({sum(map(_is_in_time, runs))})"
-    return f"| {size} | {first['n']} x {first['p']} | {optimum:g} | {hit_cell} | {worst:g} | {to_hit} | {to_end} |"
