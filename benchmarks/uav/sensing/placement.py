@@ -100,7 +100,7 @@ def cells(seed: int, depth: int) -> list[Cell]:
 
 
 def run_cell(cell: Cell, data: Dataset, n_gauges: int, is_smoke: bool) -> Line:
-    """Return errors, gauges and Bayes limit of one cell: MAE in training, on unseen readings, and the least possible."""
+    """Return errors (MAE in training, on unseen readings, least possible), gauges and effort of one cell."""
     problem = problem_of(data, LABEL, cell.depth, data.gauges, SPLIT_SIZE, for_mae=True)
     effort = SearchOptions(restarts=1, perturbations=0) if is_smoke else EFFORT
     n_gauges = min(n_gauges, 3) if is_smoke else n_gauges
