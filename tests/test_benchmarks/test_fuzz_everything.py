@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.everything import KINDS, STREAM, answer, questions, summary, watched
+from benchmarks.cases.fuzz.everything import summary, watched
+from benchmarks.kinds.asked import KINDS, STREAM, answer, questions
 from benchmarks.kinds.classes import complaint
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import cost_of, least_cost

@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from benchmarks.cases.fuzz.everything import answer, questions
+from benchmarks.kinds.asked import answer, questions
 
 FOUND = [
     (2325, "oct_h", "a coefficient near the largest float64 overflowed when it was scaled"),

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.cases.fuzz.everything import STREAM, answer, questions
+from benchmarks.kinds.asked import STREAM, answer, questions
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 
