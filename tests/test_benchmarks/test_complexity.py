@@ -12,6 +12,7 @@ from benchmarks.uav.complexity.cells import Cell, bayes_limits, pair_limits, pap
 from benchmarks.uav.complexity.report import write_complexity
 from benchmarks.uav.complexity.tables import complexity_table, overfitting, paper_table
 from femlib.dataset import MeanStrains, Recipe, build_dataset, study_states_percent
+from octmip.trees import _native
 
 SMALL = Recipe(samples_per_state=6)
 PAIRS = {"mu1": 0.2, "mu2": 17.0}
@@ -60,7 +61,7 @@ def test_a_line_of_other_readings_restarts_or_core_is_not_taken(
     kept_lines.run(cells, means, 1, 1, kept, Recipe(samples_per_state=5))
     other_core = tmp_path / "core.so"
     other_core.write_bytes(b"another")
-    monkeypatch.setattr(kept_lines._native, "__file__", str(other_core))
+    monkeypatch.setattr(_native, "__file__", str(other_core))
     kept_lines.run(cells, means, 1, 1, kept, SMALL)
     keys = [json.loads(line)["key"] for line in kept.read_text().splitlines()]
     assert len(set(keys)) == 4
