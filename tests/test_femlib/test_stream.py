@@ -131,15 +131,6 @@ def test_a_stream_that_was_stopped_solves_only_what_is_missing(tmp_path: Path) -
         stream_dataset(tmp_path / "data.parquet", Slope(), library(), noisy(seed=8), kept=tmp_path / "kept")
 
 
-def test_a_dask_cluster_writes_the_same_rows_as_one_job(tiny: Wing, tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed", reason="dask is not installed (pip install distributed)")
-    alone = wing_rows(tiny, tmp_path / "alone.parquet")
-    cluster = distributed.LocalCluster(n_workers=1, processes=False, dashboard_address="127.0.0.1:0")
-    with cluster, distributed.Client(cluster), joblib.parallel_config(backend="dask"):
-        other = wing_rows(tiny, tmp_path / "dask.parquet")
-    assert other.about["sha256"] == alone.about["sha256"]
-
-
 def test_the_wing_under_forces_of_ones_own_is_the_full_solution(tiny: Wing, tmp_path: Path) -> None:
     force = np.roll(tiny.lift, 6)
     states = listed_states(["mu2"], [[0.5]])

@@ -15,10 +15,10 @@ from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 
 
-@pytest.mark.parametrize(("depth", "first"), [(1, 0), (2, 0), (2, 75)])
-def test_every_log_proves_the_optimum_of_enumeration(depth: int, first: int, tmp_path: Path) -> None:
+@pytest.mark.parametrize("depth", [1, 2])
+def test_every_log_proves_the_optimum_of_enumeration(depth: int, tmp_path: Path) -> None:
     path = tmp_path / "proof.log"
-    for seed in range(first, first + 75):
+    for seed in range(75):
         rng = np.random.default_rng([71, depth, seed])
         problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
         solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
