@@ -3,10 +3,12 @@
     python -m benchmarks.wing.calculix [--refinement R] [--calculix-refinement R] [--mu 0.8] [--lattice] [--large]
     python -m benchmarks.wing.calculix [--wing tapered_wing] [--refinement R] --states 10
     python -m benchmarks.wing.calculix [--refinement R] --frequencies
+    python -m benchmarks.wing.calculix [--wing built_wing] [--refinement R] --plies
 
 needs `ccx` (Debian package calculix-ccx). Prints Markdown: how far femlib's strains are from CalculiX's at load factor
 3, with --states in so many random states of both regions, and with --large by how much large deflection changes the
-strain of each gauge in either.
+strain of each gauge in either. --plies compares the largest principal strain, a mean over each element, where plies are
+nearest to failure.
 """
 
 import argparse
@@ -23,9 +25,12 @@ from numpy.typing import NDArray
 from benchmarks.cpu import Stopwatch
 from benchmarks.main_program import run_main
 from femlib.assembly import matrix_modes
+from femlib.export.calculix import Deck
+from femlib.structure.calculix import element_points, tensors
 from femlib.wing import Wing, bend, inertial_load, tapered_wing, uav_wing, vortex_lattice
 from femlib.wing.built import built_wing
 from femlib.wing.export.calculix import read_gauges, write_deck
+from femlib.wing.strength import wing_stresses
 
 LOAD_FACTOR = 3.0
 N_MODES = 4
@@ -44,6 +49,7 @@ def main() -> None:
     parser.add_argument("--wing", choices=WINGS, default="uav_wing")
     parser.add_argument("--states", type=int, default=0, help="so many random states, up to 95 %% damaged, instead")
     parser.add_argument("--frequencies", action="store_true", help="the lowest natural frequencies instead")
+    parser.add_argument("--plies", action="store_true", help="strains of the plies nearest to failure instead")
     options = parser.parse_args()
     if shutil.which("ccx") is None:
         sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
@@ -53,6 +59,9 @@ def main() -> None:
     deck_wing = wing if other in (None, options.refinement) else make(refinement=other)
     if options.frequencies:
         print_frequencies(wing, deck_wing)
+        return
+    if options.plies:
+        print_plies(wing)
         return
     if options.states:
         print_states(wing, deck_wing, options.states)
@@ -84,6 +93,40 @@ def print_states(wing: Wing, deck_wing: Wing, n_states: int) -> None:
         print(
             f"| {mu1:.2f} | {mu2:.2f} | {rms:.2f} % | {own:.2f} % | {np.abs(error[usable]).max():.2f} % |", flush=True
         )
+
+
+def print_plies(wing: Wing) -> None:
+    """Print the strains of the elements whose plies are nearest to failure, of each patch the nearest one."""
+    mesh, found = wing.structure.shells.mesh, wing_stresses(wing, {}, LOAD_FACTOR)
+    order = np.argsort(found.failure_factors("max strain"), kind="stable")
+    quads = [int(e) for e in found.element[order] if e < len(mesh.quads)]
+    nearest = {mesh.patch_of_element[e]: e for e in reversed(quads)}
+    elements = np.sort(list(nearest.values()))
+    deck = Deck(wing.structure.shells, wing.structure.supports, LOAD_FACTOR * wing.lift, printed=elements)
+    with tempfile.TemporaryDirectory() as folder:
+        lines = [own + ", GLOBAL=YES" if own.startswith("*EL PRINT") else own for own in deck.lines()]
+        (Path(folder) / "wing.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
+        run_deck(folder)
+        points = element_points(Path(folder) / "wing.dat")
+    print("| part | span | plies fail at | femlib, microstrain | CalculiX | difference |\n|---|---|---|---|---|---|")
+    for element in elements.tolist():
+        own = found.element == element
+        xx, yy, xy = found.strain[own].mean(axis=0)
+        ours = _principal(np.array([[xx, xy / 2], [xy / 2, yy]]))
+        normal = mesh.area_vectors()[element]
+        flat = np.linalg.svd(normal[None])[2][1:]
+        theirs = _principal(flat @ tensors(np.array(points[element])).mean(axis=0) @ flat.T)
+        part, eta = mesh.patches[mesh.patch_of_element[element]], mesh.centroids()[element, 1] / wing.span
+        fails = LOAD_FACTOR * found.failure_factors("max strain")[own].min()
+        print(
+            f"| {part} | {eta:.3f} | {fails:.2f} g | {ours:.0f} | {theirs:.0f} | {100 * (ours / theirs - 1):+.1f} % |"
+        )
+
+
+def _principal(strain: Floats) -> float:
+    """Return the principal strain of largest size [microstrain] of a tensor (2, 2)."""
+    both = np.linalg.eigvalsh(strain)
+    return float(1e6 * both[np.abs(both).argmax()])
 
 
 def print_frequencies(wing: Wing, deck_wing: Wing) -> None:

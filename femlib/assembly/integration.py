@@ -21,7 +21,7 @@ class PointStrains:
     corners : IntArray
         Nodes (e, n).
     group : IntArray
-        Number of each corner's node and patch (e, n).
+        Number of each corner's node and part (`Shells.smooth`) (e, n).
     points : FloatArray
         Corners (e, n, 3) [m].
     matrices : FloatArray
@@ -112,7 +112,7 @@ def point_strains(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iter
         rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
         yield PointStrains(
             corners=corners,
-            group=corners * len(mesh.patches) + mesh.patch_of_element[part, None],
+            group=corners * (shells.smooth.max() + 1) + shells.smooth[part, None],
             points=points,
             matrices=matrices * factor[part, None, None],
             whole=whole,

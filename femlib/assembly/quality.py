@@ -194,13 +194,13 @@ def _name(load: FloatArray) -> str:
 
 
 def nodal_tensors(shells: Shells, kinds: list[PointStrains]) -> tuple[IntArray, FloatArray]:
-    """Return names of nodes and patches (g,), as `PointStrains.group`, and the tensors (g, 18) there.
+    """Return names of nodes and parts (g,), as `PointStrains.group`, and the tensors (g, 18) there.
 
-    Each is a linear fit to the points of its node's elements in its patch.
+    Each is a linear fit to the points of its node's elements in its part.
     """
     mesh = shells.mesh
     names, group = np.unique(np.concatenate([kind.group.ravel() for kind in kinds]), return_inverse=True)
-    node = mesh.nodes[names // len(mesh.patches)]
+    node = mesh.nodes[names // (shells.smooth.max() + 1)]
     first = np.cumsum([0, *(kind.group.size for kind in kinds)])
     groups = [group.ravel()[a : a + k.group.size].reshape(k.group.shape) for a, k in zip(first, kinds, strict=False)]
     normal = np.zeros((len(names), 3))

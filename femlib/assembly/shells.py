@@ -18,6 +18,10 @@ LEAST_IN_PLANE = 1e-6
 """Share of an axis that must lie in an element whose stiffness depends on direction."""
 
 
+STEP = 1.25
+"""Ratio of moduli from which on neighbours have strains of their own: in one layup a taper changes them less."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Shells:
     """A mesh with its sections: everything that the stiffness depends on.
@@ -34,6 +38,9 @@ class Shells:
         Factor on each element's stiffness (n_elements,), for moduli that vary over the structure.
     axis : FloatArray
         Global direction (3,) whose projection on an element is its laminate's axis.
+    smooth : IntArray
+        Number of the part of each element (n_elements,) within which strains are smooth: one patch and section, and
+        moduli within a factor of `STEP` or so. They jump where a layup ends.
     unit_thermal : Kept
         Of `femlib.assembly.loads`: the elements' thermal forces per unit by the elements' name, once asked for.
     """
@@ -43,6 +50,7 @@ class Shells:
     section: IntArray
     scale: FloatArray
     axis: FloatArray
+    smooth: IntArray = field(init=False, repr=False)
     unit_thermal: Kept[str, FloatArray] = field(init=False, repr=False, default_factory=Kept)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
@@ -57,6 +65,8 @@ class Shells:
         _check_sections(self.laminates, self.section)
         _check_thickness(self.mesh, self.laminates)
         _check_axis(self.mesh, self.laminates, self.section, self.axis)
+        layup = (self.mesh.patch_of_element, self.section, np.rint(np.log(self.scale) / np.log(STEP)))
+        object.__setattr__(self, "smooth", np.unique(np.stack(layup), axis=1, return_inverse=True)[1].ravel())
         k = len(self.mesh.quads)
         quads = quad4.stiffness(self.mesh.nodes[self.mesh.quads], self.laminates, self.section[:k], self.axis)
         trias = tria3.stiffness(self.mesh.nodes[self.mesh.trias], self.laminates, self.section[k:], self.axis)

@@ -1,7 +1,7 @@
 """Strains and stresses of plies at the corners of shells, and the factors on the load at which the plies fail.
 
-At each node the strains are a linear fit to those of the adjoining elements of the same patch (`quality`), so that a
-corner of two patches has the strains of both. Damage and a stiffness scale take a share of a ply's stress; the ply
+At each node the strains are a linear fit to those of the adjoining elements of the same part (`Shells.smooth`), so that
+a corner of two patches, or of a layup that ends, has the strains of both. Damage and a stiffness scale take a share of a ply's stress; the ply
 fails at the strain of its card: what is left of it carries the stress of the whole.
 
 Source of the last: J. Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83-89 (equivalence of strain).
@@ -238,10 +238,10 @@ def _tensors(shells: Shells, moved: FloatArray) -> tuple[IntArray, FloatArray]:
 
 
 def _in_laminates(shells: Shells, names: IntArray, tensors: FloatArray) -> FloatArray:
-    """Return (n_corners, 6) from tensors (g, 18) at nodes and patches of the names (g,)."""
+    """Return (n_corners, 6) from tensors (g, 18) at nodes and parts of the names (g,)."""
     mesh, found = shells.mesh, []
     for corners, first in ((mesh.quads, 0), (mesh.trias, len(mesh.quads))):
-        group = corners * len(mesh.patches) + mesh.patch_of_element[first : first + len(corners), None]
+        group = corners * (shells.smooth.max() + 1) + shells.smooth[first : first + len(corners), None]
         held = tensors[np.searchsorted(names, group)].reshape(*corners.shape, 2, 3, 3)
         flat = _corner_axes(mesh.nodes[corners], shells.axis)[:, :, None, :, :2]
         plane = flat.swapaxes(-1, -2) @ held @ flat

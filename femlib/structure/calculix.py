@@ -77,7 +77,7 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
     InputError
         If the file is missing or lacks an element that a gauge reads.
     """
-    points = _points(Path(path))
+    points = element_points(Path(path))
     mesh, strains = structure.built.mesh, []
     for gauge, weights in zip(gauges, weights_of(structure, gauges), strict=True):
         total = 0.0
@@ -91,7 +91,7 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
             normal = mesh.area_vectors()[element]
             along = gauge.direction - normal * (gauge.direction @ normal) / (normal @ normal)
             along = along / np.linalg.norm(along)
-            values = np.einsum("i,pij,j->p", along, _tensors(np.array(points[element])), along)
+            values = np.einsum("i,pij,j->p", along, tensors(np.array(points[element])), along)
             n_layer, height = LAYERS[n_points]
             low, high = values[:n_layer].mean(), values[-n_layer:].mean()
             total += weight * float((low + high) / 2.0 + gauge.side / height * (high - low) / 2.0)
@@ -99,13 +99,13 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
     return MICRO * np.array(strains)
 
 
-def _tensors(rows: FloatArray) -> FloatArray:
+def tensors(rows: FloatArray) -> FloatArray:
     """Return strains (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
     xx, yy, zz, xy, xz, yz = rows.T
     return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
 
 
-def _points(path: Path) -> dict[int, list[list[float]]]:
+def element_points(path: Path) -> dict[int, list[list[float]]]:
     """Return the strains at the points of each printed element."""
     text = read_bytes(path, "CalculiX's .dat file; run the deck").decode("ascii", errors="replace")
     found: dict[int, list[list[float]]] = {}
