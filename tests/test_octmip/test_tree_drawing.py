@@ -142,6 +142,8 @@ def test_yes_is_on_the_left_where_the_tree_has_it_on_the_right_and_the_histogram
     assert [bar.x < split.mark[0] - 1 for bar in split.bars] == [True, False]
     shown = model.plot(histograms=True, sample=table.iloc[[0]], dark=True)
     assert to_hex(shown.get_facecolor()) == DARK.paper
+    with pytest.raises(ProblemError, match="sample has 2 rows; expected one of the columns 'colour'; give one row"):
+        model.plot(sample=table.iloc[:2])
 
 
 def test_a_title_longer_than_its_tree_is_not_cut_off_and_is_no_formula():

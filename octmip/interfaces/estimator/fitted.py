@@ -9,9 +9,10 @@ from scipy.sparse import csr_matrix
 from sklearn.utils import Tags
 from sklearn.utils.validation import check_is_fitted
 
-from octmip.errors import SolverError
+from octmip.errors import ProblemError, SolverError
 from octmip.formats.columns import Columns
 from octmip.formats.files import PathLike
+from octmip.formats.messages import several
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import record_tree
 from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, words_of, write_page
@@ -213,6 +214,11 @@ class FittedTree(Settings):
         """
         check_is_fitted(self, "solution_")
         row = None if sample is None else read_samples(self, sample)
+        if row is not None and len(row) != 1:
+            raise ProblemError(
+                f"sample has {len(row)} rows; expected one of the columns {several(self.columns_.names)}; give one row, "
+                "as X[:1]"
+            )
         how = {"histograms": histograms, "sample": row, "dark": dark}
         return figure_of(self.problem_, self.tree_, self.columns_, title, **how)
 
