@@ -1,11 +1,13 @@
 """The loop of the wing: a damage that no library holds, from the watch's alarm to a tree that reads it.
 
-    python -m benchmarks.wing.loop [--region R25] [--size 0.6] [--refinement 0.35] [--tables FOLDER]
+    python -m benchmarks.wing.loop [--region R25] [--size 0.6] [--refinement 0.35] [--tables FOLDER] [--alarms FOLDER]
 
 The reduced wing of 28 regions is made once and kept in the folder. `octmip monitor` trains trees of mu1 and mu2 on it.
 Then an asset flies 100 readings at load factor 3 with the paper's noise: mu1 and mu2 grow to 30 %, and from reading 40
 on another region has lost a share of its stiffness at once. Its strains are those of the full wing on the same mesh.
-`octmip monitor` with these readings is timed. With --tables each of the 26 regions is damaged in turn.
+`octmip monitor` with these readings is timed. With --tables each of the 26 regions is damaged in turn. With --alarms
+the watch alone sees `N_FLIGHTS` flights with each damage, and sound ones. d is the length of what a damage changes, in
+standard deviations of a gauge: what states of the library could change as well is no sign of it and is left out.
 """
 
 import argparse
@@ -17,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from benchmarks.main_program import run_main
 from femlib.wing import Wing, WingTwin, reduce_wing, saved_twin, uav_wing
@@ -24,6 +27,9 @@ from femlib.wing.damage import damage_library
 from octmip.formats.files import write_bytes
 from octmip.interfaces.cli import main as octmip_command
 from octmip.interfaces.report.markdown import markdown_table
+from octmip.monitor import Watch, grid_states, library_of, state_candidates
+from octmip.monitor.library import DEFAULT_LEVELS
+from octmip.sensing.enrichment import PartOf
 
 FOLDER = "results/wing/loop"
 LOAD_FACTOR, NOISE_SD = 3.0, float(np.sqrt(1000.0))
@@ -31,6 +37,8 @@ N_READINGS, BEGINS = 100, 40
 WORDS = ["monitor", "--twin", "benchmarks.wing.loop:twin", "--depth", "3", "--seconds", "20"]
 GROWN = 0.3
 """Damage of the two known regions at the last reading."""
+N_FLIGHTS = 200
+LEVELS = (0.4, 0.6, 0.8)
 
 
 def twin() -> WingTwin:
@@ -45,12 +53,18 @@ def main() -> None:
     parser.add_argument("--size", type=float, default=0.6, help="share of stiffness that it loses")
     parser.add_argument("--refinement", type=float, default=0.35)
     parser.add_argument("--tables", help="folder for the CSV file of all regions")
+    parser.add_argument("--alarms", help="folder for the CSV file of the alarms of the watch, instead of the loop")
     options = parser.parse_args()
     folder = Path(FOLDER)
     folder.mkdir(parents=True, exist_ok=True)
     wing = uav_wing(refinement=options.refinement, regions=damage_library())
     if not (folder / "wing.npz").exists():
         reduce_wing(wing).save(folder / "wing.npz")
+    if options.alarms:
+        rows = alarm_rows(wing)
+        print(markdown_table(rows))
+        write_bytes(Path(options.alarms) / "alarms.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+        return
     given = ["--only", "mu1,mu2", "--load", f"load_factor={LOAD_FACTOR:g}", "--noise", f"{NOISE_SD:.6g}"]
     octmip_command([*WORDS, *given, "--out", str(folder / "deployed")])
     if not options.tables:
@@ -100,12 +114,60 @@ def closed(wing: Wing, region: str, size: float) -> dict[str, object]:
     return row
 
 
+def alarm_rows(wing: Wing) -> list[dict[str, object]]:
+    """Return how large each damage is in the readings, and in how many flights the watch raises the alarm."""
+    part = PartOf(twin(), ("mu1", "mu2"))
+    library = library_of(part, grid_states([DEFAULT_LEVELS] * 2), NOISE_SD, load_factor=LOAD_FACTOR)
+    watch = Watch(library, state_candidates(twin(), library), horizon=N_READINGS, largest_load=LOAD_FACTOR)
+    free = watch.parity.projector(np.ones(len(library.gauges), dtype=bool))
+    sound = alarms(watch, flown(len(wing.regions), 0, 0.0), 10 * N_FLIGHTS)
+    rows: list[dict[str, object]] = [{"region": "none", "alarms %": 100 * float(np.mean(sound > 0))}]
+    for k, own in enumerate(wing.regions[2:], start=2):
+        for size in LEVELS:
+            states = flown(len(wing.regions), k, size)
+            without = states[BEGINS].copy()
+            without[k] = 0.0
+            apart = _strains(states[[BEGINS]]) - _strains(without[None])
+            raised = alarms(watch, states, N_FLIGHTS)
+            d = float(np.linalg.norm(apart[0] / NOISE_SD @ free))
+            row: dict[str, object] = {"region": own.name, "surface": own.surface, "lost %": round(100 * size)}
+            row |= {"d of a reading": round(d, 2), "d of 60 readings": round(d * np.sqrt(N_READINGS - BEGINS), 1)}
+            row |= {"d of a reading, mu1 and mu2 known": round(float(np.linalg.norm(apart[0])) / NOISE_SD, 2)}
+            row |= {"alarms %": round(100 * float(np.mean(raised > BEGINS)), 1)}
+            if (raised > BEGINS).mean() >= 0.5:
+                row |= {"readings to the alarm, median": round(float(np.median(raised[raised > BEGINS]))) - BEGINS}
+            rows.append(row)
+    return rows
+
+
+def alarms(watch: Watch, states: NDArray[np.float64], n: int) -> NDArray[np.int64]:
+    """Return the reading (n,) from 1 at which each of n flights through states raises the alarm, 0 where none does."""
+    rng, seen = np.random.default_rng(1), watch.start(n)
+    raised = np.zeros(n, dtype=np.int64)
+    for k, clean in enumerate(_strains(states), start=1):
+        readings = clean + rng.normal(0.0, NOISE_SD, (n, len(clean)))
+        seen = watch.observe(seen, readings, LOAD_FACTOR)
+        raised = np.where(seen.is_alarm & (raised == 0), k, raised)
+    return raised
+
+
+def _strains(states: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(LOAD_FACTOR * twin().predict_states(states, 1.0))
+
+
+def flown(n_regions: int, region: int, size: float) -> NDArray[np.float64]:
+    """Return the states (N_READINGS, n_regions) of a flight in which a region is damaged from `BEGINS` on."""
+    states = np.zeros((N_READINGS, n_regions))
+    states[:, :2] = np.linspace(0.0, GROWN, N_READINGS)[:, None]
+    if size:
+        states[BEGINS:, region] = size
+    return states
+
+
 def flight(wing: Wing, region: str, size: float, seed: int = 0) -> pd.DataFrame:
     """Return the readings of a flight in which a third region is damaged, as a campaign."""
     names = [own.name for own in wing.regions]
-    states = np.zeros((N_READINGS, len(names)))
-    states[:, :2] = np.linspace(0.0, GROWN, N_READINGS)[:, None]
-    states[BEGINS:, names.index(region)] = size
+    states = flown(len(names), names.index(region), size)
     strains = np.concatenate([wing.strains_microstrain(row[None], LOAD_FACTOR) for row in states])
     readings = strains + np.random.default_rng(seed).normal(0.0, NOISE_SD, strains.shape)
     table = pd.DataFrame(readings, columns=list(wing.gauges.names))

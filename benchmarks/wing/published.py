@@ -36,6 +36,7 @@ UNSEEN = ("mu1 20 %", "mu2 20 %", "mu1 60 %", "mu2 60 %")
 N_HELD_OUT = 6
 PRISTINE_SD, INCREMENT_SD = 0.015, 0.03
 """Standard deviations: share of each pristine strain, and share of the largest increment of the 20 gauges."""
+INSIDE_SD = 0.1
 LEFT_OUT_SD = 1e6
 """Standard deviation [microstrain] of the four gauges that the study leaves out: predicted, never fitted."""
 TIP_SD, FREQUENCY_SD = 0.005, 0.03
@@ -116,16 +117,23 @@ def measured_masses() -> dict[float, float]:
     return {eta: test.masses[name] for eta, name in MASSES.items()}
 
 
-def observations(table: MeanStrains, pristine_sd: float = PRISTINE_SD) -> list[Observation]:
-    """Return strains, increments, tip compliance, frequencies and weight with their standard deviations."""
+def observations(
+    table: MeanStrains, pristine_sd: float = PRISTINE_SD, is_all_fitted: bool = False
+) -> list[Observation]:
+    """Return strains, increments, tip compliance, frequencies and weight with their standard deviations.
+
+    With `is_all_fitted` the four gauges in or near a region count too, by `INSIDE_SD` of their own increments besides.
+    """
     usable = table.is_usable
     sound = _state(table, "", 0)
-    sd = np.where(usable, pristine_sd * sound, LEFT_OUT_SD)
+    sd = np.where(usable | is_all_fitted, pristine_sd * sound, LEFT_OUT_SD)
     found: list[Observation] = [OutputReading("pristine", "sound", "lift", "gauges", sound, sd, labels=table.gauges)]
     for name in EDGES:
         for level in LEVELS:
             change = _state(table, name, level) - sound
-            spread = np.where(usable, INCREMENT_SD * np.abs(change[usable]).max(), LEFT_OUT_SD)
+            far = np.abs(change[usable]).max()
+            inside = INCREMENT_SD * far + INSIDE_SD * np.abs(change) if is_all_fitted else LEFT_OUT_SD
+            spread = np.where(usable, INCREMENT_SD * far, inside)
             state = f"{name} {level} %"
             found.append(OutputReading(state, state, "lift", "gauges", change, spread, "sound", table.gauges))
     compliance = 1.0 / (1000.0 * tip_test("model").stiffness)
@@ -150,18 +158,23 @@ def values(fit: Calibration) -> Iterator[str]:
 
 def row(name: str, fit: Calibration, gauges: NDArray[np.bool_]) -> str:
     """Return a fit's errors at some gauges: pristine in percent, increments in percent of the largest of the 20."""
+    words = [" / ".join(f"{error:.1f}" for error in errors) for errors in misfits(fit, gauges).values()]
+    ends = f", at a limit: {fit.limits}" if fit.limits else ""
+    return f"| {name}{ends} | {int(gauges.sum())} | {words[0]} % | {words[1]} % | {words[2]} % |"
+
+
+def misfits(fit: Calibration, gauges: NDArray[np.bool_]) -> dict[str, list[float]]:
+    """Return the same as numbers [%], root mean squares: one of pristine strains, one for each level of mu1 and mu2."""
     usable = fit.observations[0].sd < LEFT_OUT_SD if isinstance(fit.observations[0], OutputReading) else gauges
-    cells: dict[str, list[str]] = {"pristine": [], "mu1": [], "mu2": []}
+    found: dict[str, list[float]] = {"pristine": [], "mu1": [], "mu2": []}
     for reading in fit.observations:
         kind = reading.group.split()[0]
-        if isinstance(reading, OutputReading) and kind in cells:
+        if isinstance(reading, OutputReading) and kind in found:
             wanted = np.asarray(reading.measured)
             size = wanted[gauges] if kind == "pristine" else np.abs(wanted[usable]).max()
             error = 100.0 * (fit.of(reading) - wanted)[gauges] / size
-            cells[kind].append(f"{np.sqrt(np.mean(np.square(error))):.1f}")
-    words = [" / ".join(cell) for cell in cells.values()]
-    ends = f", at a limit: {fit.limits}" if fit.limits else ""
-    return f"| {name}{ends} | {int(gauges.sum())} | {words[0]} % | {words[1]} % | {words[2]} % |"
+            found[kind].append(float(np.sqrt(np.mean(np.square(error)))))
+    return found
 
 
 def _state(table: MeanStrains, parameter: str, level: int) -> Floats:

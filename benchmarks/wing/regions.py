@@ -1,14 +1,17 @@
 """Which of the 28 regions is damaged, and how much: what gauges can see, by Bayes, by proven trees, by placed gauges.
 
-    python -m benchmarks.wing.regions [--refinement 0.35] [--samples 8] [--seconds 120] [--tables FOLDER]
-        [--picture FILE.png]
+    python -m benchmarks.wing.regions [--refinement 0.35] [--samples 6] [--seconds 240] [--tables FOLDER]
+        [--picture FILE.png] [--confusion FILE.png]
 
 One region at a time loses 20, 40, 60 or 80 %, or none does. A reading is the strain at load factor 3 with the paper's
 noise, over the load factor. The Bayes limit knows the mean of every state; a proven tree of depth 3 has eight leaves.
-"Placed" gauges are the D-optimal 24 of the 82 for all 28 damages (`octmip.sensing.by_information`).
+"Placed" gauges are the D-optimal 24 of the 82 for all 28 damages (`octmip.sensing.by_information`). The confusion is
+which region either rule takes for which.
 """
 
 import argparse
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +26,7 @@ from octmip import ClassCosts, Limits, Problem, certify, solve
 from octmip.formats.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_information
+from octmip.trees.solution import Solution
 from octmip.trees.tree import predict
 
 Floats = NDArray[np.float64]
@@ -32,16 +36,23 @@ LOAD_FACTOR, NOISE_SD = 3.0, float(np.sqrt(1000.0))
 N_GAUGES, DEPTH = 24, 3
 N_FRESH = 200
 """Fresh readings of each state on which limits and trees are counted."""
+Named = Callable[[Floats], Ints]
+"""Readings (n, n_gauges) -> the region (n,) that a rule names."""
+N_NAMES = 29
+"""No damage, and each region."""
+SHOWN = 0.05
+"""Least share of the readings of one region for which a pair stands in the CSV file."""
 
 
 def main() -> None:
     """Print and write."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.regions", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.35)
-    parser.add_argument("--samples", type=int, default=8, help="training readings of each damaged state")
-    parser.add_argument("--seconds", type=float, default=120.0, help="limit of each proof of which region")
+    parser.add_argument("--samples", type=int, default=6, help="training readings of each damaged state")
+    parser.add_argument("--seconds", type=float, default=240.0, help="limit of each proof of which region")
     parser.add_argument("--tables", help="folder for CSV files")
-    parser.add_argument("--picture", help="PNG file to write")
+    parser.add_argument("--picture", help="PNG file of what the gauges see")
+    parser.add_argument("--confusion", help="PNG file of which region is taken for which")
     options = parser.parse_args()
     wing = uav_wing(candidates=True, refinement=options.refinement, regions=damage_library())
     means = state_means(wing)
@@ -49,18 +60,27 @@ def main() -> None:
     columns = {"installed": installed, "placed": placed(wing, means)}
     names = [wing.gauges.names[k] for k in columns["placed"]]
     print(f"placed: {', '.join(names)}", flush=True)
-    rows, whole = region_rows(wing, means, columns), []
+    rows, whole, found = region_rows(wing, means, columns), [], dict[str, Floats]()
     for kind, chosen in columns.items():
-        whole.append(which_row(kind, wing, means[:, chosen], chosen, options.samples, options.seconds))
+        own = means[:, chosen]
+        solution = named_by_tree(own, options.samples, options.seconds)
+        assert solution.tree is not None
+        found[f"Bayes's rule, {kind}"] = confusion(own, partial(bayes, own))
+        found[f"tree, {kind}"] = confusion(own, partial(predict, solution.tree))
+        whole.append(which_row(kind, solution, *list(found.values())[-2:]))
         print(whole[-1], flush=True)
     amounts = amount_rows(wing, means[:, columns["placed"]], columns["placed"], options.samples)
-    for name, table in {"regions-seen": rows, "regions-which": whole, "regions-amount": amounts}.items():
-        print(f"\n{name}\n{markdown_table(table)}", flush=True)
+    pairs = pair_rows(found, ["none", *(own.name for own in wing.regions)])
+    tables = {"seen": rows, "which": whole, "amount": amounts, "confusion": pairs}
+    for name, table in tables.items():
+        print(f"\nregions-{name}\n{markdown_table(table)}", flush=True)
         if options.tables:
             Path(options.tables).mkdir(parents=True, exist_ok=True)
-            write_bytes(Path(options.tables) / f"{name}.csv", pd.DataFrame(table).to_csv(index=False).encode())
+            write_bytes(Path(options.tables) / f"regions-{name}.csv", pd.DataFrame(table).to_csv(index=False).encode())
     if options.picture:
         picture(rows).savefig(options.picture, dpi=110)
+    if options.confusion:
+        confusion_picture(found, ["none", *(own.name for own in wing.regions)]).savefig(options.confusion, dpi=100)
 
 
 def state_means(wing: Wing) -> Floats:
@@ -128,27 +148,45 @@ def region_rows(wing: Wing, means: Floats, columns: dict[str, Ints]) -> list[dic
     return rows
 
 
-def which_row(kind: str, wing: Wing, means: Floats, chosen: Ints, samples: int, seconds: float) -> dict[str, object]:
-    """Return the proven tree of depth 3 that names the region, beside the Bayes limit, on fresh readings."""
+def named_by_tree(means: Floats, samples: int, seconds: float) -> Solution:
+    """Return the proven tree of depth 3 that names the region."""
     region, _ = labels()
     readings, state = drawn(means, samples, 0)
-    names = [wing.gauges.names[k] for k in chosen]
-    problem = Problem(readings, region[state], depth=DEPTH, feature_names=tuple(names))
+    problem = Problem(readings, region[state], depth=DEPTH)
     solution = solve(problem, "exact", Limits(seconds=seconds))
     certify(problem, solution)
-    fresh, true = drawn(means, N_FRESH, 1)
-    assert solution.tree is not None
-    predicted = predict(solution.tree, fresh)
-    balance = 1.0 / np.bincount(region[true])[region[true]] / 29.0
+    return solution
+
+
+def which_row(kind: str, solution: Solution, by_bayes: Floats, by_tree: Floats) -> dict[str, object]:
+    """Return how often that tree and Bayes's rule name the region, each region as often, of their confusions."""
     return {
         "gauges": kind,
-        "rows": len(readings),
         "tree wrong, training": round(solution.objective),
         "bound": round(float(solution.bound), 1),
-        "tree names the region %": round(100 * float(balance @ (predicted == region[true])), 1),
-        "Bayes names the region %": round(100 * float(balance @ (bayes(means, fresh) == region[true])), 1),
-        "regions the tree can name": len(set(predicted.tolist()) - {0}),
+        "tree names the region %": round(100 * float(np.diag(by_tree).mean()), 1),
+        "Bayes names the region %": round(100 * float(np.diag(by_bayes).mean()), 1),
+        "regions the tree can name": int((by_tree[:, 1:].sum(axis=0) > 0).sum()),
     }
+
+
+def confusion(means: Floats, name: Named) -> Floats:
+    """Return the share (29, 29) of the fresh readings of each region (rows) that are named so (columns)."""
+    region, _ = labels()
+    readings, state = drawn(means, N_FRESH, 1)
+    counts = np.zeros((N_NAMES, N_NAMES))
+    np.add.at(counts, (region[state], name(readings)), 1.0)
+    return np.asarray(counts / counts.sum(axis=1, keepdims=True))
+
+
+def pair_rows(found: dict[str, Floats], names: list[str]) -> list[dict[str, object]]:
+    """Return true and named region of every pair that is frequent by some rule, with the shares [%]."""
+    rows = []
+    frequent = np.max(list(found.values()), axis=0) >= SHOWN
+    for true, named in np.argwhere(frequent):
+        row: dict[str, object] = {"true": names[true], "named": names[named]}
+        rows.append(row | {f"{kind} %": round(100 * float(table[true, named]), 1) for kind, table in found.items()})
+    return rows
 
 
 def amount_rows(wing: Wing, means: Floats, chosen: Ints, samples: int) -> list[dict[str, object]]:
@@ -196,6 +234,19 @@ def picture(rows: list[dict[str, object]]) -> Figure:
     axes[1].set(ylabel="named by Bayes's rule [%]", ylim=(0, 100))
     axes[1].set_xticks(places, [f"{row['region']}\n{str(row['surface'])[:3]}" for row in rows], fontsize=7)
     axes[0].legend(fontsize=8)
+    return figure
+
+
+def confusion_picture(found: dict[str, Floats], names: list[str]) -> Figure:
+    """Return the four tables as pictures, a region's readings in each row."""
+    figure = Figure(figsize=(13, 13), layout="constrained")
+    axes = figure.subplots(2, 2, sharex=True, sharey=True)
+    for axis, (kind, table) in zip(axes.T.ravel(), found.items(), strict=True):
+        image = axis.imshow(100 * table, cmap="Blues", vmin=0, vmax=100)
+        axis.set(title=kind, xlabel="named", ylabel="damaged")
+        axis.set_xticks(range(N_NAMES), names, rotation=90, fontsize=7)
+        axis.set_yticks(range(N_NAMES), names, fontsize=7)
+    figure.colorbar(image, ax=axes, shrink=0.5, label="% of a region's readings")
     return figure
 
 

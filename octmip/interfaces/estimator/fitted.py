@@ -216,8 +216,8 @@ class FittedTree(Settings):
         row = None if sample is None else read_samples(self, sample)
         if row is not None and len(row) != 1:
             raise ProblemError(
-                f"sample has {len(row)} rows; expected one of the columns {several(self.columns_.names)}; give one row, "
-                "as X[:1]"
+                f"sample has {len(row)} rows; expected one of the columns {several(self.columns_.names)}; "
+                "give one row, as X[:1]"
             )
         how = {"histograms": histograms, "sample": row, "dark": dark}
         return figure_of(self.problem_, self.tree_, self.columns_, title, **how)
