@@ -1,8 +1,7 @@
 """The mixed-integer forms beside odtlearn's FlowOCT and BendersOCT on CBC, on problems of binary features.
 
 Each feature becomes three binary ones, whether it is at most its first, second or third quartile: for all solvers the
-same question, and not the one that `mio_forms` asks of the same data. Every solver starts from what it starts from by
-itself (octmip: CART's tree).
+same question. Every solver starts from what it starts from by itself (octmip: CART's tree).
 """
 
 from collections.abc import Callable, Iterator
