@@ -21,8 +21,6 @@ from benchmarks.blind.selectors import SELECTORS
 
 SETS_FOLDER = Path("results/blind")
 """Sets of runs without --out."""
-LEAST_FAMILIES = 3
-"""For a rotation."""
 
 
 def main() -> None:
@@ -33,21 +31,14 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--out", type=Path, default=None, help="folder for campaigns, diagnoses and tables")
     parser.add_argument("--without", type=float, default=1.0, help="share diagnosed without commissioning run too")
-    parser.add_argument("--lasso", type=int, default=60, help="cases for the group lasso")
     parser.add_argument("--family", action="append", choices=FAMILIES, help="of assets; may be given more than once")
     parser.add_argument("--strata", choices=SETS, default="main", help="sound: noises, two tests, wrong runs")
-    parser.add_argument("--no-limit", action="store_true", help="leave out the limit of information")
     parser.add_argument("--asset-mesh", type=float, default=1.3, help="refinement of femlib's asset")
     parser.add_argument("--twin-mesh", type=float, default=1.0, help="refinement of the twin")
-    parser.add_argument("--rotate", action="store_true", help="constants settled on two other families, in turn")
     parser.add_argument("--selector", action="append", choices=SELECTORS, help="what answers; may be given twice")
     options = parser.parse_args()
     if options.cases < 1:
         parser.error(f"--cases is {options.cases}; expected 1 or more")
-    if options.rotate and len(options.family or available()) < LEAST_FAMILIES:
-        parser.error(
-            f"--rotate needs {LEAST_FAMILIES} families or more: constants come from two, the cases from others"
-        )
     folder = options.out or unfinished(SETS_FOLDER, options.seed)
     seed = options.seed if options.seed is not None else begun_seed(folder) or int(time.time())
     print(f"{folder}: {'goes on' if begun_seed(folder) else 'begins'} with seed {seed}", file=sys.stderr)
@@ -56,13 +47,10 @@ def main() -> None:
         options.cases,
         options.jobs,
         options.without,
-        options.lasso,
         tuple(options.family or available()),
         options.asset_mesh,
         options.twin_mesh,
         options.strata,
-        not options.no_limit,
-        options.rotate,
         tuple(options.selector or SELECTORS),
     )
     signal.signal(signal.SIGTERM, _stop)

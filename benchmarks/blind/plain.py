@@ -33,9 +33,6 @@ def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | Non
         "stuck": [],
         "significant": [],
         "correction": moved[[model.gauges.index(name) for name in campaign.gauges]].tolist(),
-        "ranking": "",
-        "residual": [],
-        "lasso": None,
     }
 
 

@@ -6,16 +6,13 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, replace
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from benchmarks.blind.answers import Constants, Found, Task, code, twin
+from benchmarks.blind.answers import Found, Task, code
 from benchmarks.blind.assets.families import available, made
 from benchmarks.blind.assets.shells import REFINEMENT
-from benchmarks.blind.limit.limits import limits
 from benchmarks.blind.reliability import draw
-from benchmarks.blind.rotation.constants import settled
 from benchmarks.blind.sealing import Key, seal
 from benchmarks.blind.selectors import answer
 from benchmarks.blind.sound import sound_tables
@@ -34,17 +31,10 @@ class Plan:
         of the set; processes.
     without
         share of the cases diagnosed without commissioning run too.
-    lasso
-        number of cases for the group lasso.
     families
         of assets, each with its share of the cases.
     asset_mesh, twin_mesh
         refinements.
-    limit
-        whether the limit of information is computed.
-    rotate
-        whether each case is diagnosed with constants settled on two families that it does not belong to, every pair of
-        them in turn.
     strata
         of `cases.SETS`: "main", or "sound" for assets with which nothing is wrong.
     selectors
@@ -55,13 +45,10 @@ class Plan:
     count: int = 600
     jobs: int = 2
     without: float = 1.0
-    lasso: int = 60
     families: tuple[str, ...] = available()
     asset_mesh: float = REFINEMENT
     twin_mesh: float = 1.0
     strata: str = "main"
-    limit: bool = True
-    rotate: bool = False
     selectors: tuple[str, ...] = ("diagnosis", "plain")
 
 
@@ -77,7 +64,7 @@ def run(folder: Path, plan: Plan) -> str:
     found = {selector: _answered(folder, plan, selector) for selector in plan.selectors}
     clock.append(time.time())
     answers: dict[str, Key] = open_keys(folder, keys)
-    tables = _tables(folder, keys, found, answers, plan)
+    tables = _tables(folder, found, answers, plan)
     clock.append(time.time())
     text = "\n\n".join([_heading(plan, len(answers), clock), *tables])
     (folder / "tables.md").write_text(text + "\n")
@@ -133,8 +120,7 @@ def _answered(folder: Path, plan: Plan, selector: str) -> list[Found]:
     path = folder / f"{selector}.jsonl"
     cases = _written(path)
     done = {lines[0]["name"] for lines in cases}
-    constants = _rotated(folder, plan) if plan.rotate and selector == "diagnosis" else {}
-    tasks = [replace(task, selector=selector) for task in _tasks(folder, plan, constants) if task.name not in done]
+    tasks = [replace(task, selector=selector) for task in _tasks(folder, plan) if task.name not in done]
     with path.open("a") as file:
         for found in _answers(tasks, plan.jobs):
             file.write(json.dumps(found) + "\n")
@@ -159,59 +145,29 @@ def _answers(tasks: Sequence[Task], jobs: int) -> Iterator[list[Found]]:
             yield future.result()
 
 
-def _rotated(folder: Path, plan: Plan) -> dict[str, list[Constants]]:
-    """Return by family the constants settled on each two of the others."""
-    keys, model = _keys(folder), twin(plan.twin_mesh)
-    assets = {name: made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families}
-    pairs = {pair: settled([assets[name] for name in pair], model) for pair in combinations(plan.families, 2)}
-    return {name: [found for pair, found in pairs.items() if name not in pair] for name in plan.families}
-
-
-def _tasks(folder: Path, plan: Plan, constants: Mapping[str, Sequence[Constants]]) -> list[Task]:
+def _tasks(folder: Path, plan: Plan) -> list[Task]:
     """Return one task per case; unknown to it are seed, truths and keys."""
-
-    def own(k: int, path: Path) -> Constants | None:
-        known = constants.get(path.parents[1].name, ())
-        return known[k // len(plan.families) % len(known)] if known else None
-
     paths = sorted(folder.glob("*/campaigns/*.csv"), key=lambda path: path.stem)
+    asked_bare = round(plan.without * len(paths))
     return [
-        Task(
-            path.parents[1].resolve(),
-            path.stem,
-            plan.twin_mesh,
-            without=k < round(plan.without * len(paths)),
-            lasso=k % max(1, len(paths) // max(1, plan.lasso)) == 0 and plan.lasso > 0,
-            constants=own(k, path),
-        )
+        Task(path.parents[1].resolve(), path.stem, plan.twin_mesh, without=k < asked_bare)
         for k, path in enumerate(paths)
     ]
 
 
-def _tables(
-    folder: Path, keys: Path, found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan
-) -> list[str]:
+def _tables(folder: Path, found: Mapping[str, Sequence[Found]], answers: Mapping[str, Key], plan: Plan) -> list[str]:
     """Return all tables; draw the reliability of the first selector and, of foreign families, of each kind."""
     told = {_called(selector): [(f, answers[f["name"]]) for f in part] for selector, part in found.items()}
     if plan.strata == "sound":
         return sound_tables(told)
     with_run = [(f, a) for f, a in next(iter(told.values())) if f["calibrated"]]
     draw(folder / "reliability.svg", "Foreign families, with the commissioning run", foreign(with_run))
-    selected = [(f, answers[f["name"]]) for f in _limits(keys, answers, plan)]
-    return all_tables(told, selected)
+    return all_tables(told)
 
 
 def _called(selector: str) -> str:
     """Return the heading of a selector's column."""
     return "plain selector" if selector == "plain" else selector
-
-
-def _limits(keys: Path, answers: Mapping[str, Key], plan: Plan) -> list[Found]:
-    """Return the selector's answers; what is kept beside the keys is neither run nor selected again."""
-    if not plan.limit:
-        return []
-    assets = [made(name, plan.seed, keys, plan.asset_mesh, plan.jobs) for name in plan.families]
-    return limits(answers, {asset.family: asset for asset in assets}, keys.with_suffix(".limits.json"))
 
 
 def _heading(plan: Plan, count: int, clock: Sequence[float]) -> str:

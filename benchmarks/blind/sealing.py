@@ -25,7 +25,7 @@ from benchmarks.blind.cases import (
     write_campaign,
     write_run,
 )
-from benchmarks.blind.limit.candidates import singles
+from benchmarks.blind.singles import singles
 from benchmarks.blind.truths import Extra, Truth
 from benchmarks.noises import VARIANCE
 from benchmarks.seals import fingerprint
@@ -144,7 +144,7 @@ def facts(case: Case, asset: Asset) -> Facts:
 
 def from_library(moved: FloatArray, case: Case, asset: Asset) -> dict[str, float]:
     """Return how far a change (n_cells, n_gauges) stands from all that a single effect of the library can make."""
-    alike = [_moved((candidate.truth,), asset, moments(case)).ravel() for candidate in singles(asset)]
+    alike = [_moved((truth,), asset, moments(case)).ravel() for truth in singles(asset)]
     columns = np.column_stack([moved.ravel(), *alike])
     found = {}
     for kind in ("calibrated", "bare"):

@@ -1,4 +1,4 @@
-"""All tables of a set: the diagnosis beside the limit of information, families beside each other."""
+"""All tables of a set: the diagnosis beside other selectors, families beside each other."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,47 +6,46 @@ import numpy as np
 
 from benchmarks.blind.assets.families import OWN, in_order, slug
 from benchmarks.blind.guards import guards
-from benchmarks.blind.limit.limits import judged
 from benchmarks.blind.reliability import errors
 from benchmarks.blind.score import Pair, by_effect, figures, is_standard, strata
 from benchmarks.figure import Figure, table
 
-LIMIT = "information limit"
+UNSAID = ("seconds", "noise named", "channel named", "localisation", "exactly confounded")
+"""Rows of which a selector that does no more than select says nothing."""
 Told = Mapping[str, Sequence[Pair]]
 """Answers with their keys, by what answered."""
 
 
-def all_tables(told: Told, limits: Sequence[Pair]) -> list[str]:
-    """Return the tables of a main set: of the first selector, and a column for each other and for the limit.
-
-    `limits` are the same cases as the selector that knows the generator answers them.
-    """
+def all_tables(told: Told) -> list[str]:
+    """Return the tables of a main set: of the first selector, and a column for each other."""
     with_run, without = (
         {n: [(f, a) for f, a in part if f["calibrated"] == has_run] for n, part in told.items()}
         for has_run in (True, False)
     )
-    limit_with, limit_without = ([(f, a) for f, a in limits if f["calibrated"] == has_run] for has_run in (True, False))
-    first, first_without = next(iter(with_run.values())), next(iter(without.values()))
+    first = next(iter(with_run.values()))
     standard = [(f, a) for f, a in first if is_standard(a)]
-    names = {f["name"] for f, _ in first_without}
-    limit_without = [(f, a) for f, a in limit_without if f["name"] in names]
     return [
         table(
             "With the commissioning run",
-            {"known healthy state, loads 0 to 3": figures(standard), **_beside(with_run, limit_with)},
+            {"known healthy state, loads 0 to 3": figures(standard), **_beside(with_run)},
         ),
-        table("Without a commissioning run", _beside(without, limit_without)),
-        table("Families, with the commissioning run", _families(with_run, limit_with)),
-        table("Families, without a commissioning run", _families(without, limit_without)),
-        table("Own and foreign families, with the commissioning run", spread(with_run, limit_with)),
-        table("Reliability, with the commissioning run", _reliability(with_run, limit_with)),
+        table("Without a commissioning run", _beside(without)),
+        table("Families, with the commissioning run", _families(with_run)),
+        table("Families, without a commissioning run", _families(without)),
+        table("Own and foreign families, with the commissioning run", spread(with_run)),
+        table("Reliability, with the commissioning run", _reliability(with_run)),
         table(
             "Single effects",
             {f"{name}, {run}": strata(part) for run, of in _runs(with_run, without) for name, part in of.items()},
         ),
         table("Top-1 by effect, d' >= 5", {name: by_effect(part) for name, part in with_run.items()}),
-        table("Guards and baselines, d' >= 5, with the commissioning run", {"single effects": guards(first)}),
+        table("Guards, d' >= 5, with the commissioning run", {"single effects": guards(first)}),
     ]
+
+
+def judged(cases: Sequence[Pair]) -> list[Figure]:
+    """Return the figures of what does no more than select: those that a diagnosis is judged by."""
+    return [row for row in figures(cases) if not any(word in row.name for word in UNSAID)]
 
 
 def _runs(with_run: Told, without: Told) -> tuple[tuple[str, Told], ...]:
@@ -68,7 +67,7 @@ def foreign(cases: Sequence[Pair]) -> list[Pair]:
     return [(f, a) for f, a in cases if slug(a["case"]["family"]) != OWN]
 
 
-def spread(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+def spread(told: Told) -> dict[str, list[Figure]]:
     """Return the figures of the own family, of all foreign ones, what these lack, and the range over the families."""
     cases = next(iter(told.values()))
     own = [(f, a) for f, a in cases if slug(a["case"]["family"]) == OWN]
@@ -79,31 +78,30 @@ def spread(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
         "own family": first,
         "foreign families": second,
         **beside,
-        f"{LIMIT}, foreign": judged(foreign(limits)),
         "foreign less own": [_difference(a, b) for a, b in zip(first, second, strict=True)],
         "largest less least of the families": [_range(rows) for rows in zip(*every, strict=True)],
     }
 
 
-def _beside(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+def _beside(told: Told) -> dict[str, list[Figure]]:
     (_, cases), *others = told.items()
-    return {"all cases": figures(cases), **{name: judged(part) for name, part in others}, LIMIT: judged(limits)}
+    return {"all cases": figures(cases), **{name: judged(part) for name, part in others}}
 
 
-def _families(told: Told, limits: Sequence[Pair]) -> dict[str, list[Figure]]:
+def _families(told: Told) -> dict[str, list[Figure]]:
     (_, cases), *others = told.items()
     columns: dict[str, list[Figure]] = {}
     for family in families_of(cases):
         columns[family] = figures(of_family(cases, family))
-        for name, part in (*others, (LIMIT, limits)):
+        for name, part in others:
             columns[f"{name}, {slug(family)}"] = judged(of_family(part, family))
     return columns
 
 
-def _reliability(told: Told, limits: Sequence[Pair]) -> Mapping[str, Sequence[Figure]]:
+def _reliability(told: Told) -> Mapping[str, Sequence[Figure]]:
     (_, cases), *others = told.items()
     columns = {slug(name): errors(of_family(cases, name)) for name in families_of(cases)}
-    beside = {f"{name}, foreign": errors(foreign(part)) for name, part in (*others, (LIMIT, limits))}
+    beside = {f"{name}, foreign": errors(foreign(part)) for name, part in others}
     return {**columns, "foreign families": errors(foreign(cases)), **beside}
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from octmip.gap.inference.candidates import bounds_of
+from octmip.gap.inference.confounding import ABSURD
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
@@ -158,16 +159,18 @@ def _folds(model: LinearModel, members: Sequence[int]) -> tuple[list[str], list[
     if len(set(zip(tests, loads, strict=True))) > len(set(tests)) >= 2:  # tests of one load each are loads held out
         known = [test for test in dict.fromkeys(tests) if test not in open_tests]
         folds |= {f"test {test}": np.flatnonzero([own == test for own in tests]) for test in known}
-    whole = model.whitened.lengths[list(members)]
+    whole = _told(model, members, np.zeros(0, dtype=np.int64))
     folds = {name: held for name, held in folds.items() if np.all(_told(model, members, held) >= LEAST_LEFT * whole)}
     return list(folds), list(folds.values())
 
 
 def _told(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:
-    """Return the squared lengths (n_members,) of whitened signatures without the rows that are held out."""
+    """Return what the rows that are not held out say of each size (n_members,), beside the others: 1 / its variance."""
     rest = np.setdiff1d(np.arange(model.n), held)
     columns = model.signatures[rest][:, list(members)]
-    return np.asarray(np.sum(columns * np.linalg.solve(model.covariance[np.ix_(rest, rest)], columns), axis=0))
+    gram = columns.T @ np.linalg.solve(model.covariance[np.ix_(rest, rest)], columns)
+    absurd = np.diag((ABSURD * model.inputs.priors.sd[list(members)]) ** -2)
+    return np.asarray(1.0 / np.diag(np.linalg.inv(gram + absurd)))
 
 
 def _residuals(model: LinearModel, members: Sequence[int], held: NDArray[np.int64]) -> Floats:

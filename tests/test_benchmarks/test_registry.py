@@ -99,7 +99,6 @@ def test_the_table_shows_a_disagreement():
 
 @pytest.mark.parametrize(("arguments", "message"), [
     (["--cases", "0"], "--cases is 0; expected 1 or more"),
-    (["--rotate", "--family", "beam", "--family", "femlib"], "--rotate needs 3 families"),
 ])  # fmt: skip
 def test_a_plan_that_cannot_be_is_refused(arguments, message, monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["blind", *arguments])

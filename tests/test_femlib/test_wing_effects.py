@@ -204,6 +204,9 @@ def test_creep_is_the_strain_of_a_wing_whose_skins_have_softened_by_that_time():
     assert np.allclose(0.2 * signature("creep", time=3600.0), change, rtol=0.01, atol=1e-3)
     assert (signature("creep", time=0.0) == 0.0).all()
     assert np.allclose(signature("creep", time=32 * 3600.0), 2.0 * signature("creep", time=3600.0))
+    quick, slow = (signature("creep", place=f"within {words}", time=100.0) for words in ("minutes", "half an hour"))
+    assert np.allclose(quick, (1.0 - np.exp(-1.0)) * signature("creep", time=3600.0))
+    assert np.allclose(slow, quick * (1.0 - np.exp(-0.1)) / (1.0 - np.exp(-1.0)) / (1.0 - np.exp(-3.6)))
 
 
 def test_the_planform_is_linear_between_designed_and_manufactured():

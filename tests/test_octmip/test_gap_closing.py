@@ -65,6 +65,17 @@ def test_a_load_without_which_nothing_says_how_large_an_effect_is_is_not_held_ou
     assert held == ["load factor 0", "load factor 1", "load factor 2"]
 
 
+def test_a_load_without_which_two_effects_are_one_is_not_held_out():
+    """Each alone is known from the one load that is left, both together are not."""
+    soak, warm = Field("soak", SHAPE, 1, 10.0), Field("warm", 0.2 * np.arange(20.0) - 5.0, 0, 10.0)
+    campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * load + 10.0 * warm.shape, loads=(0.0, 3.0))
+    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "soak": soak, "warm": warm}, RUN)
+    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
+    both = tuple(k for k, c in enumerate(inputs.candidates) if c.name in ("soak", "warm"))
+    assert measure_shrinkage(inference, both).held_out == ()
+    assert [part.name for part in measure_shrinkage(inference, both[:1]).held_out] == ["load factor 0"]
+
+
 def test_an_effect_whose_course_over_the_load_is_another_is_called_unexplained():
     """A size that is fitted to some loads does not fit the others, though the best of the library is far ahead."""
     late = lambda state, load, time: 10.0 * SHAPE * load**3 / 9.0  # noqa: E731

@@ -6,10 +6,12 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, diagnose
+from octmip.gap.diagnosis import library_of
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
+from octmip.gap.inference.search import log_prior
 from octmip.gap.inference.signature_error import LEVELS
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
@@ -25,6 +27,12 @@ class Uncertain(Field):
 
 def twin_with(effect):
     return Beam(effects={**Beam().effects, effect.name: effect})
+
+
+class Roughly(Field):
+    """A field that the model knows to 10 % at each gauge."""
+
+    signature_error = 0.1
 
 
 class Exact(Field):
@@ -65,7 +73,44 @@ def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_t
     other = next(k for k in range(last + 1, model.n) if model.load_factors[k] == 3.0)
     at = 0.03 * own.level * float(own.size[0]) * model.signatures[:, j]
     assert error[last, last] == pytest.approx(5.0 * at[last] ** 2)  # two of these also of the kind as a whole
-    assert error[last, other] == pytest.approx(2.0 * at[last] * at[other])
+    alike = model.inputs.difference.smooth[model.gauge[last], model.gauge[other]]
+    assert error[last, other] == pytest.approx((2.0 + 1.5 * alike) * at[last] * at[other])  # half of it is smooth
+
+
+def test_where_a_signature_changes_its_sign_it_is_no_better_known_than_beside():
+    turning = Uncertain("turn", np.linspace(-5.0, 5.0, 21)[:-1], 1, 10.0)  # 0 at the tenth gauge
+    inference = inference_of(twin_with(turning), SOAKED)
+    model = inference.model
+    error = np.diag(inference.error_of(candidate(model, "turn"), 10.0)).reshape(-1, 20)[-1]
+    assert model.signatures[:, candidate(model, "turn")].reshape(-1, 20)[-1, 10] == pytest.approx(0.0, abs=0.2)
+    assert error[10] > 0.05 * error[0]
+
+
+def test_a_member_that_is_no_more_than_the_error_of_a_large_one_leaves_its_set():
+    effect, other = Uncertain("soak", SHAPE, 1, 10.0), Exact("dent", np.eye(20)[4], 1, 10.0)
+    beside = measured(3, lambda state, load, time: load * (120.0 * SHAPE + 8.0 * np.eye(20)[4]))
+    twin = Beam(effects={**Beam().effects, "soak": effect, "dent": other})
+    inference = inference_of(twin, beside)
+    both = tuple(sorted((candidate(inference.model, "soak"), candidate(inference.model, "dent"))))
+    assert inference.identifiable(both) == (candidate(inference.model, "soak"),)
+    sure = Beam(effects={**Beam().effects, "soak": Exact("soak", SHAPE, 1, 10.0), "dent": other})
+    assert len(inference_of(sure, beside).identifiable(both)) == 2
+
+
+def test_an_offset_of_all_gauges_is_named_with_the_field_that_may_be_as_even():
+    shape, even = 4.0 + 0.4 * np.sin(np.arange(20.0)), measured(3, lambda state, load, time: 40.0)
+    for kind in (Roughly("warm", shape, 0, 10.0), Exact("warm", shape, 0, 10.0)):
+        first = diagnose(even, Beam(effects={"warm": kind}), commissioning=COMMISSIONING).which[0]
+        assert "unit_steady_constant" in first.names[0]
+        assert ("warm" in first.names[0]) == isinstance(kind, Roughly)
+
+
+def test_two_cells_without_names_are_no_explanation():
+    inputs, _ = prepare(SOAKED, Beam(), library_of(Beam(), SOAKED), COMMISSIONING)
+    nameless = [k for k, one in enumerate(inputs.candidates) if one.is_nameless]
+    named = next(k for k, one in enumerate(inputs.candidates) if one.name == "gauge_gain")
+    assert np.isfinite(log_prior(inputs, (named, nameless[0])))
+    assert log_prior(inputs, tuple(nameless[:2])) == -np.inf
 
 
 def test_levels_of_errors_are_summed_like_the_density_at_every_level():

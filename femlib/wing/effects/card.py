@@ -83,7 +83,7 @@ class WingEffect:
     prior_mean: float = 0.0
     uses_time: bool = False
     superposes: bool = False
-    signature_error: float = 0.03
+    signature_error: float = 0.1
     n_between: int = 0
     bounds: tuple[float, float] = (-math.inf, math.inf)
     seen_by: tuple[str, ...] = ()

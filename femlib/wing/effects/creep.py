@@ -1,13 +1,15 @@
 """Creep: the resin of the skins yields slowly, so under a load the strain grows with time while the load stays.
 
-Under a load that stays, the skins' compliance grows by size * (time / 1 h)^0.2 per cent; at every moment the wing is an
-elastic one with softer skins (quasi-elastic), f = +0.01 (t / 1 h)^0.2 K_skin(mu) u to first order. The answers to
+Under a load that stays, the skins' compliance grows by size * c(t) per cent, c = 1 after one hour: a power of time, or
+an exponential that ends. At every moment the wing is an elastic one with softer skins (quasi-elastic),
+f = +0.01 c(t) K_skin(mu) u to first order. The answers to
 several steps of the load add up, each from its own time on (Boltzmann); what was loaded before the first reading is not
 known. Price: the recovery after a load has gone follows the same law.
 Source: W. N. Findley, J. S. Lai, K. Onaran, Creep and Relaxation of Nonlinear Viscoelastic Materials (1976), chapter 8
 (power law of time); R. A. Schapery, in Mechanics of Composite Materials 2 (1974), section 4 (quasi-elastic method).
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -24,13 +26,20 @@ EXPONENT = 0.2
 0.3."""
 
 
-def course(time: float) -> float:
+RETARDATION = {"within minutes": 100.0, "within half an hour": 1000.0}
+"""Retardation time of one Kelvin element [s]: a decade apart, they tell quick from slow."""
+POWER = "as a power of time"
+
+
+def course(time: float, place: str = POWER) -> float:
     """Return the growth of compliance at `time` [s] over that after one hour; none before the start."""
+    if place in RETARDATION:
+        return math.expm1(-max(time, 0.0) / RETARDATION[place]) / math.expm1(-HOUR / RETARDATION[place])
     return float((max(time, 0.0) / HOUR) ** EXPONENT)
 
 
 class Creep(SkinEffect):
-    """The effect, with its course of time."""
+    """The effect, whose places are its courses of time: the true one is none of them, or lies between two."""
 
     __slots__ = ()
 
@@ -39,7 +48,7 @@ class Creep(SkinEffect):
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) [microstrain] per unit, `time` [s] after the load."""
         one_hour = super().signature(twin, state, load_factor, place)
-        return np.asarray(course(time) * one_hour)
+        return np.asarray(course(time, place) * one_hour)
 
 
 def effect(response: Response) -> WingEffect:
@@ -57,6 +66,7 @@ def effect(response: Response) -> WingEffect:
         prior_source="matrix-dominated laminates at room temperature creep by one to five per cent in an hour",
         separated_by="its course of time: the same load again at the end reads more, which a scale does not do",
         words="creep of the skins",
+        words_at="creep of the skins {place}",
         action="add the creep of the skins to the twin",
         says=(
             "their compliance grows by {size} in the first hour under load",
@@ -68,6 +78,8 @@ def effect(response: Response) -> WingEffect:
         is_one_sided=True,
         uses_time=True,
         superposes=True,
+        place_names=(POWER, *RETARDATION),
+        n_between=2,
         skins=skins,
         factor=0.01,
     )

@@ -57,7 +57,7 @@ def effect(response: Response) -> WingEffect:
         force=force,
         place_names=tuple(zones),
         n_between=8,
-        signature_error=0.2,
+        signature_error=0.4,
         is_one_sided=True,
         bounds=(0.0, 100.0),
         signatures=signatures,

@@ -154,7 +154,7 @@ def effect(response: Response) -> WingEffect:
         force=no_force(response),
         place_names=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
-        signature_error=0.2,
+        signature_error=0.4,
         is_one_sided=True,
         web=Web(response),
     )

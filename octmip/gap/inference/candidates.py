@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.effects import in_chain
+from octmip.gap.effects.families import Family
 from octmip.gap.odds import Odds
 from octmip.twin import Effect, State, Twin
 
@@ -47,6 +48,11 @@ class Candidate:
     def name(self) -> str:
         """Name of the effect."""
         return self.effect.name
+
+    @property
+    def is_nameless(self) -> bool:
+        """Whether it is a cell of the families without a name of its own."""
+        return isinstance(self.effect, Family) and not self.effect.has_own_name
 
     @property
     def is_discrete(self) -> bool:

@@ -83,6 +83,8 @@ class Inference:
     def _errors(self, members: Members, size: Floats, level: float) -> Floats | None:
         """Return the covariance (n, n) of the errors of some signatures at these sizes; None of none."""
         model, n = self.model, self.model.n
+        if not is_uncertain(model, members):
+            return None
         sized = list(zip(members, size.tolist(), strict=True))
         root = np.hstack([np.zeros((n, 0)), *(theta * self._beside(j) for j, theta in sized)])
         if not level and not root.shape[1]:
@@ -95,15 +97,14 @@ class Inference:
             self._between[candidate] = between(self.model, candidate)
         return self._between[candidate]
 
-    def errors(self, members: Members, without: int | None = None) -> Floats | None:
-        """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none.
-
-        One member's may be left out.
-        """
+    def errors(self, members: Members) -> Floats | None:
+        """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none."""
         own = self.fit(members)
-        kept = [k for k in range(len(members)) if k != without]
-        chosen = tuple(members[k] for k in kept)
-        return self._errors(chosen, own.size[kept], own.level) if is_uncertain(self.model, chosen) else None
+        return self._errors(members, own.size, own.level)
+
+    def error_of(self, candidate: int, size: float) -> Floats | None:
+        """Return the covariance (n, n) of the errors of one signature at a size, in full; None of none."""
+        return self._errors((candidate,), np.array([size]), max(LEVELS))
 
     def allowing(self, members: Members) -> "Inference":
         """Return the inference under the errors of a set's signatures, which are propagated through its members.
@@ -122,14 +123,17 @@ class Inference:
     def visibilities(self, members: Members) -> Floats:
         """Return d' (n_members,) of each member from its own absence, the others refitted, under the others' errors.
 
-        A member's own errors grow with its size and vanish with it: they blur how large it is, not whether it acts.
+        These count in full: beside a large effect a small one may be no more than what the large one's signature is
+        wrong by. A member's own errors grow with its size and vanish with it: they blur how large it is, not whether it
+        acts.
         """
         size = self.fit(members).size
         precision = np.diag((3.0 * self.model.inputs.priors.sd[list(members)]) ** -2)
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
-            gram = self._reduced(members, self.errors(members, without=k))[0]
+            beside = tuple(members[i] for i in np.flatnonzero(others))
+            gram = self._reduced(members, self._errors(beside, size[others], max(LEVELS)))[0]
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))

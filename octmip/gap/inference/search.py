@@ -85,7 +85,9 @@ def log_count(inputs: Inputs, k: int) -> float:
 
 
 def log_prior(inputs: Inputs, members: Members) -> float:
-    """Return the log prior probability of a set of candidates."""
+    """Return the log prior probability of a set of candidates; -inf of two cells without names: a field is unknown."""
+    if sum(inputs.candidates[j].is_nameless for j in members) > 1:
+        return -inf
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
 
@@ -231,7 +233,8 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
     weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
     joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
-    return dict(zip(joined, weights.tolist(), strict=True))
+    pairs = zip(joined, weights.tolist(), strict=True)
+    return {longer: weight for longer, weight in pairs if np.isfinite(log_prior(inputs, longer))}
 
 
 def _diverse(inputs: Inputs, ordered: Sequence[Members], most: int) -> list[Members]:

@@ -3,10 +3,12 @@
 A signature comes from a model: each gauge's part of it is known to some per cent, and where an effect may act anywhere
 its places are samples of a continuum. So a set of candidates j at sizes theta_j is judged under the covariance
 
-    C = C0 + sum_j theta_j^2 (e^2 s_j^2 (S_j S_j') o R + BETWEEN^2 sum_k (c_k S_k - S_j) (c_k S_k - S_j)'),
+    C = C0 + sum_j theta_j^2 (e^2 s_j^2 (A_j A_j') o R + BETWEEN^2 sum_k (c_k S_k - S_j) (c_k S_k - S_j)'),
 
-with s_j the effect's own error, R the correlation of errors (of one gauge, and of one kind of reading: the same at all
-loads, along each load and bent over it; o multiplies entry by entry), k the nearest places and c_k the best scale. One
+with s_j the effect's own error, A_j the size of S_j at and about each gauge (where a signature changes its sign it is
+no better known than beside), R the correlation of errors (of one gauge, smooth along the structure, and of one kind of
+reading: the same at all loads, along each load and bent over it; o multiplies entry by entry), k the nearest places and
+c_k the best scale. One
 scalar e says how good the twin's signatures are; it is summed over `LEVELS`. What grows with an effect is thus no
 reason for a second one. A discrete effect of the measuring chain (two wires swapped, a gauge dead) also acts on what
 the others change: their signatures are propagated through it.
@@ -19,6 +21,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.inference.difference import along
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import on_readings
 from octmip.twin import amounts_of
@@ -31,6 +34,10 @@ LEVELS: Mapping[float, float] = {0.0: 0.2, 0.3: 0.4, 1.0: 0.4}
 holds is named."""
 BETWEEN = 0.3
 """Sd of the weight of a neighbouring place: the truth lies anywhere up to half way to it."""
+NEARBY = 0.1
+"""Length over which the size of a signature is taken, as a share of the structure's extent."""
+SMOOTH = 0.5
+"""Share of the variance of an error that is smooth along the structure."""
 ALIKE = 0.5
 """Share of its squared length that a neighbour must have in common with the place."""
 
@@ -45,10 +52,13 @@ def correlation(model: LinearModel) -> Floats:
     """Return R (n, n). One kind of reading alone, wrong as a whole, is a wrong size: that is left out."""
     kind, gauge = model.inputs.frame.kind, model.gauge
     first, *bent = [np.outer(course, course) for course in _courses(model)]
-    along = np.sum([np.zeros_like(first), *bent], axis=0)
-    common = along + first if kind.max() > 0 else along
+    over_loads = np.sum([np.zeros_like(first), *bent], axis=0)
+    common = over_loads + first if kind.max() > 0 else over_loads
     same_kind = kind[gauge][:, None] == kind[gauge]
-    return np.asarray((gauge[:, None] == gauge) * (first + along) + same_kind * common)
+    own = np.asarray(gauge[:, None] == gauge, dtype=np.float64)
+    if model.inputs.twin.gauge_positions is not None:
+        own = (1.0 - SMOOTH) * own + SMOOTH * same_kind * model.inputs.difference.smooth[np.ix_(gauge, gauge)]
+    return np.asarray(own * (first + over_loads) + same_kind * common)
 
 
 def _courses(model: LinearModel) -> list[Floats]:
@@ -64,9 +74,18 @@ def _courses(model: LinearModel) -> list[Floats]:
 
 
 def own_error(model: LinearModel, candidate: int) -> Floats:
-    """Return s_j S_j (n,): what a signature may be wrong by at each reading."""
-    share = np.broadcast_to(model.inputs.candidates[candidate].signature_errors, len(model.inputs.twin.gauges))
-    return np.asarray(share[list(model.inputs.order)][model.gauge] * model.signatures[:, candidate])
+    """Return s_j A_j (n,): what a signature may be wrong by at each reading."""
+    inputs, gauge, own = model.inputs, model.gauge, model.signatures[:, candidate]
+    share = np.broadcast_to(inputs.candidates[candidate].signature_errors, len(inputs.twin.gauges))
+    wrong = share[list(inputs.order)][gauge]
+    if inputs.twin.gauge_positions is None or not wrong.any():
+        return np.asarray(wrong * own)
+    kind = inputs.frame.kind
+    near = along(inputs.twin, inputs.campaign.gauges, NEARBY) * (kind[:, None] == kind)
+    squares = np.zeros((len(inputs.averages), len(inputs.order)))
+    squares[model.average, gauge] = own**2
+    about = np.sqrt(squares @ near / near.sum(axis=0))[model.average, gauge]
+    return np.asarray(wrong * np.maximum(np.abs(own), about))
 
 
 def between(model: LinearModel, candidate: int) -> Floats:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Cell
-from octmip.gap.effects.families import Family
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import log_normal, usual_difference
@@ -145,9 +144,8 @@ def _by_effect(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun
     lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
-    effects = [candidate.effect for candidate in inputs.candidates]
-    logs[[getattr(effect, "uses_time", False) for effect in effects]] = -np.inf  # it wanders
-    logs[[isinstance(effect, Family) and not effect.has_own_name for effect in effects]] = -np.inf  # too rare
+    logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
+    logs[[one.is_nameless for one in inputs.candidates]] = -np.inf  # too rare
     if not len(logs):
         return WrongRun(-np.inf, "", None, None)
     best = int(np.argmax(logs))

@@ -1,1 +1,0 @@
-"""Constants settled on some families of assets, to be judged on others."""
