@@ -1,11 +1,12 @@
 """CPU seconds of this process and its children, and a limit in them: on a busy machine the clock says little."""
 
+import multiprocessing
 import os
 import resource
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from octmip.trees.solution import Limits, Progress
 
@@ -34,14 +35,34 @@ def cpu_seconds() -> float:
     return sum(usage.ru_utime + usage.ru_stime for usage in used) + _seconds_of_running_children()
 
 
+def within(seconds: float, work: Callable[[], Any]) -> Any:
+    """Return what `work` returns in a fork of this process, None where it is killed after so many CPU seconds."""
+    fork = multiprocessing.get_context("fork")
+    receive, send = fork.Pipe(duplex=False)
+    child = fork.Process(target=lambda: send.send(work()))
+    child.start()
+    send.close()
+    while not receive.poll(0.05):
+        if _seconds_of(str(child.pid)) > seconds:
+            child.kill()
+            break
+    try:
+        return receive.recv()
+    except EOFError:
+        return None
+    finally:
+        child.join()
+
+
 def _seconds_of_running_children() -> float:
     """Return the CPU seconds of the children that still run, by Linux's /proc; 0 elsewhere."""
-    ticks = 0
-    for thread in Path("/proc/self/task").glob("*/children"):
-        for child in _read(thread).split():
-            fields = _read(Path(f"/proc/{child}/stat")).rpartition(")")[2].split()
-            ticks += int(fields[11]) + int(fields[12]) if fields else 0
-    return ticks / os.sysconf("SC_CLK_TCK")
+    threads = Path("/proc/self/task").glob("*/children")
+    return sum(_seconds_of(child) for thread in threads for child in _read(thread).split())
+
+
+def _seconds_of(process: str) -> float:
+    fields = _read(Path(f"/proc/{process}/stat")).rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK") if fields else 0.0
 
 
 def _read(path: Path) -> str:

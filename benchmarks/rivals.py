@@ -18,6 +18,7 @@ from octmip.trees.solution import Limits
 # STreeD and DL8.5 know binary features only. They take part where one for each threshold is not more than this, so that
 # they solve the same question; a few quantiles instead is another question (it loses to plain CART, see the docs).
 MOST_BINARY_FEATURES = 300
+MOST_LEVELS_OF_STREED = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,17 +93,43 @@ def _pystreed(problem: Problem) -> Fit:
     from pystreed import STreeDClassifier
 
     features = _binary(problem)
+    depth, price = min(int(problem.depth), MOST_LEVELS_OF_STREED), problem.leaf_penalty / problem.n_samples
+    task = "cost-complex-accuracy" if price else "accuracy"
 
     def fit(seconds: float, threads: int) -> Answer:
-        model = STreeDClassifier(
-            max_depth=problem.depth,
-            max_num_nodes=2**problem.depth - 1,
-            cost_complexity=0.0,
-            time_limit=seconds,
-        )
+        model = STreeDClassifier(task, max_depth=depth, cost_complexity=price, time_limit=seconds)
         model.fit(features, problem.codes)
         errors = float((np.asarray(model.predict(features)) != problem.codes).sum())
-        return Answer(errors, errors, f"{features.shape[1]} binary features, every threshold")
+        cost = errors + problem.leaf_penalty * (model.get_n_leaves() - 1)
+        bound = cost if model.fit_result.is_optimal() else -np.inf
+        return Answer(cost, bound, f"{features.shape[1]} binary features, every threshold; {depth} levels")
+
+    return fit
+
+
+def _treefarms(problem: Problem) -> Fit:
+    import contextlib
+    import io
+
+    import pandas as pd
+    from treefarms import TREEFARMS
+
+    features = _binary(problem).astype(int)
+    columns = pd.DataFrame(features, columns=[f"b{j}" for j in range(features.shape[1])])
+    labels = pd.Series(problem.codes, name="class")
+    n, price = problem.n_samples, problem.leaf_penalty / problem.n_samples
+    settings = {"regularization": price, "rashomon_bound_multiplier": 1e-6, "worker_limit": 1}
+
+    def fit(seconds: float, threads: int) -> Answer:
+        model = TREEFARMS(settings | {"time_limit": int(np.ceil(seconds))})
+        said = f"{features.shape[1]} binary features, every threshold; the set of the optimal trees"
+        with contextlib.redirect_stdout(io.StringIO()):
+            model.fit(columns, labels)
+        if not model.get_tree_count():  # stopped: its status does not say so
+            return Answer(np.inf, -np.inf, said)
+        tree = model[0]
+        cost = round(n * (1 - tree.score(columns, labels) + price * (tree.leaves() - 1)), 6)
+        return Answer(cost, cost if model.time < seconds else -np.inf, said)
 
     return fit
 
@@ -209,6 +236,7 @@ RIVALS = {
     "pycontree": Rival(_pycontree, "pycontree"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
+    "treefarms": Rival(_treefarms, "treefarms"),
     "fastsmalltree": Rival(_fast_small_tree, "imodels"),
     "odtlearn": Rival(_odtlearn("FlowOCT"), "odtlearn"),
     "odtlearn-benders": Rival(_odtlearn("BendersOCT"), "odtlearn"),

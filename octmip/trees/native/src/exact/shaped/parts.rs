@@ -15,6 +15,7 @@
 use std::sync::Arc;
 
 use crate::effort::Control;
+use crate::exact::node::price::levels_below;
 use crate::exact::samples::Samples;
 use crate::exact::shaped::few::{Few, least_size};
 use crate::exact::shaped::last_cuts::{Cut, last_cuts};
@@ -84,16 +85,22 @@ impl<'a> Parts<'a> {
         view.total_range + samples.penalty * (rules.given.len() + rules.old.len()) as i64 + 1
     }
 
-    /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more.
+    /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more. Trees of
+    /// more levels than those searched so far pay for as many splits.
     pub(super) fn search(mut self, view: &View, (most, splits): (usize, usize), known: &Known) {
         let last = (most, self.rules.max_changes);
         let is_near = !self.rules.old.is_empty();
+        let price = self.samples.penalty;
+        known.raise(price * self.rules.given.iter().filter(|row| row.n_splits > 0).count() as i64);
         let sizes: Vec<(usize, usize)> = if is_near {
             (0..last.1.min(MOST_CHANGES_FIRST)).map(|changes| (most, changes)).collect()
         } else {
             (1..most).map(|depth| (depth, last.1)).collect()
         };
         for (depth, changes) in sizes.into_iter().chain([last]) {
+            if !is_near && depth > levels_below(known.best().0, price, most) {
+                break;
+            }
             let asked = Asked {
                 given: (!self.rules.given.is_empty()).then_some(0),
                 old: is_near.then_some(0),
@@ -110,6 +117,9 @@ impl<'a> Parts<'a> {
             }
             if self.control.is_stopped() {
                 return;
+            }
+            if !is_near {
+                known.raise(known.best().0.min(price.saturating_mul(depth as i64 + 1)));
             }
         }
         known.raise(known.best().0);
