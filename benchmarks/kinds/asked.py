@@ -29,10 +29,9 @@ from benchmarks.kinds.classes import (
 )
 from benchmarks.kinds.kind import Kind, Question
 from benchmarks.kinds.numbers import NUMBER_KINDS
-from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
 from benchmarks.kinds.others import NearSets, WorstCases
-from benchmarks.kinds.parted import PART_KINDS
 from benchmarks.kinds.sample_costs import SAMPLE_COSTS_KIND
+from benchmarks.kinds.shaped import MONOTONE_KINDS, PART_KINDS
 from benchmarks.kinds.texts import Texts
 from benchmarks.kinds.ties import TIES_KIND
 from benchmarks.tables import Line
@@ -55,8 +54,7 @@ KINDS: dict[str, Kind] = {
     "few_splits": FEW_SPLITS_KIND,
     "few_leaves": FEW_LEAVES_KIND,
     "sparse": SPARSE_KIND,
-    "monotone": MONOTONE_KIND,
-    "monotone_few": MONOTONE_FEW_KIND,
+    **MONOTONE_KINDS,
     **PART_KINDS,
     **NUMBER_KINDS,
     "texts": Texts(),

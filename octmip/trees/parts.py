@@ -9,6 +9,7 @@ questions for a column of texts, or "leaf": nothing is split there.
     ("root-only", "g03")           g03 is split at the root or nowhere
 """
 
+import difflib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -113,22 +114,30 @@ def _given_split(
     feature, threshold = value if isinstance(value, list | tuple) and len(value) == 2 else (value, None)
     if isinstance(value, str) and value not in names and "<=" in value:
         feature, _, number = value.rpartition("<=")
+        feature = feature if feature in names else feature.strip()
         try:
             threshold = float(number)
         except ValueError:
             raise ProblemError(f"{what} of {key} is {value!r}; expected a number after <=, such as g05<=3.2") from None
     if threshold is not None and not math.isfinite(threshold):
         raise ProblemError(f"{what} of {key} has the threshold {threshold}; expected a finite number")
-    index = _index(feature, names, f"{what} of {key}")
+    index = _index(feature, names, f"{what} of {key}", sensor_of_feature)
     return GivenSplit(path, (index,), None if threshold is None else float(threshold))
 
 
-def _index(feature: object, names: tuple[str, ...], what: str) -> int:
+def _index(feature: object, names: tuple[str, ...], what: str, sensors: Sequence[str] = ()) -> int:
     index = names.index(feature) if isinstance(feature, str) and feature in names else feature
     if isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < len(names):
-        shown = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
-        raise ProblemError(f"{what} names {feature!r}; expected one of the features {shown}")
+        raise ProblemError(f"{what} names {feature!r}; {_expected(feature, 'features', (*sensors, *names))}")
     return index
+
+
+def _expected(name: object, kind: str, known: Sequence[str]) -> str:
+    """Return the known names that are nearest to one that is none of them, or the first ones."""
+    names = list(dict.fromkeys(known))
+    if near := difflib.get_close_matches(str(name), names):
+        return f"did you mean {' or '.join(near)}?"
+    return f"expected one of the {kind} {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}"
 
 
 def path_rules(given: object, names: tuple[str, ...], what: str) -> tuple[PathRule, ...] | None:
@@ -179,15 +188,14 @@ def rules_of_columns(rules: Sequence[Sequence[str]], column_of_feature: Sequence
     def features(column: str) -> list[int]:
         found = [j for j, of in enumerate(column_of_feature) if of == column]
         if not found:
-            columns = ", ".join(list(dict.fromkeys(column_of_feature))[:8])
-            raise ProblemError(f"a rule names {column!r}; expected one of the columns {columns}")
+            raise ProblemError(f"path_rules names {column!r}; {_expected(column, 'columns', column_of_feature)}")
         return found
 
     found: list[tuple[str | int, ...]] = []
     for kind, *columns in rules:
         if len(set(columns)) < max(len(columns), RULES[kind]):
             raise ProblemError(
-                f"the rule {kind} names {', '.join(columns)}; expected {RULES[kind]} or more different columns"
+                f"path_rules, {kind}, names {', '.join(columns)}; expected {RULES[kind]} or more different columns"
             )
         groups = [features(column) for column in columns]
         if kind == "not-below":

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.kinds.classes import complaint
-from benchmarks.kinds.ordered import MONOTONE_FEW_KIND, MONOTONE_KIND
+from benchmarks.kinds.shaped import MONOTONE_KINDS
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
@@ -25,7 +25,7 @@ def asked(**options: object) -> Problem:
     return Problem(FEATURES, LABELS, depth=2, **({"monotone": {"x0": "+", "x2": -1}} | options))
 
 
-@pytest.mark.parametrize("kind", [MONOTONE_KIND, MONOTONE_FEW_KIND], ids=["monotone", "monotone and few splits"])
+@pytest.mark.parametrize("kind", MONOTONE_KINDS.values(), ids=MONOTONE_KINDS)
 @pytest.mark.parametrize("seed", range(40))
 def test_every_method_against_the_list_of_all_trees(kind, seed):
     problem = kind.draw(np.random.default_rng([kind.stream, seed]))

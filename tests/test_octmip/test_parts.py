@@ -1,23 +1,28 @@
 """Parts of a tree that are asked for: proven against a list of all trees, recounted, kept by file and doors."""
 
 import json
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.kinds.parted import PART_KINDS
+from benchmarks.kinds.shaped import PART_KINDS
 from benchmarks.oracles.parts import least_cost_with_parts
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, NoTreeError, ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
+from octmip.interfaces.report.tree.evidence import gather
 from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.part_check import n_changes
 from octmip.trees.parts import rules_of_columns
+from octmip.trees.solution import Stop
 from octmip.trees.tradeoff import choose_tree
+from octmip.trees.tradeoff.edits import tree_edits
 
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.integers(0, 8, (60, 3)).astype(float), RNG.integers(0, 2, 60)
@@ -108,6 +113,15 @@ def test_a_given_threshold_beside_another_one_of_the_old_tree_is_a_change():
         solve(asked(**moved, max_changes=0))
 
 
+@pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": "x2"}}, {"path_rules": [("apart", 0, 1)]}])
+def test_the_price_alone_ends_a_search_without_a_depth(parts):
+    problem = asked(depth=None, leaf_penalty=6.0, **parts)
+    assert problem.depth > 4
+    found = solve(problem)
+    assert (found.stop, found.objective) == (Stop.OPTIMAL, solve(replace(problem, depth=4)).objective)
+    assert found.objective < 5 * 6.0  # so that five levels cost too much
+
+
 def test_missing_readings_go_where_it_is_best_below_a_given_split():
     features = FEATURES.copy()
     features[::7, 0] = np.nan
@@ -181,6 +195,53 @@ def test_edit_says_what_a_change_costs_and_its_tree_is_certified(solved, capsys)
     assert rows[0]["more"] == 0
     assert main(["edit", tree, table]) == 2
     assert "expected a node and its split" in capsys.readouterr().err
+
+
+def test_the_page_tells_the_proven_cost_of_other_columns_at_each_split(solved):
+    table, tree, new = solved
+    file = read_tree_file(tree)
+    edits = gather(file, asked(feature_names=("a", "b", "c")), seconds=200.0).edits
+    top, below = file.tree, file.tree.left
+    names = ("a", "b", "c")
+    assert {price.sensor for price in edits[""]} == set(names) - {names[top.feature]}
+    above = f"{names[top.feature]}<={top.threshold!r}"
+    for path, given in (("", {}), ("L", {"ROOT": above})):
+        for price in edits[path]:
+            there = {path or "ROOT": price.sensor}
+            best = solve(asked(feature_names=names, fixed_splits=given | there))
+            assert (price.objective, price.bound, price.stop) == (best.objective, best.objective, Stop.OPTIMAL)
+    assert names[below.feature] not in {price.sensor for price in edits["L"]}
+    assert main(["report", tree, table, "--out", new.replace("json", "html"), "--seconds", "200"]) == 0
+    page = Path(new.replace("json", "html")).read_text()
+    more = edits[""][0].objective - file.solution.objective
+    assert f"{edits[''][0].objective:g} errors at the best, {f'{more:g} error' if more else 'no more'}" in page
+
+
+def test_numbers_and_orders_have_no_page_of_other_columns():
+    order = asked(monotone=[1, 0, 0])
+    assert tree_edits(order, solve(order).tree, 1.0) == {}
+    numbers = Problem(FEATURES, FEATURES[:, 0], depth=1, loss=SquaredError())
+    assert tree_edits(numbers, solve(numbers).tree, 1.0) == {}
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--fix", "ROOT=kind is k"], "--fix of ROOT names 'kind is k'; did you mean kind is u"),
+        (["--fix", "ROOT=kin"], "--fix of ROOT names 'kin'; did you mean kind?"),
+        (["--path-rule", "apart=kinds,a"], "--path-rule names 'kinds'; did you mean kind?"),
+        (["--max-changes", "1"], "--old-tree and --max-changes belong together"),
+    ],
+)
+def test_a_fault_names_the_option_and_the_nearest_columns(tmp_path, capsys, words, message):
+    table = tmp_path / "t.csv"
+    kind = np.array(["u", "v", "w"])[np.arange(60) % 3]
+    pd.DataFrame(FEATURES, columns=["a", "b", "c"]).assign(kind=kind, y=LABELS).to_csv(table, index=False)
+    command = ["solve", str(table), "--label", "y", "--depth", "2"]
+    assert main([*command, *words]) == 2
+    assert message in capsys.readouterr().err
+    assert main([*command, "--categories", "subsets", "--fix", "ROOT=kind in {u, w}", "--fix", "L=a <= 3.5"]) == 0
+    assert "if kind in {u, w}\n    if a <= 3.5" in capsys.readouterr().out
 
 
 def test_the_command_takes_every_part(solved, capsys):

@@ -28,7 +28,7 @@ from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
 from octmip.formats.columns.written import FORMS, number_words
 from octmip.formats.messages import shown
-from octmip.trees.tree import Split
+from octmip.trees.tree import Leaf, Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]
 MOST_LEVELS = 12
@@ -236,6 +236,16 @@ class Column:
         cut = f"{self.name} <= {shown_threshold}" if self.kind == "number" else self._rank_words(threshold)
         is_left = feature.kind == "missing-left" or (split.missing == "left" and not self.is_doubled)
         return f"{cut} or missing" if is_left else cut
+
+    def questions(self) -> dict[str, str]:
+        """Return the names of its yes/no features by the words of a tree that splits them, or of the other set."""
+        found = {}
+        for feature in self.features if self.asks_texts else ():
+            found[self.left_words(feature, Split(0, 0.5, Leaf(0), Leaf(0)), str)] = feature.name
+            if feature.kind == "among":
+                rest = set_words([level for level in self._levels if level not in feature.members])
+                found |= dict.fromkeys((f"{self.name} in {rest}", f"{self.name} not in {rest}"), feature.name)
+        return found
 
     def _rank_words(self, threshold: float) -> str:
         left = self.values[: max(0, math.floor(threshold) + 1)]

@@ -1,11 +1,12 @@
 """What a change of a tree costs: `octmip.interfaces.cli.options.edit` says how the command is called."""
 
 import argparse
+import time
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from octmip.errors import NoTreeError, ProblemError, SolverError
+from octmip.errors import ProblemError, SolverError
 from octmip.formats.tree_file import TreeFile, finite_or_none, leaf_counts, read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.cli.answer import (
     ElapsedLine,
@@ -25,8 +26,9 @@ from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.part_check import n_changes
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve
+from octmip.trees.tradeoff.edits import EditPrice, edit_prices, with_splits
 from octmip.trees.tree import Node
 
 EVERY = "?"
@@ -37,19 +39,18 @@ def run(arguments: argparse.Namespace) -> int:
     """Solve with the part, show it beside the tree of the file, write."""
     file = read_tree_file(arguments.tree)
     with ElapsedLine("reading"):
-        options = {"form": arguments.format, "label": arguments.label, "weights": arguments.weights}
-        training = read_training(file, arguments.data, source=arguments.tree, **options)
+        training = read_training(file, arguments.data, source=arguments.tree)
         old = certify(training.problem, file.solution).objective
     if (word := next((word for word in arguments.set if word.endswith(f"={EVERY}")), None)) is not None:
         return _show_prices(arguments, word, training.problem, file, old)
-    problem = edited(training.problem, arguments.set, file.tree, arguments.max_changes)
+    problem = edited(training.problem, arguments.set, file, arguments.max_changes)
     with ProgressLine() as progress:
         solution = solve(problem, "exact", Limits(seconds=arguments.seconds), progress=progress)
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time with --seconds")
     with held_back():
         certificate = certify(problem, solution)
-        columns = arguments.label or file.target_column, arguments.weights or file.weights_column, file.preparation
+        columns = file.target_column, file.weights_column, file.preparation
         last = price(training.problem, file.solution, solution, old)
         write = partial(write_tree_file, file=record_tree(problem, solution, *columns))
         with then_written(arguments.out, write, last, is_quiet=arguments.json):
@@ -69,21 +70,12 @@ def _show_prices(arguments: argparse.Namespace, word: str, problem: Problem, fil
     node, others = word.rpartition("=")[0], [one for one in arguments.set if one != word]
     if arguments.out is not None:
         raise ProblemError(f"--set {word} asks for every column and --out for one tree; name a column, or leave --out")
-    each = Limits(seconds=arguments.seconds / len(problem.sensors))
-    rows: list[dict[str, Any]] = []
+    if others or arguments.max_changes is not None:
+        problem = edited(problem, others, file, arguments.max_changes)
     with ProgressLine(f"{node}: ") as progress:
-        for sensor in problem.sensors:
-            try:
-                asked = edited(problem, [*others, f"{node}={sensor}"], file.tree, arguments.max_changes)
-                found = solve(asked, "exact", each, progress=progress)
-            except NoTreeError:
-                rows.append({"split": sensor, "objective": None, "bound": None, "more": None, "proven": "no such tree"})
-                continue
-            objective, bound = finite_or_none(found.objective), finite_or_none(found.bound)
-            more = None if objective is None else objective - old
-            proven = "yes" if found.is_optimal else f"no ({found.stop})"
-            rows.append({"split": sensor, "objective": objective, "bound": bound, "more": more, "proven": proven})
-    rows.sort(key=lambda row: (row["objective"] is None, row["objective"]))
+        end = time.perf_counter() + arguments.seconds
+        prices = list(edit_prices(problem, node, problem.sensors, end, progress))
+    rows = [_row(price, old) for price in sorted(prices, key=lambda price: price.objective)]
     if arguments.json:
         print_json({"node": node, "old_objective": old, "rows": rows})
         return 0
@@ -93,20 +85,27 @@ def _show_prices(arguments: argparse.Namespace, word: str, problem: Problem, fil
     return 0
 
 
-def edited(problem: Problem, words: list[str], tree: Node, max_changes: int | None) -> Problem:
-    """Return the problem with the splits that words give, and at most so many changes of the tree.
+def _row(price: EditPrice, old: float) -> dict[str, Any]:
+    objective, bound = finite_or_none(price.objective), finite_or_none(price.bound)
+    more = None if objective is None else objective - old
+    proven = "yes" if price.stop is Stop.OPTIMAL else f"no ({price.stop})"
+    proven = proven if price.is_possible else "no such tree"
+    return {"split": price.sensor, "objective": objective, "bound": bound, "more": more, "proven": proven}
+
+
+def edited(problem: Problem, words: list[str], file: TreeFile, max_changes: int | None) -> Problem:
+    """Return the problem with the splits that words give, and at most so many changes of the tree of a file.
 
     Raises
     ------
     ProblemError
         nothing is asked for, or a word is no split.
     """
-    given = fixed_splits_of(words, "--set")
+    given = fixed_splits_of(words, "--set", file.columns)
     if given is None and max_changes is None:
         raise ProblemError("--set is not given; expected a node and its split, such as --set ROOT=g05")
-    own = {part.path or "ROOT": part.split_words(problem.feature_names) for part in problem.given_splits}
-    asked = replace(problem, fixed_splits=own | (given or {}))
-    return asked if max_changes is None else replace(asked, old_tree=tree, max_changes=max_changes)
+    asked = with_splits(problem, given or {})
+    return asked if max_changes is None else replace(asked, old_tree=file.tree, max_changes=max_changes)
 
 
 def price(problem: Problem, before: Solution, solution: Solution, old: float) -> str:

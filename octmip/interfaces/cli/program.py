@@ -10,6 +10,7 @@ wait for no pandas. argparse of the standard library does all that is needed: no
 
 import difflib
 import importlib
+import re
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -41,6 +42,13 @@ COMMANDS = {
 }
 MODULES = {"worst-case": "sets.worst_case", "near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""
+OPTIONS = {
+    "fixed_splits": "--fix",
+    "path_rules": "--path-rule",
+    "old_tree": "--old-tree",
+    "max_changes": "--max-changes",
+}
+"""How the command asks for the parts that a problem names so."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
 
 
@@ -69,7 +77,7 @@ def _code(words: list[str], heard: Heard) -> int:
         return _run_or_interrupted(words, heard)
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {_one_line(error)}", file=sys.stderr)
+        print(f"{name}: {_with_options(_one_line(error), words)}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError | WriteError) else 2
     except KeyboardInterrupt:
         print(f"octmip: {heard.word}", file=sys.stderr)
@@ -108,6 +116,12 @@ def _one_line(error: OctmipError) -> str:
     words = " ".join(str(error).split())
     shown = words if len(words) <= MOST_MESSAGE else f"{words[: MOST_MESSAGE - 4]} ..."
     return visible(shown)
+
+
+def _with_options(message: str, words: list[str]) -> str:
+    """Return a message with the options of a command in place of the names that a problem has for them."""
+    options = OPTIONS | ({"fixed_splits": "--set"} if words[:1] == ["edit"] else {})
+    return re.sub(rf"(?<!['\w])({'|'.join(options)})\b", lambda found: options[found[0]], message)
 
 
 def _run(words: list[str]) -> int:

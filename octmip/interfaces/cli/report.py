@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.files import write_bytes
-from octmip.formats.messages import shown
 from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.interfaces.cli.answer import ElapsedLine, printable, verdict
-from octmip.interfaces.cli.arguments import MOST_THREADS
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import KINDS
 from octmip.interfaces.report.dot import tree_dot
@@ -60,8 +58,6 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
             raise DataError(f"--{option} needs the table that the tree was trained on; give DATA behind TREE.json")
     if not arguments.seconds >= 0:
         raise DataError(f"--seconds is {arguments.seconds}; expected a number of 0 or more")
-    if not 1 <= arguments.threads <= MOST_THREADS:
-        raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
 
 
 def _units(given: list[str], file: TreeFile) -> dict[str, str]:
@@ -88,10 +84,10 @@ def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -
 
     training = read_training(file, arguments.data, form=arguments.format, source=arguments.tree)
     seconds = arguments.seconds if has_depths else 0.0
-    found = gather(file, training.problem, seconds=seconds, n_jobs=arguments.threads)
+    found = gather(file, training.problem, seconds=seconds)
     found = replace(found, table=training.rows.frame)
     if arguments.proof:
-        proof = check_proof(training.problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)
+        proof = check_proof(training.problem, arguments.proof, bound=file.solution.bound)
         found = replace(found, proof=proof)
     if arguments.test:
         samples = read_test(file, training.problem, arguments.test)
@@ -101,7 +97,7 @@ def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -
     if training.held_out is not None:
         return judged_by(found, file, training.held_out, f"{_name_of(arguments.data)}, held out before the training")
     if arguments.holdout is not None:
-        run = Run(limits=Limits(seconds=arguments.seconds or 10.0), seed=file.solution.seed, n_jobs=arguments.threads)
+        run = Run(limits=Limits(seconds=arguments.seconds or 10.0), seed=file.solution.seed)
         return with_share_held_out(found, arguments.holdout, run)
     return found
 

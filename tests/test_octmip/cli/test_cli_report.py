@@ -91,7 +91,6 @@ def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, 
         (("--dark", "--out", "page.html"), "--dark is for pictures"),
         (("DATA", "--unit", "w=kg"), "'w', which is no column of numbers"),
         (("DATA", "--seconds", "nan"), "--seconds is nan"),
-        (("DATA", "--threads", 0), "--threads is 0"),
     ],
 )
 def test_what_cannot_be_reported_is_refused_with_a_cure(run, data, solved, words, said):

@@ -10,7 +10,7 @@ import argparse
 
 from octmip.interfaces.cli.arguments import add_json_argument
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
-from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.interfaces.cli.samples.options import TABLE_HELP
 from octmip.interfaces.cli.samples.part_arguments import FIX_HELP
 
 EXAMPLES = """\
@@ -31,10 +31,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--max-changes", metavar="K", type=int, help="at most K splits differ from the file's: new, gone or other ones"
     )
     writes(group.add_argument("--out", metavar="NEW.json", help="write the best tree with these splits to this file"))
-    group = parser.add_argument_group("table")
-    group.add_argument("--label", metavar="COL", help="column with the class (default: that of the training)")
-    group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
-    add_format_argument(group)
     group = parser.add_argument_group("run")
     group.add_argument("--seconds", metavar="S", type=float, default=60.0, help="stop after S seconds (default 60)")
     add_json_argument(group)

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         type=float,
         default=10.0,
-        help="time for trees of lower depth, and for the tree of --holdout (default 10; 0: no trees of lower depth)",
+        help="time for trees of lower depth and the tree of --holdout, a tenth of it for other columns at the splits "
+        "(default 10; 0: only the tree of --holdout)",
     )
-    group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of one solver (default 1)")
     add_format_argument(group)

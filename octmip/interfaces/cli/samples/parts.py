@@ -26,21 +26,26 @@ def parts_of(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:
         None if arguments.old_tree is None else old_tree_for(columns.feature_names, read_tree_file(arguments.old_tree))
     )
     return {
-        "fixed_splits": fixed_splits_of(arguments.fix, "--fix"),
+        "fixed_splits": fixed_splits_of(arguments.fix, "--fix", columns),
         "path_rules": rules_of_columns([_rule(word) for word in arguments.path_rule], columns.column_of_feature),
         "old_tree": old,
         "max_changes": arguments.max_changes,
     }
 
 
-def fixed_splits_of(words: Sequence[str], option: str) -> dict[str, str] | None:
+def fixed_splits_of(words: Sequence[str], option: str, columns: Columns | None) -> dict[str, str] | None:
     """Return the splits that words give, by address; None without words.
+
+    A question for texts may be written as trees print it: c in {p, s}.
 
     Raises
     ------
     ProblemError
         a word is no NODE=SPLIT, or a node stands there twice.
     """
+    feature_of: dict[str, str] = {}
+    for column in () if columns is None else columns.columns:
+        feature_of |= column.questions()
     found: dict[str, str] = {}
     for word in words:
         node, sign, split = word.partition("=")
@@ -48,7 +53,8 @@ def fixed_splits_of(words: Sequence[str], option: str) -> dict[str, str] | None:
             raise ProblemError(
                 f"{option} is {word!r}; expected NODE=SPLIT, each node once, such as ROOT=g05 or L=g05<=3"
             )
-        found[node] = split
+        is_name = columns is not None and split in columns.feature_names
+        found[node] = split if is_name else feature_of.get(split, split)
     return found or None
 
 

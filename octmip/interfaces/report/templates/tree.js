@@ -80,6 +80,15 @@
         make("tbody", {}, line("all samples", sum(left), sum(right)), ...lines.map((entry) => line(...entry)))));
   }
 
+  function otherColumns(node) {
+    if (!node.others.length) return [];
+    const price = make("output", { for: "other" });
+    const say = (event) => { price.textContent = event.target.value ? node.others[Number(event.target.value)][1] : ""; };
+    const options = node.others.map(([name], k) => make("option", { value: String(k) }, name));
+    const select = make("select", { id: "other", onchange: say }, make("option", { value: "" }, "as it is"), ...options);
+    return [make("p", { class: "row" }, make("label", { for: "other" }, "Another column here:"), select, price)];
+  }
+
   function choose(index) {
     const node = nodes[index], here = sum(node.counts);
     svg.querySelectorAll(".chosen").forEach((one) => one.classList.remove("chosen"));
@@ -93,7 +102,7 @@
         ...(classes.length ? [bars(node.counts)] : []), sampleTable(index));
     } else {
       detail.replaceChildren(make("h3", {}, make("span", {}, node.text), close),
-        make("p", {}, `${share}, come to this split. Where they go:`), splitTable(node));
+        make("p", {}, `${share}, come to this split. Where they go:`), splitTable(node), ...otherColumns(node));
     }
     detail.hidden = false;
   }

@@ -1,9 +1,10 @@
 """The words and tables of the page of a tree, as its template takes them."""
 
+import math
 import shlex
 from typing import Any
 
-from octmip.formats.names import visible
+from octmip.formats.names import shown, visible
 from octmip.formats.tree_file import TreeFile, leaf_counts
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.curve import depth_curve
@@ -20,6 +21,10 @@ from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
 from octmip.interfaces.report.tree.summary import figures, subtitle, title, verdict
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording, percent, question
+from octmip.trees.part_check import places
+from octmip.trees.parts import address
+from octmip.trees.solution import Stop
+from octmip.trees.tradeoff.edits import EditPrice
 from octmip.trees.tree import Leaf, Node, leaves
 
 WIDE = 1100
@@ -58,6 +63,7 @@ def page_contents(
         "certificate": certificate_words(file, evidence, measure, data),
         "words": tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts, wording.columns),
         "leaves": _leaves(file, measure, evidence, wording),
+        "edits": _edit_rows(file, evidence, measure),
         "settings": settings_rows(file, measure),
         "commands": _commands(source, data) if source else "",
         "data": _data(file, measure, evidence, wording),
@@ -108,6 +114,15 @@ def _paths(node: Node, wording: Wording) -> list[str]:
     return found
 
 
+def _edit_rows(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list[list[str]]:
+    edits = {} if evidence is None else evidence.edits
+    return [
+        [address(path), shown(price.sensor), price_words(price, file.solution.objective, measure)]
+        for path, prices in edits.items()
+        for price in prices
+    ]
+
+
 def _commands(source: str, data: str | None) -> str:
     """Return the commands that check the tree again; none where it is in no file."""
     if not source:
@@ -116,10 +131,33 @@ def _commands(source: str, data: str | None) -> str:
     return f"octmip certify {tree} {table}\noctmip certify {tree} {table} --proof LOG"
 
 
+def _others(file: TreeFile, measure: Measure, evidence: Evidence | None) -> list[list[list[str]]]:
+    """Return for each node in preorder other columns and what they cost there."""
+    edits = {} if evidence is None else evidence.edits
+    own = file.solution.objective
+    return [
+        [[shown(price.sensor), price_words(price, own, measure)] for price in edits.get(path, ())]
+        for path, _ in places(file.tree)
+    ]
+
+
+def price_words(price: EditPrice, own: float, measure: Measure) -> str:
+    """Return what the best tree with another column costs, beside the objective of the page's tree."""
+    if not price.is_possible:
+        return "no such tree"
+    if price.stop is Stop.OPTIMAL:
+        more = price.objective - own
+        change = f"{measure.difference(abs(more))} {'more' if more > 0 else 'less'}" if more else "no more"
+        return f"{measure.amount(price.objective)} at the best, {change} than this tree; proven"
+    least = measure.amount(measure.least(price.bound))
+    most = f" and at most {measure.amount(price.objective)}" if math.isfinite(price.objective) else ""
+    return f"not proven: at least {least}{most}"
+
+
 def _data(file: TreeFile, measure: Measure, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
     said = [measure.script_leaf(leaf, k, evidence, wording) for k, leaf in enumerate(leaves(file.tree))]
     return {
-        "nodes": node_data(file.tree, wording, file.leaf_counts, said),
+        "nodes": node_data(file.tree, wording, file.leaf_counts, said, _others(file, measure, evidence)),
         **measure.script_data(wording),
         "total": file.n_samples,
         "samples": None if evidence is None else sample_data(evidence, measure, wording),

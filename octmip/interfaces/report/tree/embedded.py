@@ -22,11 +22,16 @@ LONGEST_CELL = 60
 
 
 def node_data(
-    tree: Node, wording: Wording, counts: NDArray[np.int64], said: Sequence[Mapping[str, Any]]
+    tree: Node,
+    wording: Wording,
+    counts: NDArray[np.int64],
+    said: Sequence[Mapping[str, Any]],
+    others: Sequence[Sequence[Sequence[str]]],
 ) -> list[dict[str, Any]]:
     """Return the nodes in preorder: what each asks, where yes and no lead, and the samples that come there.
 
-    `said` is what a leaf answers and how that misses, leaves from the left.
+    `said` is what a leaf answers and how that misses, leaves from the left; `others` are of each node other columns and
+    what these cost there.
     """
     answers = iter(said)
     found: list[dict[str, Any]] = []
@@ -41,7 +46,7 @@ def node_data(
         left, right = add(node.left, here[:n_left]), add(node.right, here[n_left:])
         asked = question(node, wording)
         found[own] |= {"text": f"{asked.text}?", "left": left, "right": right, "yesIsLeft": asked.yes_is_left}
-        found[own] |= _rule(node, wording)
+        found[own] |= _rule(node, wording) | {"others": others[own]}
         return own
 
     add(tree, counts)

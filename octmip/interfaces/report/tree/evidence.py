@@ -1,7 +1,8 @@
 """What the data say about a tree beyond its file: a recount, the greedy tree, lower depths, samples held out."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -16,10 +17,13 @@ from octmip.trees.proof import ProofReport
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution
 from octmip.trees.solver import solve_run
+from octmip.trees.tradeoff.edits import EditPrice, tree_edits
 from octmip.trees.tradeoff.folds import part_of
 from octmip.trees.tradeoff.frontier import frontier_run
 from octmip.trees.tradeoff.held_out import Samples, held_out_rows, strata_of
 from octmip.trees.tree import Node, depth
+
+SHARE_OF_EDITS = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +93,8 @@ class Evidence:
     table
         the rows as they stand in the user's table, its index their place there from 0; None where the features are all
         there is.
+    edits
+        by path what other columns at the first splits cost; empty where that was left out, or no search knows.
     """
 
     problem: Problem
@@ -100,6 +106,7 @@ class Evidence:
     held_out: HeldOut | None = None
     proof: ProofReport | None = None
     table: pd.DataFrame | None = None
+    edits: Mapping[str, tuple[EditPrice, ...]] = field(default_factory=dict)
 
 
 def gather(
@@ -107,7 +114,6 @@ def gather(
     problem: Problem,
     *,
     seconds: float = 10.0,
-    n_jobs: int = 1,
     progress: ProgressCallback | None = None,
 ) -> Evidence:
     """Return the evidence of a tree file and its training samples.
@@ -119,8 +125,8 @@ def gather(
     problem
         its training samples.
     seconds
-        time for trees of lower depth, all together [s]; 0 leaves them out.
-    n_jobs, progress
+        time for trees of lower depth, all together [s], and a tenth of it for other splits; 0 leaves them out.
+    progress
         as in `solve`.
 
     Raises
@@ -131,10 +137,13 @@ def gather(
     free = replace(problem, fixed_splits=None, path_rules=None, old_tree=None, max_changes=None)
     greedy = greedy_tree(free, seed=file.solution.seed)  # it knows no parts
     out = Evidence(problem, certify(problem, file.solution), greedy, certify(free, greedy))
-    if seconds <= 0 or problem.has_parts:  # fewer levels may not hold the parts
+    if seconds <= 0:
+        return out
+    out = replace(out, edits=tree_edits(problem, file.tree, SHARE_OF_EDITS * seconds))
+    if problem.has_parts:  # fewer levels may not hold them
         return out
     each = seconds / max(1, _levels(file, problem) - 1)
-    run = Run(limits=Limits(seconds=each), seed=file.solution.seed, n_jobs=n_jobs, progress=progress)
+    run = Run(limits=Limits(seconds=each), seed=file.solution.seed, progress=progress)
     return replace(out, depths=_depths(file, problem, greedy, run), seconds=each)
 
 

@@ -85,8 +85,9 @@ impl<'a> Parts<'a> {
         view.total_range + samples.penalty * (rules.given.len() + rules.old.len()) as i64 + 1
     }
 
-    /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more. Trees of
-    /// more levels than those searched so far pay for as many splits.
+    /// Search all samples, trees of fewer levels or changes first: they are found sooner, and cost little more.
+    ///
+    /// Trees of more levels than those searched so far pay for as many splits.
     pub(super) fn search(mut self, view: &View, (most, splits): (usize, usize), known: &Known) {
         let last = (most, self.rules.max_changes);
         let is_near = !self.rules.old.is_empty();
@@ -110,27 +111,31 @@ impl<'a> Parts<'a> {
                 depth,
                 splits: least_size(depth, splits).1,
             };
-            let is_last = (depth, changes) == last;
-            let found = self.solve_node(view, &asked, known.best().0, is_last.then_some(known));
+            // What trees of more levels cost at least, where all changes are allowed.
+            let others = match (is_near, (depth, changes) == last) {
+                (_, true) => i64::MAX,
+                (true, false) => 0,
+                (false, false) => price.saturating_mul(depth as i64 + 1),
+            };
+            let found = self.solve_node(view, &asked, known.best().0, Some((known, others)));
             if let Some((cost, tree)) = found {
                 known.see(cost, || tree);
             }
             if self.control.is_stopped() {
                 return;
             }
-            if !is_near {
-                known.raise(known.best().0.min(price.saturating_mul(depth as i64 + 1)));
-            }
+            known.raise(known.best().0.min(others));
         }
         known.raise(known.best().0);
     }
 
-    fn solve_node(&mut self, view: &View, asked: &Asked, upper: i64, known: Option<&Known>) -> Found {
+    /// The best tree of a node if it costs less than `upper`; at the root, bounds are shown.
+    fn solve_node(&mut self, view: &View, asked: &Asked, upper: i64, known: Option<(&Known, i64)>) -> Found {
         self.count();
         if self.control.is_stopped() {
             return None;
         }
-        let asked = self.reduced(asked, view.len);
+        let asked = self.reduced(asked, view.len, upper);
         let is_leaf = asked.given.is_some_and(|given| self.rules.given[given].is_leaf);
         let mut best = self.leaf(view, &asked, upper);
         let upper = best.as_ref().map_or(upper, |best| best.0);
@@ -149,8 +154,8 @@ impl<'a> Parts<'a> {
             if changes.is_some_and(|changes| changes <= asked.changes) {
                 return Some((cost, free));
             }
-            if let Some(known) = known {
-                known.raise(cost);
+            if let Some((known, others)) = known {
+                known.raise(cost.min(others));
             }
         }
         let Some(mut cuts) = self.cuts(view, &asked, upper) else { return best };
@@ -161,8 +166,8 @@ impl<'a> Parts<'a> {
             if bound >= upper || self.control.is_stopped() {
                 break;
             }
-            if let Some(known) = known {
-                known.raise(bound);
+            if let Some((known, others)) = known {
+                known.raise(bound.min(others));
             }
             if let Some(found) = self.both(view, &asked, cut, upper) {
                 upper = found.0;
@@ -173,9 +178,10 @@ impl<'a> Parts<'a> {
     }
 
     /// What is asked for, without numbers that rule nothing out.
-    fn reduced(&self, asked: &Asked, n_samples: usize) -> Asked {
+    fn reduced(&self, asked: &Asked, n_samples: usize, upper: i64) -> Asked {
         let mut asked = asked.clone();
-        (asked.depth, asked.splits) = least_size(asked.depth, asked.splits.min(n_samples - 1));
+        let depth = levels_below(upper, self.samples.penalty, asked.depth);
+        (asked.depth, asked.splits) = least_size(depth, asked.splits.min(n_samples - 1));
         if let Some(old) = asked.old {
             if asked.changes >= self.rules.old[old].n_splits + asked.splits {
                 (asked.old, asked.changes) = (None, NO_LIMIT);

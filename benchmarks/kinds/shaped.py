@@ -1,7 +1,11 @@
-"""Trees of classes with parts that are asked for, and several at once: random problems against a list of all trees."""
+"""Trees of classes of a shape that is asked for: random problems against a list of all trees.
+
+Predictions in order, given splits, rules for paths, few changes of an old tree, no depth, and several of them at once.
+"""
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +13,7 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.kinds.classes import Classes
+from benchmarks.oracles.monotone import least_monotone_cost
 from benchmarks.oracles.parts import least_cost_with_parts
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
@@ -19,6 +24,15 @@ MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
 """By depth: the list of all trees grows with their power."""
 SENSOR = "sensor"
 """What the first two features are read from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ordered(Classes):
+    """Trees of least cost that keep the order of some features."""
+
+    def truth(self, problem: Problem) -> Fraction:
+        """Return the least cost of any tree that keeps the order."""
+        return Fraction(least_monotone_cost(problem))
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,34 +59,39 @@ class Parted(Classes):
         return Classes.complaint(self, problem, answer, truth, log)
 
 
-def parted_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
-    """Return a problem of whole costs with the parts that are named: fixed, rules, changes, splits."""
+def shaped_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
+    """Return a problem of whole costs and what is named: order, fixed, rules, changes, splits, any-depth."""
     depth, p = int(rng.choice([1, 2, 2, 3])), int(rng.integers(1, 4))
-    n, k = int(rng.integers(3, MOST_SAMPLES[depth] + (3 if p < 3 else 0))), int(rng.integers(2, 4))
+    is_any, most = "any-depth" in asked, MOST_SAMPLES[depth] - (depth - 1 if "order" in asked else 0)
+    n = int(rng.integers(3, 8 if is_any else most + (3 if p < 3 else 0)))
+    k = int(rng.integers(2, 4))
     labels = rng.integers(0, k, n)
     labels[:2] = 0, 1
     costs = rng.integers(0, 5, (k, k)) * (1 - np.eye(k)) if rng.random() < 0.4 else 1 - np.eye(k)
     features = rng.integers(0, 4 if depth < 3 else 3, (n, p)).astype(float)
-    parts: dict[str, Any] = {}
+    shape: dict[str, Any] = {"depth": None if is_any else depth}
+    if "order" in asked:
+        directions = rng.choice([-1, 0, 1], p)
+        directions[int(rng.integers(0, p))] = rng.choice([-1, 1])
+        shape["monotone"] = directions.tolist()
     if "fixed" in asked:
-        parts["fixed_splits"] = _given(rng, depth, p)
+        shape["fixed_splits"] = _given(rng, depth, p)
     if "rules" in asked:
-        parts["path_rules"] = _rules(rng, p)
+        shape["path_rules"] = _rules(rng, p)
     if "changes" in asked:
-        parts |= {"old_tree": _tree(rng, depth, p), "max_changes": int(rng.integers(0, 5))}
+        shape |= {"old_tree": _tree(rng, depth, p), "max_changes": int(rng.integers(0, 5))}
     if "splits" in asked:
-        parts["max_splits"] = int(rng.integers(1, 2**depth))
+        shape["max_splits"] = int(rng.integers(1, 2**depth))
     return Problem(
         features,
         labels,
-        depth=depth,
         loss=ClassCosts(costs),
         class_names=tuple(range(k)),
         weights=rng.integers(1, 4 if rng.random() < 0.5 else 2, n).astype(float),
         leaf_size=int(rng.choice([1, 1, 2])),
-        leaf_penalty=float(rng.choice([0, 0, 1])),
+        leaf_penalty=float(rng.choice([1, 1, 2] if is_any else [0, 0, 1])),
         sensor_of_feature=[SENSOR, SENSOR, "other"][:p],
-        **parts,
+        **shape,
     )
 
 
@@ -107,27 +126,27 @@ def _tree(rng: Generator, depth: int, p: int) -> Node:
     return Split(int(rng.integers(0, p)), threshold, _tree(rng, depth - 1, p), _tree(rng, depth - 1, p))
 
 
-def _fixed(rng: Generator) -> Problem:
-    return parted_problem(rng, ("fixed",))
-
-
-def _ruled(rng: Generator) -> Problem:
-    return parted_problem(rng, ("rules",))
-
-
-def _changed(rng: Generator) -> Problem:
-    return parted_problem(rng, ("changes",))
-
-
 def _several(rng: Generator) -> Problem:
     names = np.array(["fixed", "rules", "changes", "splits"])
-    return parted_problem(rng, tuple(str(name) for name in rng.permutation(names)[: int(rng.integers(2, 5))]))
+    return shaped_problem(rng, tuple(str(name) for name in rng.permutation(names)[: int(rng.integers(2, 5))]))
 
 
-METHODS = {"exact": 1.0}
+def _sparse(rng: Generator) -> Problem:
+    names = np.array(["fixed", "rules", "changes"])
+    some = rng.permutation(names)[: int(rng.integers(1, 4))]
+    return shaped_problem(rng, ("any-depth", *(str(name) for name in some)))
+
+
+EXACT = {"exact": 1.0}
+METHODS = EXACT | {"search": 0.2, "cart": 0.2}
+MONOTONE_KINDS = {
+    "monotone": Ordered(23, partial(shaped_problem, asked=("order",)), METHODS, 0.3, ()),
+    "monotone_few": Ordered(29, partial(shaped_problem, asked=("order", "splits")), METHODS, 0.3, ()),
+}
 PART_KINDS = {
-    "fixed_splits": Parted(31, _fixed, METHODS, 0.3, ()),
-    "path_rules": Parted(37, _ruled, METHODS, 0.3, ()),
-    "max_changes": Parted(41, _changed, METHODS, 0.3, ()),
-    "parts": Parted(43, _several, METHODS, 0.3, ()),
+    "fixed_splits": Parted(31, partial(shaped_problem, asked=("fixed",)), EXACT, 0.3, ()),
+    "path_rules": Parted(37, partial(shaped_problem, asked=("rules",)), EXACT, 0.3, ()),
+    "max_changes": Parted(41, partial(shaped_problem, asked=("changes",)), EXACT, 0.3, ()),
+    "parts": Parted(43, _several, EXACT, 0.3, ()),
+    "sparse_parts": Parted(47, _sparse, EXACT, 0.3, ()),
 }

@@ -1,0 +1,124 @@
+"""What other splits cost: the best tree with a split of a sensor at a node, proven."""
+
+import math
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import NoTreeError, ProblemError
+from octmip.trees.part_check import places
+from octmip.trees.parts import address
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits, ProgressCallback, Stop
+from octmip.trees.solver import solve
+from octmip.trees.tree import Node, Split, goes_left
+
+MOST_SPLITS, MOST_SENSORS = 7, 6
+"""Of a tree's splits, the root first, and of other sensors at each, those that lose least in a tree of one split."""
+
+
+@dataclass(frozen=True, slots=True)
+class EditPrice:
+    """The best tree with a split of a sensor at a node.
+
+    Attributes
+    ----------
+    sensor
+        its name.
+    objective, bound
+        of that tree; the objective +inf where none was found, both where there is none.
+    stop
+        why the search ended.
+    """
+
+    sensor: str
+    objective: float
+    bound: float
+    stop: Stop
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether there may be such a tree."""
+        return math.isfinite(self.bound) or self.stop is not Stop.OPTIMAL
+
+
+def with_splits(problem: Problem, given: Mapping[str, object]) -> Problem:
+    """Return the problem with given splits, by address, beside or in place of its own.
+
+    Raises
+    ------
+    ProblemError
+        one is no split, or the problem is one that no search knows with given splits.
+    """
+    own = {address(part.path): part.split_words(problem.feature_names) for part in problem.given_splits}
+    return replace(problem, fixed_splits=own | dict(given))
+
+
+def edit_prices(
+    problem: Problem, path: str, sensors: Iterable[str], end: float, progress: ProgressCallback | None = None
+) -> Iterator[EditPrice]:
+    """Yield what the best tree with each of these sensors at the node of a path costs.
+
+    Each search gets an equal share of the time that is left until `end` of `time.perf_counter`.
+    """
+    left = list(sensors)
+    while left:
+        limits = Limits(seconds=max(0.0, end - time.perf_counter()) / len(left))
+        sensor = left.pop(0)
+        try:
+            found = solve(with_splits(problem, {address(path): sensor}), "exact", limits, progress=progress)
+            yield EditPrice(sensor, found.objective, found.bound, found.stop)
+        except NoTreeError:
+            yield EditPrice(sensor, math.inf, math.inf, Stop.OPTIMAL)
+
+
+def tree_edits(problem: Problem, tree: Node, seconds: float) -> dict[str, tuple[EditPrice, ...]]:
+    """Return by path what other sensors at the first splits of a tree cost, with the splits above as they are.
+
+    Empty where no search knows given splits: of numbers, of hyperplanes, under an order or a budget.
+    """
+    end, found = time.perf_counter() + seconds, {}
+    nodes = {path: node for path, node in places(tree) if isinstance(node, Split)}
+    first = sorted(nodes, key=lambda path: (len(path), path))[:MOST_SPLITS]
+    for k, path in enumerate(first):
+        above = {address(path[:j]): nodes[path[:j]] for j in range(len(path))}
+        if any(split.threshold is None for split in above.values()):
+            continue
+        now = time.perf_counter()
+        try:
+            asked = with_splits(problem, {at: (split.feature, split.threshold) for at, split in above.items()})
+            sensors = _next_sensors(problem, nodes[path], _rows_at(problem, tree, path))
+            found[path] = tuple(edit_prices(asked, path, sensors, now + (end - now) / (len(first) - k)))
+        except ProblemError:
+            return {}
+    return found
+
+
+def _rows_at(problem: Problem, tree: Node, path: str) -> NDArray[np.int64]:
+    rows, node = np.arange(problem.n_samples), tree
+    for turn in path:
+        assert isinstance(node, Split)
+        is_left = goes_left(node, problem.features, rows)
+        rows, node = (rows[is_left], node.left) if turn == "L" else (rows[~is_left], node.right)
+    return rows
+
+
+def _next_sensors(problem: Problem, split: Split, rows: NDArray[np.int64]) -> list[str]:
+    """Return the sensors that lose least in a tree of one split over some rows, but that of the split."""
+    least: dict[str, float] = {}
+    for j in range(problem.n_features):
+        sensor = problem.sensors[problem.sensor_index[j]]
+        least[sensor] = min(least.get(sensor, math.inf), _least_of_one_split(problem, j, rows))
+    least.pop(problem.sensors[problem.sensor_index[split.feature]])
+    return sorted(least, key=least.__getitem__)[:MOST_SENSORS]
+
+
+def _least_of_one_split(problem: Problem, feature: int, rows: NDArray[np.int64]) -> float:
+    values = problem.features[rows, feature]
+    order = np.argsort(values, kind="stable")
+    costs = (problem.weights[rows, None] * problem.cost_table[problem.cost_rows[rows]])[order].cumsum(axis=0)
+    ends = np.flatnonzero(np.diff(values[order]) > 0)
+    return float((costs[ends].min(axis=1) + (costs[-1] - costs[ends]).min(axis=1)).min(initial=math.inf))
