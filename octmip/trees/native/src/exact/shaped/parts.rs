@@ -99,7 +99,7 @@ impl<'a> Parts<'a> {
             (1..most).map(|depth| (depth, last.1)).collect()
         };
         for (depth, changes) in sizes.into_iter().chain([last]) {
-            if !is_near && depth > levels_below(known.best().0, price, most) {
+            if !is_near && depth > levels_below(known.best().0, price, most).max(1) {
                 break;
             }
             let asked = Asked {
