@@ -228,7 +228,10 @@ def test_numbers_and_orders_have_no_page_of_other_columns():
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--fix", "ROOT=kind is k"], "--fix of ROOT names 'kind is k'; did you mean kind is w or kind is v or kind is u?"),
+        (
+            ["--fix", "ROOT=kind is k"],
+            "--fix of ROOT names 'kind is k'; did you mean kind is w or kind is v or kind is u?",
+        ),
         (["--fix", "ROOT=kin"], "--fix of ROOT names 'kin'; did you mean kind?"),
         (["--path-rule", "apart=kinds,a"], "--path-rule names 'kinds'; did you mean kind?"),
         (["--max-changes", "1"], "--old-tree and --max-changes belong together"),
