@@ -235,6 +235,7 @@ def test_numbers_and_orders_have_no_page_of_other_columns():
         (["--fix", "ROOT=kin"], "--fix of ROOT names 'kin'; did you mean kind?"),
         (["--path-rule", "apart=kinds,a"], "--path-rule names 'kinds'; did you mean kind?"),
         (["--max-changes", "1"], "--old-tree and --max-changes belong together"),
+        (["--fix", "ROOT=a", "--proof", "p.log"], "a proof log has no lines for the bounds of given parts"),
     ],
 )
 def test_a_fault_names_the_option_and_the_nearest_columns(tmp_path, capsys, words, message):

@@ -9,15 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import NoTreeError, ProblemError
-from octmip.trees.part_check import places
 from octmip.trees.parts import address
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Stop
 from octmip.trees.solver import solve
 from octmip.trees.tree import Node, Split, goes_left
 
+Above = tuple[tuple[str, tuple[int, float]], ...]
+"""Addresses of splits with feature and threshold."""
 MOST_SPLITS, MOST_SENSORS = 7, 6
 """Of a tree's splits, the root first, and of other sensors at each, those that lose least in a tree of one split."""
+
+MOST_CELLS = 1_000_000
+"""So many readings of a node are looked at to choose these; of more every second row, or every third, ..."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,14 +66,18 @@ def edit_prices(
 ) -> Iterator[EditPrice]:
     """Yield what the best tree with each of these sensors at the node of a path costs.
 
-    Each search gets an equal share of the time that is left until `end` of `time.perf_counter`.
+    Each search gets an equal share of the time that is left until `end` of `time.perf_counter`, none once it is over.
     """
     left = list(sensors)
     while left:
-        limits = Limits(seconds=max(0.0, end - time.perf_counter()) / len(left))
+        seconds = (end - time.perf_counter()) / len(left)
         sensor = left.pop(0)
+        if seconds <= 0:
+            yield EditPrice(sensor, math.inf, 0.0, Stop.TIME)
+            continue
         try:
-            found = solve(with_splits(problem, {address(path): sensor}), "exact", limits, progress=progress)
+            asked = with_splits(problem, {address(path): sensor})
+            found = solve(asked, "exact", Limits(seconds=seconds), progress=progress)
             yield EditPrice(sensor, found.objective, found.bound, found.stop)
         except NoTreeError:
             yield EditPrice(sensor, math.inf, math.inf, Stop.OPTIMAL)
@@ -81,34 +89,36 @@ def tree_edits(problem: Problem, tree: Node, seconds: float) -> dict[str, tuple[
     Empty where no search knows given splits: of numbers, of hyperplanes, under an order or a budget.
     """
     end, found = time.perf_counter() + seconds, {}
-    nodes = {path: node for path, node in places(tree) if isinstance(node, Split)}
-    first = sorted(nodes, key=lambda path: (len(path), path))[:MOST_SPLITS]
-    for k, path in enumerate(first):
-        above = {address(path[:j]): nodes[path[:j]] for j in range(len(path))}
-        if any(split.threshold is None for split in above.values()):
-            continue
+    first = sorted(_splits(problem, tree, np.arange(problem.n_samples)), key=lambda one: (len(one[0]), one[0]))
+    for k, (path, split, rows, above) in enumerate(first[:MOST_SPLITS]):
         now = time.perf_counter()
         try:
-            asked = with_splits(problem, {at: (split.feature, split.threshold) for at, split in above.items()})
-            sensors = _next_sensors(problem, nodes[path], _rows_at(problem, tree, path))
-            found[path] = tuple(edit_prices(asked, path, sensors, now + (end - now) / (len(first) - k)))
+            asked, sensors = with_splits(problem, dict(above)), _next_sensors(problem, split, rows)
+            found[path] = tuple(
+                edit_prices(asked, path, sensors, now + (end - now) / (min(MOST_SPLITS, len(first)) - k))
+            )
         except ProblemError:
             return {}
     return found
 
 
-def _rows_at(problem: Problem, tree: Node, path: str) -> NDArray[np.int64]:
-    rows, node = np.arange(problem.n_samples), tree
-    for turn in path:
-        assert isinstance(node, Split)
-        is_left = goes_left(node, problem.features, rows)
-        rows, node = (rows[is_left], node.left) if turn == "L" else (rows[~is_left], node.right)
-    return rows
+def _splits(
+    problem: Problem, node: Node, rows: NDArray[np.int64], path: str = "", above: Above = ()
+) -> Iterator[tuple[str, Split, NDArray[np.int64], Above]]:
+    """Yield path, split, rows and the splits above; a split for missing readings alone cannot be given."""
+    if isinstance(node, Split):
+        yield path, node, rows, above
+        if node.threshold is not None:
+            is_left = goes_left(node, problem.features, rows)
+            above = (*above, (address(path), (node.feature, node.threshold)))
+            yield from _splits(problem, node.left, rows[is_left], path + "L", above)
+            yield from _splits(problem, node.right, rows[~is_left], path + "R", above)
 
 
 def _next_sensors(problem: Problem, split: Split, rows: NDArray[np.int64]) -> list[str]:
     """Return the sensors that lose least in a tree of one split over some rows, but that of the split."""
     least: dict[str, float] = {}
+    rows = rows[:: max(1, len(rows) * problem.n_features // MOST_CELLS)]
     for j in range(problem.n_features):
         sensor = problem.sensors[problem.sensor_index[j]]
         least[sensor] = min(least.get(sensor, math.inf), _least_of_one_split(problem, j, rows))

@@ -63,7 +63,7 @@ def page_contents(
         "certificate": certificate_words(file, evidence, measure, data),
         "words": tree_text(file.tree, file.feature_names, file.class_names, file.leaf_counts, wording.columns),
         "leaves": _leaves(file, measure, evidence, wording),
-        "edits": _edit_rows(file, evidence, measure),
+        "edits": [[address(path), *one] for path, some in _others(file, measure, evidence).items() for one in some],
         "settings": settings_rows(file, measure),
         "commands": _commands(source, data) if source else "",
         "data": _data(file, measure, evidence, wording),
@@ -114,15 +114,6 @@ def _paths(node: Node, wording: Wording) -> list[str]:
     return found
 
 
-def _edit_rows(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list[list[str]]:
-    edits = {} if evidence is None else evidence.edits
-    return [
-        [address(path), shown(price.sensor), price_words(price, file.solution.objective, measure)]
-        for path, prices in edits.items()
-        for price in prices
-    ]
-
-
 def _commands(source: str, data: str | None) -> str:
     """Return the commands that check the tree again; none where it is in no file."""
     if not source:
@@ -131,14 +122,13 @@ def _commands(source: str, data: str | None) -> str:
     return f"octmip certify {tree} {table}\noctmip certify {tree} {table} --proof LOG"
 
 
-def _others(file: TreeFile, measure: Measure, evidence: Evidence | None) -> list[list[list[str]]]:
-    """Return for each node in preorder other columns and what they cost there."""
-    edits = {} if evidence is None else evidence.edits
-    own = file.solution.objective
-    return [
-        [[shown(price.sensor), price_words(price, own, measure)] for price in edits.get(path, ())]
-        for path, _ in places(file.tree)
-    ]
+def _others(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[str, list[list[str]]]:
+    """Return by path other columns and what they cost there."""
+    edits, own = {} if evidence is None else evidence.edits, file.solution.objective
+    return {
+        path: [[shown(price.sensor), price_words(price, own, measure)] for price in prices]
+        for path, prices in edits.items()
+    }
 
 
 def price_words(price: EditPrice, own: float, measure: Measure) -> str:
@@ -155,9 +145,12 @@ def price_words(price: EditPrice, own: float, measure: Measure) -> str:
 
 
 def _data(file: TreeFile, measure: Measure, evidence: Evidence | None, wording: Wording) -> dict[str, Any]:
+    others = _others(file, measure, evidence)
     said = [measure.script_leaf(leaf, k, evidence, wording) for k, leaf in enumerate(leaves(file.tree))]
     return {
-        "nodes": node_data(file.tree, wording, file.leaf_counts, said, _others(file, measure, evidence)),
+        "nodes": node_data(
+            file.tree, wording, file.leaf_counts, said, [others.get(path, []) for path, _ in places(file.tree)]
+        ),
         **measure.script_data(wording),
         "total": file.n_samples,
         "samples": None if evidence is None else sample_data(evidence, measure, wording),
