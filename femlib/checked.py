@@ -3,16 +3,11 @@
 Each function takes the value and where it stands ("data.csv.json: seed"), and returns it as its kind.
 """
 
-import sys
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
-from femlib.arrays import FloatArray
 from femlib.errors import InputError
 
-MOST = sys.float_info.max
 MOST_WHOLE = 2**63 - 1
 MOST_NAME = 1000
 """Characters of a name."""
@@ -49,13 +44,6 @@ def taken(content: object, name: str, where: str) -> Any:
     return content[name]
 
 
-def number(value: object, where: str, low: float = -MOST, high: float = MOST) -> float:
-    """Return a finite number from `low` to `high`; InputError if it is none."""
-    if not isinstance(value, int | float) or isinstance(value, bool) or not low <= value <= high:
-        raise _refused(value, where, f"a finite number from {low:g} to {high:g}")
-    return float(value)
-
-
 def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> int:
     """Return a whole number from `low` to `high`; InputError if it is none."""
     if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
@@ -78,15 +66,3 @@ def names(value: object, where: str, least: int = 1) -> tuple[str, ...]:
     if len(set(found)) < len(found):
         raise InputError(f"{where} names something twice; expected every name once; write the file again")
     return found
-
-
-def rows(value: object, where: str, n_columns: int) -> FloatArray:
-    """Return a list of rows of finite numbers as an array (n, n_columns); InputError if it is none."""
-    if not isinstance(value, list):
-        raise _refused(value, where, "a list of rows")
-    for k, row in enumerate(value):
-        if not isinstance(row, list) or len(row) != n_columns:
-            raise _refused(row, f"{where}[{k}]", f"a row of {n_columns} numbers")
-        for j, entry in enumerate(row):
-            number(entry, f"{where}[{k}][{j}]")
-    return np.array(value, dtype=np.float64).reshape(len(value), n_columns)

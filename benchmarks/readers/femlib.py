@@ -15,19 +15,15 @@ from benchmarks.readers.mangled_arrays import mangled_archive, mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json, mangled_tokens
 from femlib.arrays import FloatArray
 from femlib.dataset import (
-    MeanStrains,
     Recipe,
     Sampling,
     build_dataset,
     grid_states,
     open_dataset,
     published_strains,
-    read_dataset,
     stream_dataset,
     study_states_percent,
-    write_dataset,
 )
-from femlib.dataset.history import history_pieces
 from femlib.errors import FemlibError
 from femlib.rom import ReducedModel
 from femlib.rom.bound import LEVELS, ErrorBound
@@ -38,18 +34,6 @@ from femlib.wing.reduced import WORK, ReducedWing
 # Datasets, reduced models, results of CalculiX.
 
 
-def make_dataset(suffix: str) -> Callable[[int, Path], None]:
-    """Return what writes a dataset of the study's layout."""
-
-    def make(number: int, folder: Path) -> None:
-        rng, states = np.random.default_rng([93, number]), study_states_percent()[:6]
-        usable = np.array([True, True, False])
-        means = MeanStrains(states, rng.normal(size=(6, 3)), 3.0, ("g1", "g2", "g3"), usable, "a test", "abc")
-        write_dataset(build_dataset(means, Recipe(samples_per_state=2), seed=number), folder / f"data{suffix}")
-
-    return make
-
-
 def sealed(folder: Path, name: str) -> None:
     """Write the digest of a data file into its side file, as a stranger would, where that still is JSON."""
     if not all((folder / file).is_file() and not (folder / file).is_symlink() for file in (name, f"{name}.json")):
@@ -58,19 +42,6 @@ def sealed(folder: Path, name: str) -> None:
         side = json.loads((folder / f"{name}.json").read_bytes())
         content = (folder / name).read_bytes()
         (folder / f"{name}.json").write_text(json.dumps(side | {"sha256": hashlib.sha256(content).hexdigest()}))
-
-
-def read_study(name: str) -> Callable[[Generator, Path], None]:
-    """Return what reads a dataset whose side file may have been made to fit."""
-
-    def read(rng: Generator, folder: Path) -> None:
-        if rng.random() < 0.9:
-            sealed(folder, name)
-        data = read_dataset(folder / name)
-        assert data.mu1.shape == data.mu2.shape
-        assert data.noise_sd >= 0.0
-
-    return read
 
 
 class Slope:
@@ -103,28 +74,6 @@ def read_stream(rng: Generator, folder: Path) -> None:
     data = open_dataset(folder / "data.parquet")
     data.read([*data.parameters, *data.gauges])
     data.read()
-
-
-def make_history(suffix: str) -> Callable[[int, Path], None]:
-    """Return what writes a table of historical readings."""
-
-    def make(number: int, folder: Path) -> None:
-        make_stream(number, folder)
-        data = open_dataset(folder / "data.parquet").read(["load_factor", "mu1", "mu2", "g1", "g2", "g3"])
-        path = folder / f"history{suffix}"
-        data.to_csv(path, index=False) if suffix == ".csv" else data.to_parquet(path)
-
-    return make
-
-
-def read_history(name: str) -> Callable[[Generator, Path], None]:
-    """Return what reads historical readings."""
-
-    def read(rng: Generator, folder: Path) -> None:
-        for piece in history_pieces(folder / name, "history 0", ("mu1", "mu2"), ("g1", "g2", "g3")):
-            assert np.isfinite(piece.to_numpy()).all()
-
-    return read
 
 
 def make_published(number: int, folder: Path) -> None:
@@ -207,15 +156,8 @@ def _side(make: Callable[[int, Path], None], name: str, read: Callable[[Generato
 
 
 FEMLIB = {
-    "dataset .csv": Reader(make_dataset(".csv"), "data.csv", mangled_csv, read_study("data.csv")),
-    "dataset .parquet": Reader(make_dataset(".parquet"), "data.parquet", mangled_parquet, read_study("data.parquet")),
-    "dataset, side file": _side(make_dataset(".csv"), "data.csv", read_study("data.csv")),
     "streamed dataset": Reader(make_stream, "data.parquet", mangled_parquet, read_stream),
     "streamed dataset, side file": _side(make_stream, "data.parquet", read_stream),
-    "history .csv": Reader(make_history(".csv"), "history.csv", mangled_csv, read_history("history.csv")),
-    "history .parquet": Reader(
-        make_history(".parquet"), "history.parquet", mangled_parquet, read_history("history.parquet")
-    ),
     "published strains": Reader(make_published, "strains.csv", mangled_csv, read_published),
     "reduced model": Reader(make_model, "model.npz", mangled_archive, read_reduced),
     "result of CalculiX": Reader(make_result, "wing.dat", mangled_tokens, read_result, n_made=1),

@@ -12,7 +12,6 @@ from femlib.dataset.samples import (
 )
 from femlib.dataset.sampling import Load, Sampling
 from femlib.dataset.states import StateLibrary, grid_states, listed_states, random_states
-from femlib.dataset.storage import read_dataset, write_dataset
 from femlib.dataset.stream import StoredDataset, open_dataset, stream_dataset
 
 __all__ = [
@@ -32,9 +31,7 @@ __all__ = [
     "open_dataset",
     "published_strains",
     "random_states",
-    "read_dataset",
     "simulated_strains",
     "stream_dataset",
     "study_states_percent",
-    "write_dataset",
 ]

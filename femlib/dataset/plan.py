@@ -147,7 +147,7 @@ def _kept_gauges(model: SampledModel, sampling: Sampling) -> IntArray:
     return kept
 
 
-def described(plan: Plan, n_history: int) -> dict[str, Any]:
+def described(plan: Plan) -> dict[str, Any]:
     """Return the entries of the side file: everything that the rows lack."""
     sampling = plan.sampling
     return {
@@ -156,7 +156,6 @@ def described(plan: Plan, n_history: int) -> dict[str, Any]:
         "gauges": list(plan.gauges),
         "n_states": len(plan.library),
         "states": [part.describe() for part in plan.library.parts],
-        "n_history": n_history,
         "loads": [
             {"name": one.name, "factor": one.factor, "has_force": one.force is not None} for one in sampling.loads
         ],

@@ -1,6 +1,6 @@
 """A dataset of any number of rows, written to Parquet as it is made: memory does not grow with the rows.
 
-Rows come in the order of the library, for each state in that of the loads, then the readings; historical rows follow.
+Rows come in the order of the library, for each state in that of the loads, then the readings.
 The states are solved through joblib, so in whatever `joblib.parallel_config` says (threads, processes, a Dask
 cluster). Work is cut by the library's length alone, every piece of noise has generators of its own, one a gauge
 (`femlib.dataset.gauge_draws`), and the linear algebra of a piece runs on one thread: the rows are the same for any
@@ -10,7 +10,6 @@ n_jobs and backend, and a gauge reads the same beside any others.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +18,9 @@ import pandas as pd
 from joblib import Parallel, delayed
 from threadpoolctl import threadpool_limits
 
-from femlib.arrays import FloatArray, IntArray
+from femlib.arrays import FloatArray
 from femlib.checked import names, taken, whole
 from femlib.dataset.gauge_draws import GaugeDraws
-from femlib.dataset.history import history_pieces
 from femlib.dataset.kept_strains import KeptStrains
 from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, write_groups
 from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
@@ -128,17 +126,15 @@ def stream_dataset(
     library: StateLibrary,
     sampling: Sampling | None = None,
     *,
-    history: Sequence[str | Path | pd.DataFrame] = (),
     n_jobs: int | None = None,
     kept: str | Path | None = None,
 ) -> StoredDataset:
     """Write noisy readings of every state under every load to a Parquet file, and return it, opened.
 
-    Columns: `state` (its number in the library, -1 for historical rows), the damage parameters [fraction of stiffness
-    lost], `load` (name), `load_factor`, `is_train`, `source` ("simulated" or "history 0", ...), then one for each gauge
-    [microstrain, compressive positive, divided by the load factor unless the sampling says otherwise]. The side file,
-    named `path` with .json added, has seed, noise, model hash, units and what the states come from. Both files appear
-    whole or not at all, also when interrupted.
+    Columns: `state` (its number in the library), the damage parameters [fraction of stiffness lost], `load` (name),
+    `load_factor`, `is_train`, then one for each gauge [microstrain, compressive positive, divided by the load factor
+    unless the sampling says otherwise]. The side file, named `path` with .json added, has seed, noise, model hash,
+    units and what the states come from. Both files appear whole or not at all, also when interrupted.
 
     Parameters
     ----------
@@ -150,8 +146,6 @@ def stream_dataset(
         States; their parameters must be the model's, or some of them.
     sampling : Sampling, optional
         Loads, readings of each state, noise, gauges, seed; the study's if not given.
-    history : sequence of str, Path or DataFrame
-        Tables of historical readings to append (see `femlib.dataset.history`), noise as it is.
     n_jobs : int, optional
         States solved at a time, as joblib counts; None: what `joblib.parallel_config` says, else one.
     kept : str or Path, optional
@@ -162,17 +156,15 @@ def stream_dataset(
     Raises
     ------
     InputError
-        If the path or the folder cannot be written to, or model, library, sampling and history do not fit.
+        If the path or the folder cannot be written to, or model, library and sampling do not fit.
     """
-    if isinstance(history, str | Path | pd.DataFrame):
-        raise InputError("history is one table; expected a list of tables; put it in a list")
     if n_jobs is not None and (not is_whole(n_jobs) or n_jobs == 0):
         raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")
     plan = fitted(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
-        side = described(plan, len(history))
+        side = described(plan)
         solved = None if kept is None else KeptStrains(Path(kept), side)
-        return _store(path, chain(_simulated(plan, n_jobs, solved), _historical(plan, history)), side)
+        return _store(path, _simulated(plan, n_jobs, solved), side)
 
 
 def _simulated(plan: Plan, n_jobs: int | None, kept: KeptStrains | None) -> Iterator[pd.DataFrame]:
@@ -237,41 +229,10 @@ def _drawn(plan: Plan, number: int, first: int, clean: FloatArray, done: int, n_
     readings /= sampling.divisor(load)
     states = np.repeat(np.arange(first, first + len(clean)), n_readings)
     damage = np.repeat(plan.library.between(first, first + len(clean)), n_readings, axis=0)
-    return _table(
-        plan, states, damage, load.name, load.factor, is_train, "simulated", readings.reshape(len(states), -1)
-    )
-
-
-def _historical(plan: Plan, history: Sequence[str | Path | pd.DataFrame]) -> Iterator[pd.DataFrame]:
-    for k, source in enumerate(history):
-        name = f"history {k}" if isinstance(source, pd.DataFrame) else f"history {k} ({source})"
-        rng = np.random.default_rng([READINGS, plan.sampling.seed, k])
-        for piece in history_pieces(source, name, plan.library.parameters, plan.gauges):
-            factor = piece["load_factor"].to_numpy()
-            if plan.sampling.divide_by_load and (factor == 0.0).any():
-                raise InputError(f"{name} has a load factor of 0, by which readings are divided; drop those rows")
-            strains = piece[list(plan.gauges)].to_numpy()
-            readings = strains / factor[:, None] if plan.sampling.divide_by_load else strains
-            damage = piece[list(plan.library.parameters)].to_numpy()
-            is_train = rng.random(len(piece)) < plan.sampling.train_fraction
-            yield _table(plan, np.full(len(piece), -1), damage, "", factor, is_train, f"history {k}", readings)
-
-
-def _table(
-    plan: Plan,
-    states: IntArray,
-    damage: FloatArray,
-    load: str,
-    factor: float | FloatArray,
-    is_train: np.ndarray,
-    source: str,
-    readings: FloatArray,
-) -> pd.DataFrame:
-    """Return rows in the columns of the file."""
     columns: dict[str, object] = {"state": states}
     columns |= dict(zip(plan.library.parameters, damage.T, strict=True))
-    columns |= {"load": load, "load_factor": factor, "is_train": is_train, "source": source}
-    columns |= dict(zip(plan.gauges, readings.T, strict=True))
+    columns |= {"load": load.name, "load_factor": load.factor, "is_train": is_train}
+    columns |= dict(zip(plan.gauges, readings.reshape(len(states), -1).T, strict=True))
     return pd.DataFrame(columns)
 
 
@@ -307,5 +268,5 @@ def _schema(parameters: Sequence[str], gauges: Sequence[str]) -> Any:
     pa, _ = pyarrow_modules()
     words = pa.dictionary(pa.int32(), pa.string())
     fields = [("state", pa.int64()), *((name, pa.float64()) for name in parameters), ("load", words)]
-    fields += [("load_factor", pa.float64()), ("is_train", pa.bool_()), ("source", words)]
+    fields += [("load_factor", pa.float64()), ("is_train", pa.bool_())]
     return pa.schema([*fields, *((name, pa.float64()) for name in gauges)])

@@ -1,6 +1,5 @@
 """The recipe is reproducible, files come back as they went, bad tables get a sentence."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +11,7 @@ from femlib.dataset import (
     Recipe,
     build_dataset,
     published_strains,
-    read_dataset,
     study_states_percent,
-    write_dataset,
 )
 from femlib.dataset.gauge_draws import STUDY_GAUGES
 from femlib.errors import InputError
@@ -96,52 +93,6 @@ def test_the_20_gauges_of_the_study_are_drawn_together_as_in_the_published_figur
 def test_a_seed_gives_the_same_data_and_another_seed_other_data(means: MeanStrains) -> None:
     assert same(build_dataset(means, seed=7), build_dataset(means, seed=7))
     assert not np.array_equal(build_dataset(means, seed=7).features, build_dataset(means, seed=8).features)
-
-
-@pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_a_dataset_comes_back_bit_for_bit(means: MeanStrains, tmp_path: Path, ending: str) -> None:
-    data = build_dataset(means, seed=3)
-    path = tmp_path / f"data.{ending}"
-    write_dataset(data, path)
-    assert same(read_dataset(path), data)
-    assert sorted(p.name for p in tmp_path.iterdir()) == [f"data.{ending}", f"data.{ending}.json"]
-
-
-def test_the_side_file_says_seed_noise_model_and_units(means: MeanStrains, tmp_path: Path) -> None:
-    write_dataset(build_dataset(means, seed=3), tmp_path / "data.csv")
-    side = json.loads((tmp_path / "data.csv.json").read_text())
-    assert side["seed"] == 3
-    assert side["model_hash"] == "abc"
-    assert side["recipe"]["noise_variance"] == 1000.0
-    assert "microstrain" in side["units"]["features"]
-    assert side["rows"] == 2500
-
-
-def test_a_changed_or_truncated_file_is_refused(means: MeanStrains, tmp_path: Path) -> None:
-    path = tmp_path / "data.csv"
-    write_dataset(build_dataset(means), path)
-    path.write_text(path.read_text()[:-100])
-    with pytest.raises(InputError, match=r"data.csv is not the file its side file describes"):
-        read_dataset(path)
-
-
-def test_missing_and_broken_files_are_refused(means: MeanStrains, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"data.csv.json does not exist; expected the side file of data.csv"):
-        read_dataset(tmp_path / "data.csv")
-    (tmp_path / "data.csv.json").write_text("{")
-    with pytest.raises(InputError, match=r"data.csv.json is not JSON"):
-        read_dataset(tmp_path / "data.csv")
-    with pytest.raises(InputError, match=r"ends in '.txt'; expected .csv or .parquet"):
-        write_dataset(build_dataset(means), tmp_path / "data.txt")
-    with pytest.raises(InputError, match=r"cannot be written .*expected a writable folder"):
-        write_dataset(build_dataset(means), tmp_path / "nowhere" / "data.csv")
-
-
-def test_nothing_is_left_behind_when_writing_fails(means: MeanStrains, tmp_path: Path) -> None:
-    (tmp_path / "data.csv").mkdir()
-    with pytest.raises(InputError, match=r"data.csv is a folder; expected a file"):
-        write_dataset(build_dataset(means), tmp_path / "data.csv")
-    assert [p.name for p in tmp_path.iterdir()] == ["data.csv"]
 
 
 def test_the_published_layout_is_read_in_any_row_order(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import joblib
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 import pytest
 
@@ -82,7 +81,7 @@ def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None
     rows = data.read()
     assert data.n_rows == len(rows) == 4 * 2 * 2
     assert data.gauges == ("g01", "g02", "g03")
-    assert list(rows.columns[:7]) == ["state", "mu1", "mu3", "load", "load_factor", "is_train", "source"]
+    assert list(rows.columns[:6]) == ["state", "mu1", "mu3", "load", "load_factor", "is_train"]
     full = np.stack([rows["mu1"], np.zeros(16), rows["mu3"]], axis=1)
     assert rows[["g01", "g02", "g03"]].to_numpy() == pytest.approx(Slope().strains_microstrain(full, 1.0)[:, :3])
     assert sorted(zip(rows["load"], rows["load_factor"], strict=True))[::8] == [("3 g", 3.0), ("down", -1.0)]
@@ -162,7 +161,7 @@ def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatc
     whole = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy()).read()
     monkeypatch.setattr(parquet, "GROUP_ROWS", 37)
     data = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy())
-    assert data.read().astype({"load": str, "source": str}).equals(whole.astype({"load": str, "source": str}))
+    assert data.read().astype({"load": str}).equals(whole.astype({"load": str}))
     assert max(len(piece) for piece in data.pieces(20)) == 20
     assert next(data.pieces(20, ["g02"])).shape == (20, 1)
 
@@ -175,21 +174,6 @@ def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None
     assert len(noise) == 20_000
     assert noise.std() == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
     assert data.read()["is_train"].mean() == pytest.approx(0.7, abs=0.02)
-
-
-def test_history_is_appended_as_it_was_measured(tmp_path: Path) -> None:
-    columns = {"load_factor": [2.0, 4.0], "mu1": [0.1, 0.0], "g01": [2000.0, 4400.0], "g02": 8.0, "g03": 8.0}
-    table = pd.DataFrame(columns | {"test": "T", "g04": np.nan})
-    table.to_csv(tmp_path / "flight.csv")
-    table.to_parquet(tmp_path / "flight.parquet")
-    history = [table, tmp_path / "flight.csv", tmp_path / "flight.parquet"]
-    data = stream_dataset(tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), QUIET, history=history)
-    rows = data.read()
-    assert rows["source"].tolist() == ["simulated", *np.repeat(["history 0", "history 1", "history 2"], 2)]
-    assert rows["state"].tolist() == [0] + 6 * [-1]
-    assert rows["mu1"].tolist() == [0.0] + 3 * [0.1, 0.0]
-    assert rows["g01"].tolist() == [1000.0] + 3 * [1000.0, 1100.0]
-    assert data.about["n_history"] == 3
 
 
 def test_the_side_file_says_seed_noise_model_units_states_and_loads(tmp_path: Path) -> None:

@@ -11,23 +11,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
-from femlib.dataset import MeanStrains, build_dataset, open_dataset, published_strains, read_dataset, write_dataset
-from femlib.dataset.history import history_pieces
+from femlib.dataset import grid_states, open_dataset, published_strains, stream_dataset
 from femlib.errors import InputError, frozen_ints, is_number
 from femlib.rom import ReducedModel
 from femlib.rom.bound import LEVELS, ErrorBound
 from femlib.wing.export.calculix import _centre_strains
+from tests.test_femlib.test_stream import QUIET, Slope
 
 
 @pytest.fixture
 def dataset(tmp_path: Path) -> Path:
-    states = np.array([[0, 0], [20, 40]])
-    means = MeanStrains(states, np.ones((2, 2)), 3.0, ("g1", "g2"), np.array([True, True]), "a test", "abc")
-    write_dataset(build_dataset(means), tmp_path / "data.csv")
-    return tmp_path / "data.csv"
+    stream_dataset(tmp_path / "data.parquet", Slope(), grid_states({"mu1": [0.0, 0.2]}), QUIET)
+    return tmp_path / "data.parquet"
 
 
 def changed(path: Path, **entries: object) -> Path:
@@ -43,31 +40,13 @@ def changed(path: Path, **entries: object) -> Path:
     [
         ({"gauges": "g1"}, r"gauges is 'g1'; expected a list of at least 1 names"),
         ({"gauges": ["g1", "g1"]}, "gauges names something twice"),
-        ({"gauges": ["g1", "none"]}, r"lacks the columns \['none'\]"),
-        ({"states_percent": [[0, 0]]}, "1 states_percent and 2 mean_features"),
-        ({"states_percent": [[0, 0], [20, 60]]}, r"has the state \[20.0, 40.0\]; expected one of the 2"),
-        ({"states_percent": [[0, 0], [20, 1e300]]}, r"holds 1e\+300; expected whole numbers"),
-        ({"states_percent": [[0, 0], [20]]}, r"states_percent\[1\] is a list of 1; expected a row of 2 numbers"),
-        ({"mean_features": [[1, 10**400], [1, 1]]}, r"mean_features\[0\]\[1\] is a whole number of more than 60"),
-        ({"load_factor": 0}, "load_factor is 0; expected a finite number from 1e-09"),
-        ({"seed": 1.5}, "seed is 1.5; expected a whole number"),
-        ({"recipe": {}}, "recipe lacks the entry 'samples_per_state'"),
-        ({"recipe": []}, r"recipe is \[\]; expected an object"),
-        ({"source": None}, "source is None; expected a text"),
+        ({"gauges": ["g1", "none"]}, r"lacks the columns \['g1', 'none'\]"),
+        ({"rows": 1.5}, "rows is 1.5; expected a whole number"),
     ],
 )
 def test_a_side_file_of_wrong_values_is_refused(dataset: Path, entries: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        read_dataset(changed(dataset, **entries))
-
-
-@pytest.mark.parametrize("cell", ["9" * 400, "1_000", "١٢", "0x10", "nan", "", "1e999"])
-def test_a_cell_that_is_no_number_is_refused(dataset: Path, cell: str) -> None:
-    rows = dataset.read_text().splitlines()
-    rows[3] = ",".join([*rows[3].split(",")[:3], cell, "1.0"])
-    dataset.write_text("\n".join(rows) + "\n")
-    with pytest.raises(InputError, match=r"row 2 has g1 = .*; expected finite numbers"):
-        read_dataset(changed(dataset))
+        open_dataset(changed(dataset, **entries))
 
 
 @pytest.mark.parametrize(
@@ -79,24 +58,21 @@ def test_a_cell_that_is_no_number_is_refused(dataset: Path, cell: str) -> None:
         (b'{"version": NaN}', "NaN is no JSON number"),
         (b'{"version": "\\ud800"}', "surrogates not allowed"),
         (b"[]", "holds a JSON list"),
-        (b'{"version": 1}', "lacks the entry 'sha256'"),
+        (b'{"version": "stream 1"}', "lacks the entry 'sha256'"),
     ],
 )
 def test_a_side_file_that_is_no_object_is_refused(dataset: Path, content: bytes, sentence: str) -> None:
-    dataset.with_name("data.csv.json").write_bytes(content)
+    dataset.with_name("data.parquet.json").write_bytes(content)
     with pytest.raises(InputError, match=sentence):
-        read_dataset(dataset)
+        open_dataset(dataset)
 
 
 def test_nothing_but_a_regular_file_is_read(tmp_path: Path) -> None:
-    for name in ("data.csv", "data.csv.json", "model.npz", "data.parquet"):
+    for name in ("data.csv", "model.npz", "data.parquet"):
         os.mkfifo(tmp_path / name)
     readers: list[Callable[[], object]] = [
-        lambda: read_dataset(tmp_path / "data.csv"),
         lambda: open_dataset(tmp_path / "data.parquet"),
         lambda: published_strains(tmp_path / "data.csv"),
-        lambda: list(history_pieces(tmp_path / "data.csv", "h", (), ("g1",))),
-        lambda: list(history_pieces(tmp_path / "data.parquet", "h", (), ("g1",))),
         lambda: ReducedModel.load_file(tmp_path / "model.npz"),
         lambda: ReducedModel.load_file(tmp_path),
         lambda: _centre_strains(tmp_path / "model.npz"),
@@ -104,15 +80,6 @@ def test_nothing_but_a_regular_file_is_read(tmp_path: Path) -> None:
     for read in readers:
         with pytest.raises(InputError, match=r"it is no regular file|does not exist"):
             read()
-
-
-def test_history_with_numbers_of_any_length_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "h.csv").write_text("load_factor,g1\n1,5\n1," + "9" * 400 + "\n")
-    with pytest.raises(InputError, match=r"row 1 has g1 = .*\.\.\.; expected"):
-        list(history_pieces(tmp_path / "h.csv", "h", (), ("g1",)))
-    pd.DataFrame({"load_factor": [1.0], "g1": [[1.0]]}).to_parquet(tmp_path / "h.parquet")
-    with pytest.raises(InputError, match="row 0 has g1 = "):
-        list(history_pieces(tmp_path / "h.parquet", "h", (), ("g1",)))
 
 
 class Song:

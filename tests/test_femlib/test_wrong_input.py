@@ -5,7 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from femlib.assembly import line_load, natural_modes, point_masses
@@ -244,15 +243,6 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
         lambda w, p: stream(reduce_wing(w), p),
         "sampling names no gauges, and a ReducedWing does not know which of its 24",
     ),
-    (lambda w, p: stream(w, p, history="x.csv"), "history is one table; expected a list of tables"),
-    (lambda w, p: stream(w, p, history=[p / "none.csv"]), "history 0 .*none.csv.* cannot be read"),
-    (
-        lambda w, p: stream(w, p, history=[pd.DataFrame({"a": [1]})]),
-        r"history 0 lacks the columns \['load_factor', 'mu1'",
-    ),
-    (lambda w, p: stream(w, p, history=[flight(mu1=40.0)]), "history 0 row 1 has mu1 = .*40.0.*; expected"),
-    (lambda w, p: stream(w, p, history=[flight(g07=NAN)]), "history 0 row 1 has g07 = .*nan.*; expected a finite"),
-    (lambda w, p: stream(w, p, history=[flight(load_factor=0.0)]), "history 0 has a load factor of 0"),
     (lambda w, p: stream(w, p, n_jobs=0), "n_jobs is 0; expected a whole number other than 0"),
     (lambda w, p: open_dataset(p / "none.parquet"), "none.parquet.json does not exist"),
     (lambda w, p: list(stream(w, p).pieces(0)), "n_rows is 0; expected 1 or more"),
@@ -267,11 +257,6 @@ def rows_of(wing: Wing, *gauges: StrainGauge) -> object:
 
 def damaged(wing: Wing, *components: Component) -> object:
     return DamagedStructure(wing.structure.shells, wing.structure.supports, components)
-
-
-def flight(**change: float) -> pd.DataFrame:
-    good = {"load_factor": 3.0, "mu1": 0.0} | {f"g{k:02d}": 1000.0 for k in range(1, 25)}
-    return pd.DataFrame([good, good | change])
 
 
 def stream(model, folder, sampling=None, states=None, path=None, **more):

@@ -14,9 +14,7 @@ All readers of the two packages, each a line of the table:
     octmip.trees.proof.check_proof                    proof logs, both kinds; with certify --proof
     octmip.monitor.ModelSelector.read           selector
     octmip.gap.read_campaign                    campaign, commissioning run; with diagnose
-    femlib.dataset.read_dataset                 .csv and .parquet, and their side file
     femlib.dataset.open_dataset                 streamed dataset, and its side file
-    femlib.dataset.history.history_pieces       historical readings, .csv and .parquet
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX

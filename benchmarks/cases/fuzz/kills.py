@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.data import uci
-from benchmarks.readers.femlib import make_dataset
+from benchmarks.readers.femlib import make_stream
 from benchmarks.tables import Line
 from femlib.files import whole_file
 from octmip.formats.files import write_bytes
@@ -149,7 +149,7 @@ def _checkpoint(path: Path, rng: Any) -> None:
 
 
 def _dataset(path: Path, rng: Any) -> None:
-    make_dataset(".parquet")(0, path.parent)
+    make_stream(0, path.parent)
 
 
 def _page(path: Path, rng: Any) -> None:
