@@ -42,6 +42,11 @@ def test_where_no_tree_of_a_list_of_all_has_the_parts_the_core_says_so():
             solve(problem, "exact")
 
 
+def test_a_split_that_must_stand_where_no_column_is_left_has_no_tree():
+    with pytest.raises(NoTreeError, match="no tree of depth 5"):
+        solve(Problem(FEATURES[:, :1], LABELS, depth=5, path_rules=[("root-only", 0)], fixed_splits={"L": 0}))
+
+
 @pytest.mark.parametrize(
     ("parts", "tree", "message"),
     [

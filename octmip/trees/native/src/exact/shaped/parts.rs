@@ -139,7 +139,7 @@ impl<'a> Parts<'a> {
         let is_leaf = asked.given.is_some_and(|given| self.rules.given[given].is_leaf);
         let mut best = self.leaf(view, &asked, upper);
         let upper = best.as_ref().map_or(upper, |best| best.0);
-        let is_small = view.len < 2 * self.samples.leaf_size || self.samples.p == 0;
+        let is_small = view.len < 2 * self.samples.leaf_size || self.lefts[asked.free].columns.is_empty();
         if is_leaf || asked.depth == 0 || is_small || upper <= self.samples.penalty {
             return best;
         }
