@@ -72,7 +72,7 @@ SANDWICH = replace(built_materials(), skin_step=1.0, web_factor=1.0, rib_factor=
 YOUNG, DENSITY = 0.4884e9, 0.44 * SKIN_DENSITY
 """Modulus [Pa] and density [kg/m^3] that `skin` and `density` start from, of the layer that stands for the sandwich."""
 FIXED = {"rise": 0.0, "step": 1.0, "r2_out": 10.0 / 12.0, "root": ROOT}
-SMOOTH = (0.05, 0.2, 0.5, 1.0)
+SMOOTH = (0.05, 0.2, 0.5)
 """Standard deviations of the prior of smoothness."""
 
 
@@ -111,8 +111,8 @@ def main() -> None:
     table = published_strains(SHARED / "uav" / "strains.csv")
     design = buildable_design(options.refinement)
     rows, start = [], dict[str, float]()
-    for name in options.skin or SKINS:
-        row, fit = skin_row(name, design, table, start)
+    for name in options.skin or SKINS:  # a smooth skin starts from the one before, others on their own
+        row, fit = skin_row(name, design, table, start if name.startswith("smooth") else {})
         rows.append(row)
         start |= fit.by_name
     free = started((*PARAMETERS, *SKINS["free"]), start)
