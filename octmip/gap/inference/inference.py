@@ -14,6 +14,9 @@ from octmip.gap.inference.signature_error import LEVELS, between, correlation, i
 
 Floats = NDArray[np.float64]
 
+USUAL_LEVEL = float(np.sqrt(sum(share * level**2 for level, share in LEVELS.items())))
+"""Root mean square of the levels of errors before any reading."""
+
 
 class Inference:
     """Fits of sets of a linear model's candidates; each is made once and kept.
@@ -123,17 +126,18 @@ class Inference:
     def visibilities(self, members: Members) -> Floats:
         """Return d' (n_members,) of each member from its own absence, the others refitted, under the others' errors.
 
-        These count in full: beside a large effect a small one may be no more than what the large one's signature is
-        wrong by. A member's own errors grow with its size and vanish with it: they blur how large it is, not whether it
-        acts.
+        These count at `USUAL_LEVEL` or more, even where a lower level fits best: beside a large effect a small one may
+        be no more than what the large one's signature is wrong by. A member's own errors grow with its size and vanish
+        with it: they blur how large it is, not whether it acts.
         """
-        size = self.fit(members).size
+        fit = self.fit(members)
+        size, level = fit.size, max(fit.level, USUAL_LEVEL)
         precision = np.diag((3.0 * self.model.inputs.priors.sd[list(members)]) ** -2)
         left = []
         for k in range(len(members)):
             others = np.arange(len(members)) != k
             beside = tuple(members[i] for i in np.flatnonzero(others))
-            gram = self._reduced(members, self._errors(beside, size[others], max(LEVELS)))[0]
+            gram = self._reduced(members, self._errors(beside, size[others], level))[0]
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
