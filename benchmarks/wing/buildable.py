@@ -198,7 +198,7 @@ def picture(rows: list[Row]) -> Figure:
         right.plot(places, values, "o-", color=colour, label=words, markersize=4)
     right.axhline(3.0, color="#222222", lw=0.8, ls="--", label="flown: 3 g")
     left.set(ylabel="misfit, rms [%]", ylim=(0, None))
-    right.set(ylabel="load factor at which it buckles", yscale="log")
+    right.set(ylabel="load factor at which it buckles", ylim=(0, None))
     for axis in (left, right):
         axis.set_xticks(places, names, fontsize=8)
         axis.legend(fontsize=8)
