@@ -106,7 +106,7 @@ def _splits(
     problem: Problem, node: Node, rows: NDArray[np.int64], path: str = "", above: Above = ()
 ) -> Iterator[tuple[str, Split, NDArray[np.int64], Above]]:
     """Yield path, split, rows and the splits above; a split for missing readings alone cannot be given."""
-    if isinstance(node, Split):
+    if isinstance(node, Split) and len(rows):
         yield path, node, rows, above
         if node.threshold is not None:
             is_left = goes_left(node, problem.features, rows)
