@@ -30,7 +30,7 @@ __all__ = ["PROGRAM", "Verdict", "agree", "compared", "results", "summary", "ver
 
 PROGRAM = Path(__file__).parents[3] / "octmip" / "trees" / "verified" / "build" / "octmip-verified"
 STREAM = 44
-N_LOGS, CHUNK = 200, 50
+N_LOGS, CHUNK = 2000, 50
 
 
 @dataclass(frozen=True)
