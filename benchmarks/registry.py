@@ -21,6 +21,7 @@ FAMILIES = {
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "exact_cluster": "benchmarks.cases.exact.cluster",
     "held_out_tables": "benchmarks.cases.held_out_tables",
+    "held_out_numbers": "benchmarks.cases.held_out_numbers",
     "leaf_calibration": "benchmarks.cases.leaf_calibration",
     "calibration_beside": "benchmarks.cases.calibration_beside",
     "near_strains": "benchmarks.cases.near.strains",

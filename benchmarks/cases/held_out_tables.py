@@ -10,6 +10,7 @@ known and not made again, so the run may be stopped at any time.
 """
 
 import csv
+import importlib.util
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -28,7 +29,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.data import SHARED
-from benchmarks.public_tables import CartOfLeaves, PrunedCart, samples
+from benchmarks.public_tables import CartOfLeaves, PrunedCart, TunedStreed, samples
 from benchmarks.tables import Line
 from octmip import OptimalTreeClassifier
 
@@ -55,6 +56,11 @@ LEARNERS: Mapping[str, Callable[[], Any]] = {
     "boosting": partial(HistGradientBoostingClassifier, early_stopping=False, random_state=0),
     "linear": linear_model,
 }
+
+STREED = "STreeD, depth 3"
+"""Where pystreed is installed: the extra `benchmarks`."""
+if importlib.util.find_spec("pystreed"):
+    LEARNERS = {**LEARNERS, STREED: TunedStreed}
 
 AS_SMALL = "CART, as small"
 """Pruned to as many leaves as the default has on the same fold."""

@@ -19,6 +19,7 @@ from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default
+from octmip.trees.tradeoff.choice import RULES
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.sample import FEWEST_ROWS, sampled
@@ -287,3 +288,10 @@ def test_standard_errors_are_those_of_the_rows():
     losses = np.array([[0.0], [1.0], [1.0], [0.0], [1.0]])
     judged = Judged([losses], [np.ones(5)], np.zeros((1, 1), dtype=np.int64), np.arange(1))
     assert judged.sums().standard_errors()[0] == pytest.approx(math.sqrt(0.6 * 0.4 / 5))
+
+
+def test_the_loss_of_a_bad_tree_says_nothing_about_two_good_ones():
+    losses = np.column_stack([np.full(50, 100.0), np.full(50, 1.2), np.full(50, 1.0)])  # simplest first
+    trees, simplicity = np.array([[0, 0], [1, 1], [2, 2]]), np.arange(3)
+    judged = Judged([losses, losses], [np.ones(50), np.ones(50)], trees, simplicity)
+    assert judged.best(RULES["paired"]) == 2  # and not the simpler one, which costs 20 % more

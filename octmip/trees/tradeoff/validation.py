@@ -14,8 +14,9 @@ accurate cross-validation (2018). The standard error by rows: Breiman, Friedman,
 and Regression Trees, section 3.4.3.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -148,34 +149,43 @@ class Judged:
             total = [a + b for a, b in zip(total, [*of_fold, count @ weights, count @ weights**2], strict=True)]
         return (Sums(*parts) for parts in zip(*total, strict=True))
 
-    def worst(self) -> float:
-        """Return the most that any tree loses on one row."""
-        return max(float(losses.max(initial=0.0)) for losses in self.losses)
+    def _farthest(self, least: int) -> Floats:
+        """Return the most by which each step's loss on one row differs from that of one step, shape (n_steps,)."""
+        most = np.zeros(len(self.trees))
+        for k, losses in enumerate(self.losses):
+            apart = np.abs(losses - losses[:, [self.trees[least, k]]]).max(axis=0, initial=0.0)
+            most = np.maximum(most, apart[self.trees[:, k]])
+        return most
 
     def best(self, nearness: Nearness) -> int:
         """Return the simplest step whose validated cost is so near the least."""
         times = [np.ones(len(weights)) for weights in self.weights]
         every = np.ones(len(self.trees), dtype=np.bool_)
-        return self._best(times, self.sums(), nearness, every, self.worst())
+        return self._best(times, self.sums(), nearness, every, self._farthest)
 
     def _best(
-        self, times: Sequence[Floats], sums: Sums, nearness: Nearness, is_wanted: NDArray[np.bool_], worst: float
+        self,
+        times: Sequence[Floats],
+        sums: Sums,
+        nearness: Nearness,
+        is_wanted: NDArray[np.bool_],
+        farthest: Callable[[int], Floats],
     ) -> int:
         """Return the best of the wanted steps where each row of each fold counts so many times, (n_held,) each."""
         means = np.where(is_wanted, sums.means(), np.inf)
         least = int(np.lexsort((self.simplicity, means))[0])
         errors = sums.standard_errors()[least]
         if nearness.is_paired:
-            errors = self._paired_errors(times, sums, least, worst)
+            errors = self._paired_errors(times, sums, least, farthest(least))
         # Sums of one and the same row losses may differ by rounding.
         most = means[least] * (1 + ROUNDING) + nearness.standard_errors * errors
         good = np.flatnonzero(means <= most)
         return int(good[self.simplicity[good].argmin()])
 
-    def _paired_errors(self, times: Sequence[Floats], sums: Sums, least: int, worst: float) -> Floats:
+    def _paired_errors(self, times: Sequence[Floats], sums: Sums, least: int, farthest: Floats) -> Floats:
         """Return the standard error of each step's mean less that of one step, shape (n_steps,).
 
-        One row that costs the worst is added: few rows may lack the error that costs most.
+        One row is added on which both differ as far as on any: few rows may lack the difference that costs most.
         """
         both: Any = 0.0  # sums of L L_least
         for k, (count, losses) in enumerate(zip(times, self.losses, strict=True)):
@@ -184,7 +194,7 @@ class Judged:
         squares = sums.of_squares + sums.of_squares[least] - 2 * both
         products = sums.of_products - sums.of_products[least]
         squares = squares - 2 * m * products + m**2 * sums.weight_squares
-        return np.asarray(np.sqrt(np.maximum(squares, 0.0) + worst**2) / sums.weight)
+        return np.asarray(np.sqrt(np.maximum(squares, 0.0) + farthest**2) / sums.weight)
 
     def expectation(self, nearness: Nearness, is_cart: NDArray[np.bool_], seed: int) -> Expectation | None:
         """Return what the rule's choice costs on new rows; None where every draw takes all rows that weigh anything.
@@ -199,11 +209,11 @@ class Judged:
             of the draws.
         """
         every = np.ones(len(is_cart), dtype=np.bool_)
-        costs, worst = [], self.worst()
+        costs, farthest = [], cache(self._farthest)  # few steps are the least of any draw
         for times, drawn, left in self._draws(seed):
             if left.weight > 0 and drawn.weight > 0:
-                at = self._best(times, drawn, nearness, every, worst)
-                by_cart = self._best(times, drawn, Nearness(0.0), is_cart, worst) if is_cart.any() else at
+                at = self._best(times, drawn, nearness, every, farthest)
+                by_cart = self._best(times, drawn, Nearness(0.0), is_cart, farthest) if is_cart.any() else at
                 costs.append(left.means()[[at, by_cart]])
         if not costs:
             return None
