@@ -19,6 +19,16 @@ FEWEST_ROWS, FEWEST_VALUES, MOST_ROWS, MOST_COLUMNS = 100, 20, 1000, 12
 """Of a table with a column as targets."""
 MOST_ALPHAS = 25
 """Prices that the pruning of CART tries, at quantiles of those of its own path."""
+SECONDS = 600.0
+"""Of the default and of STreeD: more than they take, so that a busy machine chooses as an idle one."""
+
+
+def ordered() -> list[tuple[str, str]]:
+    """Return every table with its half, in the order of the runs."""
+    names = sorted(path.stem for path in (SHARED / "uci").glob("*.csv"))
+    half = {name: "odd" if k % 2 == 0 else "even" for k, name in enumerate(names)}
+    size = {name: (SHARED / "uci" / f"{name}.csv").stat().st_size for name in names}
+    return [(name, half[name]) for name in sorted(names, key=lambda name: (half[name], size[name]))]
 
 
 def samples(table: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
@@ -31,9 +41,6 @@ def samples(table: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
     columns = columns.drop(columns=[name for name in texts if columns[name].nunique() > MOST_TEXTS])
     features = Columns.learn(columns, categories="yes-no", missing="either-side").encode(columns)
     return np.ascontiguousarray(features), frame[label].astype(str).to_numpy()
-
-
-STREED_SECONDS = 600.0
 
 
 def numbers(table: str) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
@@ -95,7 +102,7 @@ class TunedStreed:
         self.classes, codes = np.unique(y, return_inverse=True)
         self.model = make_pipeline(
             SimpleImputer(strategy="median"),
-            STreeDClassifier(max_depth=3, n_thresholds=10, hyper_tune=True, time_limit=STREED_SECONDS),
+            STreeDClassifier(max_depth=3, n_thresholds=10, hyper_tune=True, time_limit=SECONDS),
         )
         self.model.fit(X, codes)
         return self

@@ -15,8 +15,7 @@ import numpy as np
 import pandas as pd
 from sklearn.model_selection import KFold
 
-from benchmarks.cases.held_out_tables import SECONDS, ordered
-from benchmarks.public_tables import PrunedCart, numbers
+from benchmarks.public_tables import SECONDS, PrunedCart, numbers, ordered
 from benchmarks.tables import Line
 from octmip import OptimalTreeRegressor
 

@@ -28,8 +28,7 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
-from benchmarks.data import SHARED
-from benchmarks.public_tables import CartOfLeaves, PrunedCart, TunedStreed, samples
+from benchmarks.public_tables import SECONDS, CartOfLeaves, PrunedCart, TunedStreed, ordered, samples
 from benchmarks.tables import Line
 from octmip import OptimalTreeClassifier
 
@@ -38,8 +37,6 @@ FIELDS = (
     *("table", "half", "repeat", "fold", "learner", "rows", "columns", "classes", "errors", "tested", "leaves"),
     *("cpu_seconds", "kind", "expected", "expected_low", "expected_high"),
 )
-SECONDS = 600.0
-"""Of the default: more than it takes, so that a busy machine chooses as an idle one."""
 
 
 def linear_model() -> Any:
@@ -99,14 +96,6 @@ def _add(line: Line) -> None:
         if is_new:
             table.writeheader()
         table.writerow(line)
-
-
-def ordered() -> list[tuple[str, str]]:
-    """Return every table with its half, in the order of the runs."""
-    names = sorted(path.stem for path in (SHARED / "uci").glob("*.csv"))
-    half = {name: "odd" if k % 2 == 0 else "even" for k, name in enumerate(names)}
-    size = {name: (SHARED / "uci" / f"{name}.csv").stat().st_size for name in names}
-    return [(name, half[name]) for name in sorted(names, key=lambda name: (half[name], size[name]))]
 
 
 def _judged(table: str, repeat: int, fold: int, learners: list[str], n_leaves: str | int | None) -> Iterator[Line]:
