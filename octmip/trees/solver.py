@@ -95,7 +95,7 @@ def solve(
     seed
         of all random choices.
     n_jobs
-        threads; the tree is the same for any number, unless time runs out.
+        threads; the tree is the same for any number, unless time runs out or HiGHS finds another as good.
     progress
         called now and then with the state of the solver.
     options
