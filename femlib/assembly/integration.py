@@ -112,7 +112,7 @@ def point_strains(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iter
         rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
         yield PointStrains(
             corners=corners,
-            group=corners * (shells.smooth.max() + 1) + shells.smooth[part, None],
+            group=corners * shells.n_smooth + shells.smooth[part, None],
             points=points,
             matrices=matrices * factor[part, None, None],
             whole=whole,

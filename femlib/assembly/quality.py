@@ -200,7 +200,7 @@ def nodal_tensors(shells: Shells, kinds: list[PointStrains]) -> tuple[IntArray, 
     """
     mesh = shells.mesh
     names, group = np.unique(np.concatenate([kind.group.ravel() for kind in kinds]), return_inverse=True)
-    node = mesh.nodes[names // (shells.smooth.max() + 1)]
+    node = mesh.nodes[names // shells.n_smooth]
     first = np.cumsum([0, *(kind.group.size for kind in kinds)])
     groups = [group.ravel()[a : a + k.group.size].reshape(k.group.shape) for a, k in zip(first, kinds, strict=False)]
     normal = np.zeros((len(names), 3))

@@ -80,6 +80,11 @@ class Shells:
         return self.mesh.n_elements
 
     @property
+    def n_smooth(self) -> int:
+        """Number of the parts of `smooth`."""
+        return int(self.smooth.max()) + 1
+
+    @property
     def element_stiffness(self) -> tuple[FloatArray, FloatArray]:
         """The elements' matrices (n_quads, 24, 24) and (n_trias, 18, 18) in global axes."""
         return self._matrices

@@ -241,7 +241,7 @@ def _in_laminates(shells: Shells, names: IntArray, tensors: FloatArray) -> Float
     """Return (n_corners, 6) from tensors (g, 18) at nodes and parts of the names (g,)."""
     mesh, found = shells.mesh, []
     for corners, first in ((mesh.quads, 0), (mesh.trias, len(mesh.quads))):
-        group = corners * (shells.smooth.max() + 1) + shells.smooth[first : first + len(corners), None]
+        group = corners * shells.n_smooth + shells.smooth[first : first + len(corners), None]
         held = tensors[np.searchsorted(names, group)].reshape(*corners.shape, 2, 3, 3)
         flat = _corner_axes(mesh.nodes[corners], shells.axis)[:, :, None, :, :2]
         plane = flat.swapaxes(-1, -2) @ held @ flat

@@ -75,6 +75,8 @@ def whole_folder(path: PathLike) -> Iterator[Path]:
     passing = make_folder(within / f".{target.name}.{secrets.token_hex(4)}")
     try:
         yield passing
+        if not target.exists():
+            _moved(passing, target)  # at once
         for file in sorted(passing.rglob("*")):
             place = target / file.relative_to(passing)
             if file.is_dir():

@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     settings["levels"] = {name: levels for words in arguments.states for name, levels in _levels(words).items()}
     loads = [_numbers(words, "--load") for words in arguments.load] or [dict.fromkeys(loads_of(twin), 1.0)]
     told = PartOf(twin, tuple(arguments.only.split(","))) if arguments.only else twin
-    found = []
+    found, words = [], []
     with whole_folder(arguments.out) as passing:
         for k, load in enumerate(loads, start=1):
             part = f"load-{k}" if len(loads) > 1 else ""
@@ -44,10 +44,11 @@ def run(arguments: argparse.Namespace) -> int:
                 design = design_monitor(told, load, **settings)
                 write_monitor(passing / part, design, twin)
             found.append(summary_of(design, load, Path(arguments.out) / part))
-            if not arguments.json:
-                print(words_of(design, found[-1]))
+            words.append(words_of(design, found[-1]))
     if arguments.json:
         print_json({"monitors": found})
+    else:
+        print("\n".join(words))
     return 0
 
 
