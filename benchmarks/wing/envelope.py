@@ -1,10 +1,12 @@
 """What load factor a damaged wing bears: curves with their uncertainty, the flight envelope, all 28 regions.
 
     python -m benchmarks.wing.envelope [--refinement 0.5] [--tables FOLDER] [--picture FILE.png] [--library]
+    python -m benchmarks.wing.envelope --trim 25 35 [--tables FOLDER]
 
 `built_wing` under its elliptic lift. The uncertainty has two parts: the modulus scale that the authors measured (their
 100 samples) and the strains that plies bear (a coefficient of variation of `STRENGTH_CV`, assumed). Both scale the
 limits: a modulus scale e multiplies all three, a strength the first. With --library each of the 28 regions as well.
+With --trim only what the lift that moves as the wing twists changes, at these speeds [m/s].
 """
 
 import argparse
@@ -20,10 +22,11 @@ from numpy.typing import NDArray
 from benchmarks.data import SHARED
 from benchmarks.main_program import run_main
 from femlib.rom.capability import LIMITS, Capability, drawn_states
-from femlib.wing import Wing, reduce_wing, uav_wing
+from femlib.wing import FlightPoint, ReducedWing, Wing, reduce_wing, uav_wing
 from femlib.wing.built import BUILT_MASS, built_library, built_wing
 from femlib.wing.strength import full_capability, wing_capability, wing_stresses
 from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
+from femlib.wing.trim import trim_wing
 from octmip.formats.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
@@ -36,6 +39,7 @@ N_DRAWS = 4000
 DAMAGE = np.linspace(0.0, 0.9, 46)
 KINDS = {"mu1": (1.0, 0.0), "mu2": (0.0, 1.0), "mu1 and mu2": (1.0, 1.0)}
 SHOWN = (0.0, 0.4, 0.6, 0.8)
+TRIM_STATES = ((0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (0.0, 0.8), (0.8, 0.8))
 DENSITY, MOST_LIFT, FASTEST = 1.225, 1.4, 40.0
 """Of air [kg/m^3]; the wing's greatest lift coefficient and the fastest speed [m/s] of the picture, assumed."""
 COLOURS = {"mu1": "#c2410c", "mu2": "#1d4ed8", "mu1 and mu2": "#222222"}
@@ -48,12 +52,19 @@ def main() -> None:
     parser.add_argument("--tables", help="folder for CSV files")
     parser.add_argument("--picture", help="PNG file to write")
     parser.add_argument("--library", action="store_true", help="all 28 regions as well")
+    parser.add_argument("--trim", type=float, nargs="*", help="speeds [m/s] of a wing in trim, instead")
     options = parser.parse_args()
     wing = built_wing(refinement=options.refinement)
     start = time.process_time()
-    capable = wing_capability(wing, reduce_wing(wing))
+    reduced = reduce_wing(wing)
+    capable = wing_capability(wing, reduced)
+    if options.trim:
+        kept(
+            "trim", [row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)], options.tables
+        )
+        return
     words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
-    print(f"{words}; {speed(capable)}")
+    print(f"{words}; {cost(capable)}")
     print(
         f"assumed strains that plies bear (tension, compression, shear): carbon {SKIN_STRAINS}, plywood {WOOD_STRAINS}"
     )
@@ -63,16 +74,42 @@ def main() -> None:
     if options.library:
         tables["regions"] = region_rows(options.refinement)
     for name, rows in tables.items():
-        shown = rows if name != "capability" else rows[::5]
-        print(f"\n{name}\n{markdown_table(shown)}", flush=True)
-        if options.tables:
-            Path(options.tables).mkdir(parents=True, exist_ok=True)
-            write_bytes(Path(options.tables) / f"{name}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+        kept(name, rows, options.tables, 5 if name == "capability" else 1)
     if options.picture:
         picture(capable, wing).savefig(options.picture, dpi=110)
 
 
-def speed(capable: Capability) -> str:
+def kept(name: str, rows: list[dict[str, object]], folder: str | None, step: int = 1) -> None:
+    """Print every `step`-th row, and write all to a CSV file of a folder if there is one."""
+    print(f"\n{name}\n{markdown_table(rows[::step])}", flush=True)
+    if folder:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        write_bytes(Path(folder) / f"{name}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+
+
+def trim_rows(wing: Wing, reduced: ReducedWing, capable: Capability, speed: float) -> list[dict[str, object]]:
+    """Return what trim at a speed changes in strains of the gauges, root moment and capability, and the divergence."""
+    trimmed = trim_wing(wing, FlightPoint(airspeed=speed))
+    start = time.process_time()
+    moving = wing_capability(wing, trimmed, n_checks=2)
+    print(f"{speed:g} m/s: set-up {time.process_time() - start:.0f} CPU s, error {moving.error:.1e}; {cost(moving)}")
+    states = np.array(TRIM_STATES)
+    still, there = (own.strains_microstrain(states, FLOWN) for own in (reduced, trimmed))
+    bears = [own.load_factors(states).tolist() for own in (capable, moving)]
+    diverges = np.sqrt(2.0 * trimmed.divergence_pressures(states) / DENSITY).tolist()
+    y, rows = wing.structure.shells.mesh.nodes[:, 1], []
+    for k, state in enumerate(states):
+        moment = float(trimmed.lift(state)[2::6] @ y / (wing.lift[2::6] @ y)) - 1.0
+        change = 100.0 * (there[k] / still[k] - 1.0)
+        row: dict[str, object] = {"speed m/s": speed, "mu1 %": 100 * state[0], "mu2 %": 100 * state[1]}
+        row |= {"root moment %": round(100 * moment, 2), "strains % from": round(float(change.min()), 2)}
+        row |= {"strains % to": round(float(change.max()), 2), "bears rigid": round(bears[0][k], 3)}
+        row |= {"bears in trim": round(bears[1][k], 3), "change %": round(100 * (bears[1][k] / bears[0][k] - 1), 2)}
+        rows.append(row | {"diverges at m/s": round(diverges[k], 1)})
+    return rows
+
+
+def cost(capable: Capability) -> str:
     """Return in words what a state costs, one at a time, states drawn as for the check."""
     states = drawn_states(np.random.default_rng(1), 200, len(capable.parameters))
     times = []
@@ -144,7 +181,7 @@ def region_rows(refinement: float) -> list[dict[str, object]]:
     start = time.process_time()
     capable = wing_capability(wing, reduce_wing(wing), n_checks=4)
     words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
-    print(f"\n28 regions: {words}; {speed(capable)}", flush=True)
+    print(f"\n28 regions: {words}; {cost(capable)}", flush=True)
     sound, each = capable.load_factors(np.zeros((1, 28)))[0], np.eye(28)
     rows: list[dict[str, object]] = []
     for k, region in enumerate(wing.regions):

@@ -8,8 +8,9 @@ The error is checked, not bounded: `error` is the largest distance from the full
 apart from the sampled ones. The mesh's own error is `Structure.stresses(...).error` and `BucklingMode.error`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from femlib.assembly.stresses import Block, Faces, block_factors, blocks_of, cor
 from femlib.components import DamagedStructure, checked_damage
 from femlib.errors import InputError, is_number, is_whole
 from femlib.rom.buckling import ReducedBuckling, Sampled, reduce_buckling
-from femlib.rom.model import ReducedModel
 
 LIMITS = ("ply", "buckling", "deflection")
 NEAR = 1.25
@@ -30,6 +30,21 @@ MOST_KEPT = 400
 """Corners and heights kept, those that came nearest."""
 WORST, HALF = 0.9, 0.5
 """Damages of a region alone in the states whose buckling modes are solved; the drawn states have the first at most."""
+
+
+class Motions(Protocol):
+    """What capability asks of a model, such as `femlib.rom.ReducedModel`."""
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the damage parameters (n_parameters,)."""
+
+    @property
+    def motion(self) -> FloatArray | None:
+        """Displacements (n_dofs, n_parts) [m, rad] at load factor 1 of the parts."""
+
+    def parts(self, mu: FloatArray) -> FloatArray:
+        """Return the parts (n_states, n_parts) of checked damages (n_states, n_parameters)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +79,7 @@ class Capability:
 
     Attributes
     ----------
-    model : ReducedModel
+    model : Motions
         Gives the parts of a state.
     blocks : tuple of Block
         The kept corners; their rows are `strains`.
@@ -80,7 +95,7 @@ class Capability:
         Largest relative error of a limit against the full model over the checked states; NaN if none.
     """
 
-    model: ReducedModel
+    model: Motions
     blocks: tuple[Block, ...]
     strains: FloatArray
     buckling: ReducedBuckling
@@ -117,9 +132,9 @@ class Capability:
 
 def reduce_capability(
     structure: DamagedStructure,
-    model: ReducedModel,
+    model: Motions,
     limits: Limits,
-    load: FloatArray,
+    load: Callable[[FloatArray], FloatArray],
     n_states: int = 300,
     n_checks: int = 6,
     seed: int = 0,
@@ -130,12 +145,12 @@ def reduce_capability(
     ----------
     structure : DamagedStructure
         The full model, of shells alone whose plies have strengths.
-    model : ReducedModel
+    model : Motions
         Its reduced model, with motion.
     limits : Limits
         What must not be reached.
-    load : FloatArray
-        The load at factor 1 (n_dofs,) [N, N m].
+    load : callable
+        From a state (n_parameters,) to the load at factor 1 (n_dofs,) [N, N m] that the model stands for.
     n_states, n_checks : int
         Random states that are sampled by the reduced model, and that are checked against the full one.
     seed : int
@@ -160,7 +175,7 @@ def reduce_capability(
     buckling = reduce_buckling(structure, motion, solved, forced)
     found = Capability(model, blocks, strains, buckling, limits.row @ motion / limits.most_deflection, limits.criterion)
     states = drawn_states(rng, n_checks, len(model.parameters))
-    full = np.array([full_limits(structure, limits, load, state) for state in states]).reshape(-1, len(LIMITS))
+    full = np.array([full_limits(structure, limits, load(state), state) for state in states]).reshape(-1, len(LIMITS))
     most = FAR * full.min(axis=1, keepdims=True, initial=np.inf)
     errors = np.abs(np.minimum(found.limits(states), most) / np.minimum(full, most) - 1.0).max(axis=1)
     return replace(found, error=float(errors.max()) if n_checks else float("nan"))

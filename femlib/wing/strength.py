@@ -12,6 +12,7 @@ from femlib.rom.capability import Capability, Limits, full_limits, reduce_capabi
 from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
+from femlib.wing.trim import TrimmedWing
 
 TIP_LIMIT = 0.25
 """Deflection of the tip's spar that a load may cause, over the half-span; beyond it linear analysis says little."""
@@ -53,21 +54,27 @@ def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max 
 
 
 def wing_capability(
-    wing: Wing, reduced: ReducedWing, limits: Limits | None = None, n_states: int = 300, n_checks: int = 6
+    wing: Wing,
+    reduced: ReducedWing | TrimmedWing,
+    limits: Limits | None = None,
+    n_states: int = 300,
+    n_checks: int = 6,
 ) -> Capability:
     """Return the greatest load factors of the wing's damage states, from its reduced model.
 
     Parameters
     ----------
     wing, reduced
-        The full model and its reduced one, under the wing's own lift.
+        The full model, and its reduced one under the wing's own lift or in trim.
     limits : Limits, optional
         Those of `wing_limits` if not given.
     n_states, n_checks : int
         As for `femlib.rom.capability.reduce_capability`.
     """
     chosen = wing_limits(wing) if limits is None else limits
-    return reduce_capability(wing.structure, reduced.model, chosen, wing.lift, n_states, n_checks)
+    if isinstance(reduced, TrimmedWing):
+        return reduce_capability(wing.structure, reduced, chosen, reduced.lift, n_states, n_checks)
+    return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks)
 
 
 def full_capability(wing: Wing, state: Mapping[str, float], limits: Limits | None = None) -> FloatArray:

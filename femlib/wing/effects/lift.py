@@ -18,6 +18,7 @@ from femlib.mesh import DOFS_PER_NODE
 from femlib.wing.effects.card import FixedForce, WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.model import Wing
+from femlib.wing.trim import harmonic_lift, moved_lift
 
 FIFTH_SHARES = (-0.6, -0.4, -0.2, 0.0, 0.2, 0.4)
 SEVENTH_SHARES = (-0.06, 0.0, 0.06)
@@ -60,8 +61,7 @@ def _harmonic(response: Response, order: int) -> FloatArray:
     """Return nodal forces (n_dofs,) [N] of a harmonic that changes the root's bending moment by one per cent."""
     wing = response.wing
     eta = wing.structure.shells.mesh.nodes[:, 1] / wing.span
-    theta = np.arccos(np.clip(eta, 0.0, 1.0))
-    shape = moved_lift(wing, np.sin(order * theta) / np.maximum(np.sin(theta), 1e-6))
+    shape = harmonic_lift(wing, order)
     return np.asarray(shape * (0.01 * moment(wing, wing.lift, eta) / moment(wing, shape, eta)))
 
 
@@ -94,18 +94,6 @@ def torsion(response: Response) -> WingEffect:
         force=force,
         signature_error=0.5,
     )
-
-
-def moved_lift(wing: Wing, place: FloatArray) -> FloatArray:
-    """Return nodal forces (n_dofs,) [N] at load factor 1: lift times (place - its mean under the lift), total zero.
-
-    `place` (n_nodes,) is any coordinate of the nodes.
-    """
-    vertical = wing.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
-    mean = float(vertical @ place / vertical.sum())
-    moved = np.zeros((len(vertical), DOFS_PER_NODE))
-    moved[:, 2] = vertical * (place - mean)
-    return moved.ravel()
 
 
 def moment(wing: Wing, force: FloatArray, place: FloatArray) -> float:
