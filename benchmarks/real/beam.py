@@ -18,11 +18,11 @@ from scipy.signal import medfilt
 
 from benchmarks.real.answer import Answer
 from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, asked, said
+from benchmarks.real.decay import decay_of
 from benchmarks.real.evidence import Named
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, Odds
 from octmip.gap.doors.function import FunctionTwin, function_twin
-from octmip.gap.reductions.decay import decay_of
 from octmip.twin import Loads
 
 LENGTH, WIDTH, THICKNESS, DENSITY, SOUND = 0.501, 0.051, 0.00666, 7850.0, 48.0

@@ -16,7 +16,6 @@ from benchmarks.real.answer import Answer
 from benchmarks.real.evidence import Hypothesis, Named, Reference, judge
 from femlib.arrays import FloatArray
 from octmip.gap.doors.function import FunctionTwin, function_twin
-from octmip.gap.reductions.windows import window_means
 from octmip.twin import Loads
 
 NO_LOAD = Loads((), ())
@@ -76,9 +75,9 @@ def levels(folder: Path, case: str, begin: float | None = None, end: float | Non
     """Return the mean of each channel (3,) in a stretch, its last minute if none is given, and the air temperature."""
     table = pd.read_csv(folder / f"{case}.csv.gz")
     time = table["time"].to_numpy(dtype=float)
-    ends = [(time[-1] - END if begin is None else begin, time[-1] if end is None else end)]
+    within = (time >= (time[-1] - END if begin is None else begin)) & (time <= (time[-1] if end is None else end))
     means = [
-        window_means(time, table[name], ends)[0] if name in table and table[name].notna().all() else np.nan
+        float(table[name][within].mean()) if name in table and table[name].notna().all() else np.nan
         for name in (*CHANNELS, "air_temperature")
     ]
     return np.array(means[:3]), float(means[3])

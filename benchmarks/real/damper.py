@@ -16,7 +16,6 @@ import pandas as pd
 
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, Differences, FunctionTwin, Odds, Recorded, diagnose, function_twin, gathered
-from octmip.gap.reductions.repeats import phase_means
 
 PARTS, FINE = 24, 20
 """Parts of a cycle, and points of the twin in each."""
@@ -69,6 +68,14 @@ def damper_twin() -> FunctionTwin:
     return function_twin(force, READINGS, PARAMETERS, LOADS)
 
 
+def phase_means(time: FloatArray, signal: FloatArray, period: float, start: float) -> FloatArray:
+    """Return the mean of a signal over each part of each whole cycle (n_cycles, PARTS); `start` [s] of the first."""
+    count = int(np.floor((time[-1] - start + np.median(np.diff(time))) / period + 1e-6))
+    part = np.floor((time - start) / period * PARTS + 1e-9).astype(int)
+    used = (part >= 0) & (part < count * PARTS)
+    return np.asarray(np.bincount(part[used], signal[used]) / np.bincount(part[used])).reshape(count, PARTS)
+
+
 def read_test(folder: Path, name: str, frequency: float) -> Recorded:
     """Return the whole cycles of a test as rows, and its loads."""
     table = pd.read_csv(folder / f"{name}.csv")
@@ -79,7 +86,9 @@ def read_test(folder: Path, name: str, frequency: float) -> Recorded:
     angle = np.angle(np.exp(-2j * np.pi * frequency * time[middle]) @ place[middle])
     start = time[0] + ((0.5 - angle / (2.0 * np.pi)) / frequency - time[0]) % period
     columns = ("displacement_in", "force_kip", "tension_a_lb", "tension_b_lb")
-    moved, forces, one, other = (phase_means(time, table[name], period, PARTS, start) for name in columns)
+    moved, forces, one, other = (
+        phase_means(time, table[name].to_numpy(dtype=float), period, start) for name in columns
+    )
     stroke = np.ptp(moved, axis=1)
     whole = stroke > WHOLE * stroke.max()
     moved, forces, one, other = (each[whole] for each in (moved, forces, one, other))

@@ -31,7 +31,6 @@ from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
 from octmip.gap.location import Where, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
-from octmip.gap.progress import Progress, Stage, silent
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
@@ -47,8 +46,6 @@ SOUND_ENOUGH, LIKELY, POSSIBLE = 0.5, 0.5, 0.1
 """Probability that nothing acts beyond which a run is not doubted; that a run was wrong from which it is, or may be."""
 WARMER = 1.0
 """Range of the temperature [K] from which readings may go with it."""
-NAMED = 4
-"""Tests named one by one in a sentence about many."""
 BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
 
 
@@ -161,7 +158,6 @@ def diagnose(
     tree: Node | None = None,
     feature_names: Sequence[str] = (),
     noise_sd: float | Mapping[str, float] | None = None,
-    progress: Progress = silent,
     odds: Odds = Odds(),  # noqa: B008  (frozen)
     load_limits: Limits | None = None,
     trust_run: bool | None = None,
@@ -186,8 +182,6 @@ def diagnose(
     noise_sd
         standard deviation of one reading in its unit, of all gauges or by gauge, from the instrument's
         card; used where no load was read often enough to estimate the noise.
-    progress
-        called at the start of every stage; what it raises ends the diagnosis.
     odds
         how probable causes are before any reading.
     load_limits
@@ -204,11 +198,9 @@ def diagnose(
     """
     checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, progress, odds, trust_run)
+        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, odds, trust_run)
         posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
-        progress(Stage("how far the best cause closes the gap"))
         which, closing, unknown_probability = _which(posterior)
-        progress(Stage("which test to run next"))
         model, sizes = posterior.model, detectable(posterior.model)
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
@@ -221,7 +213,7 @@ def diagnose(
             detectable=sizes,
             refused=_refused(which, model, sizes),
             states=_states(which[0].judged) if which else (),
-            notes=(*doubts, *remarks, *campaign.notes, *notes, *_of_one_state(posterior, campaign)),
+            notes=(*doubts, *remarks, *campaign.notes, *notes),
             posterior=posterior,
             doubts=doubts,
             ties=ties(model),
@@ -234,16 +226,14 @@ def _inputs(
     effects: Mapping[str, Effect] | None,
     commissioning: Campaign | None,
     noise_sd: float | Mapping[str, float] | None,
-    progress: Progress,
     odds: Odds,
     trust_run: bool | None,
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    progress(Stage("the noise of the readings"))
     chosen = completed(effects if effects is not None else library_of(twin, campaign))
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     run = commissioning if trust_run is not False else None
-    inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, progress, odds)
+    inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, odds)
     if run is not commissioning:
         notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
     return inputs, notes
@@ -313,21 +303,6 @@ def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, f
         closing = measure_shrinkage(best.judged.inference, best.judged.members)
     which, unknown_probability = with_misfit(which, best, closing, posterior.unknown_probability)
     return which, closing, unknown_probability
-
-
-def _of_one_state(posterior: Posterior, campaign: Campaign) -> tuple[str, ...]:
-    """Return whether tests of unknown state that were read at one load each are taken as one state, as a sentence."""
-    probability = posterior.same_state
-    if probability is None:
-        return ()
-    tests = list(dict.fromkeys(cell.test for cell in campaign.cells if not cell.is_known))
-    named = ", ".join(tests[:NAMED]) + (f" and {len(tests) - NAMED} more" if len(tests) > NAMED else "")
-    shown = "above 0.99" if probability > 0.99 else "below 0.01" if probability < 0.01 else f"{probability:.2f}"
-    taken = "they are taken as one" if probability > 0.5 else "each is taken by itself"
-    return (
-        f"Tests {named} have unknown states and one load each: the readings show one state with probability {shown}, "
-        f"{taken}. State what is known, or read each test at two loads.",
-    )
 
 
 def _states(judged: Judged) -> tuple[StateEstimate, ...]:

@@ -1,4 +1,4 @@
-"""What a diagnosis doubts: a commissioning run, a stated state, a state that tests share, a unit."""
+"""What a diagnosis doubts: a commissioning run, a stated state, a unit."""
 
 from dataclasses import replace
 
@@ -51,19 +51,6 @@ def test_a_state_that_is_not_the_stated_one_is_named_with_what_it_is():
     assert diagnosis.which[0].effects == ("state_not_as_stated",)
     assert diagnosis.which[0].judged.doubted == "T1"
     assert diagnosis.states[0].mean["mu1"] == pytest.approx(0.3, abs=0.03)
-
-
-@pytest.mark.parametrize(("states", "share_one"), [(((0.1, 0.5), (0.4, 0.0)), False), (((0.3, 0.2),) * 2, True)])
-def test_tests_of_one_load_each_share_a_state_only_where_the_readings_say_so(states, share_one):
-    campaign = some_rows(measured(9, states=states, known=False), {("T0", 2.0), ("T1", 3.0)})
-    diagnosis = diagnose(campaign, TWIN, commissioning=RUN)
-    assert diagnosis.is_sound
-    assert (diagnosis.posterior.same_state > 0.5) is share_one
-    found = [[state.mean[name] for name in TWIN.parameters] for state in diagnosis.states]
-    assert np.allclose(found, states[: len(found)], atol=0.05)
-    (note,) = (note for note in diagnosis.notes if "one state" in note)
-    assert ("they are taken as one" in note) is share_one
-    assert f"probability {'above 0.99' if share_one else 'below 0.01'}" in note
 
 
 def more_of_the_damage(gauge, share):

@@ -4,6 +4,7 @@ Both logs give the commands of thrust, roll, pitch and yaw: log B as such, log A
 They are counted in grams of one rotor, so that +1 of each is +1 g on M3's pattern (1, 1, -1, 1).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from femlib.arrays import FloatArray
-from octmip.gap.reductions.windows import window_means, window_steps
 
 GRAMS = 15.0 / 65536.0
 """Nominal thrust of one rotor by its command [g]."""
@@ -77,23 +77,30 @@ def read_flight(folder: Path, name: str, airframe: str, log: str, role: str) -> 
     """Return the readings of a flight."""
     table = pd.read_csv(folder / f"{name}.csv.gz")
     time, both, steady = table["time"].to_numpy(dtype=float), hovers(table), commands(table)
-    out, back = np.array([window_means(time, column, both) for column in steady.T]).T
-    way = window_means(time, steady[:, 3], [OUT, BACK])
+    out, back = (part.mean(axis=0) for part in _parts(time, steady, both))
+    way = [float(part.mean()) for part in _parts(time, steady[:, 3], [OUT, BACK])]
     found = dict(zip(STEADY, (*(out + back) / 2.0, way[0] - way[1]), strict=True))
     for axis, column in zip(AXES, steady.T, strict=True):
-        found[f"step_{axis}"] = float(np.log(_both(window_steps(time, column, both))))
+        found[f"step_{axis}"] = float(np.log(_steps(time, column, both)))
     for channel in SHAKEN[log]:
-        found[f"shake_{channel}"] = float(np.log(_both(window_steps(time, table[channel], both))))
+        found[f"shake_{channel}"] = float(np.log(_steps(time, table[channel], both)))
     for one, other in TIED[log]:
         first, second = (table[name] / table[name].diff().std() for name in (one, other))
-        joined, apart = (_both(window_steps(time, first + sign * second, both)) ** 2 for sign in (1.0, -1.0))
+        joined, apart = (_steps(time, first + sign * second, both) ** 2 for sign in (1.0, -1.0))
         found[f"tie_{one}_{other}"] = (joined - apart) / (joined + apart)
     readings = np.array([found.get(reading, np.nan) for reading in READINGS])
     return Flight(name, airframe, log, role, readings, out, back)
 
 
-def _both(steps: FloatArray) -> float:
-    return float(np.sqrt(np.mean(steps**2)))
+def _parts(time: FloatArray, signal: FloatArray, stretches: Sequence[tuple[float, float]]) -> list[FloatArray]:
+    """Return the samples of a signal in each stretch [s], both ends included."""
+    return [signal[(time >= begin) & (time <= end)] for begin, end in stretches]
+
+
+def _steps(time: FloatArray, signal: pd.Series | FloatArray, both: Sequence[tuple[float, float]]) -> float:
+    """Return the rms over both hovers of the rms of the steps from sample to sample."""
+    parts = _parts(time, np.asarray(signal, dtype=float), both)
+    return float(np.sqrt(np.mean([np.mean(np.diff(part) ** 2) for part in parts])))
 
 
 def read_flights(folder: Path) -> dict[str, Flight]:

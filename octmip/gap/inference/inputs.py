@@ -30,7 +30,6 @@ from octmip.gap.inference.difference import (
 )
 from octmip.gap.inference.rows import Frame, Means
 from octmip.gap.odds import Odds
-from octmip.gap.progress import Progress, silent
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
 
@@ -88,8 +87,6 @@ class Inputs:
         load of the greatest healthy readings.
     groups
         cells that share one unknown state, each a tuple of cell indices.
-    progress
-        told at every stage of what is made of these inputs.
     odds
         how probable causes are before any reading.
     frame
@@ -113,7 +110,6 @@ class Inputs:
     frame: Frame
     run: Run | None = None
     noises: tuple[tuple[Noise, float], ...] = ()
-    progress: Progress = silent
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
 
     @property
@@ -186,7 +182,6 @@ def prepare(
     effects: Mapping[str, Effect],
     commissioning: Campaign | None = None,
     noise_sd: float | Mapping[str, float] | None = None,
-    progress: Progress = silent,
     odds: Odds = Odds(),  # noqa: B008  (frozen)
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of an inference, and notes for the reader.
@@ -230,7 +225,6 @@ def prepare(
         frame=frame,
         run=known,
         odds=odds,
-        progress=progress,
     )
     inputs = relearnt(inputs, known) if known is not None else inputs
     return inputs, [*checks.notes, *of_noise, *of_run, *_of_difference(inputs)]
@@ -359,19 +353,6 @@ def _open_groups(campaign: Campaign) -> Groups:
         if not cell.is_known:
             by_test.setdefault(cell.test, []).append(k)
     return tuple(tuple(cells) for cells in by_test.values())
-
-
-def one_state(inputs: Inputs) -> Inputs | None:
-    """Return the inputs with all unknown states the same, where tests were read at one load each, all different.
-
-    So a commissioning run is read by some: one state, each load a test. Where tests have several loads, or a load comes
-    twice, there is no sign of it.
-    """
-    loads = [{inputs.campaign.cells[k].load for k in group} for group in inputs.groups]
-    single = [next(iter(found)) for found in loads if len(found) == 1]
-    if len(loads) < 2 or len(single) < len(loads) or len(set(single)) < len(single):
-        return None
-    return replace(inputs, groups=(tuple(k for group in inputs.groups for k in group),))
 
 
 def doubted_state(inputs: Inputs, test: str) -> Inputs:

@@ -1,8 +1,8 @@
 """The posterior over sets of candidates: how probable each set is as the explanation of the readings.
 
 It is normalised over no effect, sets of candidates, and the unknown, each at every **level** of the difference between
-twin and asset and with every test of a stated state doubted in turn; tests of unknown state may share one. What one
-hypothesis weighs in several ways adds up; it is shown in the one that bears it most.
+twin and asset and with every test of a stated state doubted in turn. What one hypothesis weighs in several ways adds
+up; it is shown in the one that bears it most.
 """
 
 import math
@@ -14,7 +14,7 @@ from scipy.special import logsumexp
 
 from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.inference import Inference
-from octmip.gap.inference.inputs import Inputs, doubted_state, one_state
+from octmip.gap.inference.inputs import Inputs, doubted_state
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.search import Weighed, nothing_else, promise, weighed_hypotheses
 from octmip.gap.inference.states import highest, starting_states
@@ -88,15 +88,12 @@ class Posterior:
         ordered hypotheses; probabilities sum to 1.
     inference
         the main one: of the most probable hypothesis without the unknown, under the noise of the leading one.
-    same_state
-        probability that tests with unknown states of one load each are one state; None where nothing suggests it.
     log_total
         log of the sum of prior times evidence.
     """
 
     judged: tuple[Judged, ...]
     inference: Inference
-    same_state: float | None = None
     log_total: float = 0.0
 
     @property
@@ -136,15 +133,9 @@ Key = tuple[Members, bool, str]
 def attribute(inputs: Inputs) -> Posterior:
     """Return the posterior over sets of effects."""
     found = {"": weighed_hypotheses(inputs, starting_states(inputs))}
-    together = one_state(inputs)
-    same_state = None
-    if together is not None:
-        merged = weighed_hypotheses(together, starting_states(together))
-        same_state = float(1.0 / (1.0 + np.exp(np.clip(log_total(found[""]) - log_total(merged), -700, 700))))
-        found[""] = merged if same_state > 0.5 else found[""]
     if _may_be_misstated(inputs, found[""]):
         found |= _with_doubts(inputs, found[""])
-    return _normalised(found, same_state)
+    return _normalised(found)
 
 
 def _may_be_misstated(inputs: Inputs, weighed: Sequence[Weighed]) -> bool:
@@ -179,7 +170,7 @@ def _with_doubts(inputs: Inputs, weighed: Sequence[Weighed]) -> dict[str, list[W
     return found
 
 
-def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Posterior:
+def _normalised(found: dict[str, list[Weighed]]) -> Posterior:
     by_key: dict[Key, list[Weighed]] = {}
     for doubted, weighed in found.items():
         for w in weighed:
@@ -192,7 +183,7 @@ def _normalised(found: dict[str, list[Weighed]], same_state: float | None) -> Po
     known = [w for weighed in found.values() for w in weighed if not w.has_unknown]
     alike = [w for w in known if w.inference.model.inputs.noise.walk_sd == walk]
     main = max(alike or known, key=lambda w: w.log_weight).inference
-    return Posterior(tuple(judged), main, same_state, total)
+    return Posterior(tuple(judged), main, total)
 
 
 def _judged(key: Key, same: Sequence[Weighed], total: float) -> Judged:

@@ -26,7 +26,6 @@ from octmip.gap.inference.linear_model import Columns, LinearModel, again, assem
 from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states
 from octmip.gap.inference.unknown import weigh_unknown
-from octmip.gap.progress import Stage
 
 Floats = NDArray[np.float64]
 
@@ -117,7 +116,6 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
         found |= {m: max(w, found.get(m, -inf)) for m, w in likely_sets(one).items()}
     ordered = sorted(found, key=lambda members: -found[members])
     exact = _with_parts([m for m in ordered[:N_EXACT] if found[m] > found[ordered[0]] - EXACT_BEHIND])
-    inputs.progress(Stage("weighing the best hypotheses exactly"))
     columns, weighed = _settled(columns, inferences, exact)
     result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
     for log_share, model in variants[1:]:
@@ -207,7 +205,6 @@ def likely_sets(inference: Inference) -> dict[Members, float]:
     best = -inf
     for size in range(1, most + 1):
         longer: dict[Members, float] = {}
-        inputs.progress(Stage("hypotheses, number of effects", size, most))
         inference.fits(heads)
         for members in heads:
             longer |= _extended(inference, members)

@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from octmip.gap.campaign.averages import AveragedCell
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.effects.words import effect_words
 from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.progress import Stage
 from octmip.twin import Effect, Load, State, state_limits_of
 
 Floats = NDArray[np.float64]
@@ -46,9 +44,7 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     ratio = ratios(inputs, states, expected)
     history = load_steps(inputs.campaign)
     columns = [np.zeros((0, expected.size))]
-    effects = inputs.effects()
-    for number, (effect, places) in enumerate(effects, start=1):
-        inputs.progress(Stage("effect", number, len(effects), effect_words(effect)))
+    for effect, places in inputs.effects():
         if getattr(effect, "acts_on_readings", False):
             rows = _of_readings(inputs, effect, places, expected)
         else:

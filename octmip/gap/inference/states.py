@@ -17,7 +17,6 @@ from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, linearise
-from octmip.gap.progress import Stage
 from octmip.twin import state_limits_of
 
 Floats = NDArray[np.float64]
@@ -62,10 +61,7 @@ def starting_states(inputs: Inputs) -> list[Floats]:
     """Return assignments (n_cells, n_parameters): all best nodes first, then one group at a time at another node."""
     states = np.array([cell.state for cell in inputs.campaign.cells])
     best = states.copy()
-    nodes = []
-    for number, group in enumerate(inputs.groups, start=1):
-        inputs.progress(Stage("unknown state", number, len(inputs.groups)))
-        nodes.append(_likely_nodes(inputs, group))
+    nodes = [_likely_nodes(inputs, group) for group in inputs.groups]
     for group, found in zip(inputs.groups, nodes, strict=True):
         best[list(group)] = found[0]
     others = []

@@ -49,7 +49,8 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
     if arguments.load_limits:
         settings["load_limits"] = tuple(arguments.load_limits)
-    return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, progress=line, **settings)
+    line("diagnosing")
+    return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
 
 
 def _show(arguments: argparse.Namespace, diagnosis: Any, masthead: Any) -> None:

@@ -11,11 +11,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from octmip.errors import DataError
-from octmip.gap.reductions.windows import Floats, even_series_of
+Floats = NDArray[np.float64]
 
 LINES = 1 << 17
 """Points of the padded spectrum in which a peak is looked for."""
@@ -72,19 +71,10 @@ def decay_of(
         frequencies that belong to the measuring chain [Hz].
     zero_degree
         of the polynomial that the zero of the chain follows.
-
-    Raises
-    ------
-    DataError
-        uneven samples, no band, a band without lines, or fewer samples than unknowns.
     """
-    t, y, rate = even_series_of(time, signal)
+    t, y = np.asarray(time, dtype=np.float64), np.asarray(signal, dtype=np.float64)
+    rate = (len(t) - 1) / float(t[-1] - t[0])
     unknowns = 4 * len(bands) + 2 * len(hum) + zero_degree + 1
-    if not bands or len(y) <= unknowns or any(not 0.0 <= low < high <= rate / 2 for low, high in bands):
-        raise DataError(
-            f"bands {list(bands)} for {len(y)} samples at {rate:g} samples/s; expected one or more bands between 0 and "
-            f"{rate / 2:g} Hz and over {unknowns} samples"
-        )
     at, n = t - t[0], len(bands)
     chain = [(at / at[-1]) ** power for power in range(zero_degree + 1)]
     chain += [wave(2.0 * np.pi * f * at) for f in hum for wave in (np.cos, np.sin)]
