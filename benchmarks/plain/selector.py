@@ -19,8 +19,6 @@ from femlib.arrays import FloatArray, IntArray
 from octmip.gap import Campaign
 from octmip.gap.diagnosis import library_of
 from octmip.gap.effects import in_chain
-from octmip.gap.effects.complete import completed
-from octmip.gap.effects.families import Family
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect, Twin, amounts_of
 
@@ -64,8 +62,8 @@ def select(campaign: Campaign, twin: Twin, run: Campaign | None = None, noise_sd
     """Return the probability of no effect, of every single one, of pairs, and of something unknown."""
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     read = readings_of(campaign, asked, run, noise_sd)
-    complete = completed(library_of(twin, campaign)).values()
-    library = [e for e in complete if not isinstance(e, Family) or e.has_own_name]  # its unknown has courses of its own
+    effects = library_of(twin, campaign).values()
+    library = [e for e in effects if not getattr(e, "is_nameless", False)]  # its unknown has courses of its own
     every = [(effect, place) for effect in library for place in effect.places(asked)]
     signatures = _signatures(read, every)
     kept = [k for k, signature in enumerate(signatures) if np.any(np.abs(signature) > 1e-12 * read.typical[:, None])]

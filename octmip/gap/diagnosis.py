@@ -19,7 +19,6 @@ from octmip.gap.causes import (
     with_misfit,
 )
 from octmip.gap.effects import chain_of, in_chain
-from octmip.gap.effects.complete import completed
 from octmip.gap.effects.families import History
 from octmip.gap.inference.confounding import ABSURD, detectable, ties
 from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
@@ -230,7 +229,7 @@ def _inputs(
     trust_run: bool | None,
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    chosen = completed(effects if effects is not None else library_of(twin, campaign))
+    chosen = effects if effects is not None else library_of(twin, campaign)
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     run = commissioning if trust_run is not False else None
     inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, odds)

@@ -12,7 +12,7 @@ from octmip.gap.campaign.fault import Fault
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
 from octmip.gap.campaign.spectrum import WHITE
-from octmip.gap.channels.outliers import _far, _is_skewed, _Mixture, _scale
+from octmip.gap.channels.outliers import _far, _is_skewed, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.evidence import _between, alike, fits_of, log_between
 
@@ -141,14 +141,6 @@ def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
 
 
 # Far-off readings
-
-
-def test_a_reading_belongs_to_the_narrow_part_by_the_rule_of_bayes():
-    r = np.array([[-1.0, 0.0, 2.5, 8.0, np.nan]])
-    found = _Mixture(r, np.zeros((1, 5)), np.ones(5), np.full(5, 0.1), 8.0, 2.0).narrow()
-    narrow, wide = 0.9 * norm.pdf(r), 0.1 * norm.pdf(r, 8.0, 2.0)
-    assert found[0, :4] == pytest.approx((narrow / (narrow + wide))[0, :4])
-    assert found[0, 4] == 0.0
 
 
 def test_a_far_reading_is_far_from_its_neighbours_too():

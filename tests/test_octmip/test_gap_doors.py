@@ -75,11 +75,12 @@ def test_a_parameter_that_is_not_nominal_is_found_with_its_size(truth, size):
 
 
 def test_a_parameter_whose_nominal_value_is_the_greatest_falls():
-    falls = function_twin(
+    twin = function_twin(
         lambda p, loads: [p["efficiency"] * loads["power"]], {"out": "W"}, {"efficiency": (1.0, 0.6, 1.0)}, ("power",)
-    ).effects["efficiency"]
+    )
+    falls = twin.effects["efficiency"]
     assert (falls.bounds, falls.is_one_sided) == ((0.0, 0.4), True)
-    assert falls.signature(None, {}, 10.0) == pytest.approx([-10.0])
+    assert falls.signature(twin, {}, 10.0) == pytest.approx([-10.0])
     assert falls.says[0] == "it is {size} below the model's 1"
 
 

@@ -1,4 +1,4 @@
-"""Effects of other people: four things said are enough, and what an effect does not say has a default."""
+"""Effects of other people: four things said are enough, fewer are refused."""
 
 import numpy as np
 import pytest
@@ -41,18 +41,9 @@ def test_a_simple_effect_may_ask_for_load_and_place_and_knows_its_bounds():
         SimpleEffect("one", "mm", 1.0, lambda readings: readings)
 
 
-class Bare:
-    """An effect of a stranger: what it must say and no more."""
-
-    name, unit, prior_sd = "tilt", "deg", 1.0
-
-    def signature(self, twin, state, load_factor, place="", time=0.0):
-        return np.array([0.1, -0.1, 0.0])
-
-
-def test_what_an_effect_of_a_stranger_does_not_say_has_a_default():
-    assert "tilt" in diagnose(measured(5), TWIN, {"tilt": Bare()}).inclusion
+def test_an_effect_that_says_too_little_and_a_name_that_comes_twice_are_refused():
     with pytest.raises(TwinError, match=r"effect 'tilt' \(object\) has no name"):
         diagnose(measured(5), TWIN, {"tilt": object()})
+    tilt = SimpleEffect("tilt", "deg", 1.0, lambda readings, size: readings + size)
     with pytest.raises(TwinError, match="two effects are called 'tilt'"):
-        diagnose(measured(5), TWIN, {"a": Bare(), "b": Bare()})
+        diagnose(measured(5), TWIN, {"a": tilt, "b": tilt})

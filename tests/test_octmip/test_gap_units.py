@@ -9,7 +9,7 @@ import pytest
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.doors.card import Range
-from octmip.gap.doors.parameter import parameter_effect
+from octmip.gap.doors.function import parameter_effect
 from octmip.gap.effects import chain_of
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page

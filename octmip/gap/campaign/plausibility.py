@@ -31,12 +31,6 @@ SMALLEST_SHARE = 0.02
 """Predictions below this share of the greatest one say nothing about the unit, of readings that are no strain."""
 TURNED = -0.9
 """Correlation of readings and twin below which the sign is reversed."""
-DIVIDED = 0.1
-"""Readings within this share of prediction over load factor were divided by the load factor."""
-FAR_OUT = 15.0
-"""Robust standard deviations from the other repeats beyond which a reading is reported as an outlier."""
-FEW = 3
-"""Repeats that an outlier needs beside it; most outliers that are reported."""
 DISTINCT = 6
 """Different readings in a column below which two columns may be equal by chance."""
 
@@ -111,10 +105,9 @@ class Sheet:
         names = self.campaign.load_names
         return load_words(names, load_of(names, tuple(self.campaign.applied[row].tolist())))
 
-    def slope(self, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
+    def slope(self) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
-        kept = slice(None) if rows is None else rows
-        x, y = self.predicted[kept].ravel(), self.readings[kept].ravel()
+        x, y = self.predicted.ravel(), self.readings.ravel()
         used = np.isfinite(y) & (np.abs(x) > self.smallest_signal)
         x, y = x[used], y[used]
         largest = float(np.abs(y).max(initial=0.0))
@@ -131,21 +124,10 @@ class Sheet:
 
 def refuse_nonsense(sheet: Sheet) -> None:
     """Raise DataError for the first thing that no physics explains."""
-    _refuse_equal(sheet)
-    for check in (_refuse_units, _refuse_column_units, _refuse_absurd, _refuse_sign, _refuse_divided):
+    for check in (_refuse_units, _refuse_column_units, _refuse_absurd, _refuse_sign):
         for one in sheet.of_units():
             check(one)
     _refuse_twin_columns(sheet)
-    _refuse_copies(sheet)
-
-
-def _refuse_equal(sheet: Sheet) -> None:
-    finite = sheet.readings[np.isfinite(sheet.readings)]
-    if finite.size > 1 and np.ptp(finite) == 0.0:
-        raise DataError(
-            f"{sheet.where()}: all {finite.size} readings are equal ({finite[0]:g}); expected measured values; the "
-            "logger recorded nothing: check it and repeat the test"
-        )
 
 
 def _refuse_units(sheet: Sheet) -> None:
@@ -200,21 +182,6 @@ def _refuse_sign(sheet: Sheet) -> None:
     )
 
 
-def _refuse_divided(sheet: Sheet) -> None:
-    """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
-    applied = sheet.campaign.applied[:, :1].ravel()
-    greatest = float(np.abs(applied).max(initial=0.0))
-    if sheet.campaign.load_names != ONE_LOAD or not sheet.is_microstrain or greatest < 2.0:
-        return
-    slopes = [sheet.slope(applied == load)[0] * load for load in np.unique(applied[applied != 0.0]).tolist()]
-    if all(abs(slope - 1.0) < DIVIDED for slope in slopes):
-        row = int(np.flatnonzero(np.abs(applied) == greatest)[0])
-        raise DataError(
-            f"{sheet.where([row])}: readings at {sheet.words(row)} are 1/{greatest:g} of what the twin predicts; "
-            "expected microstrain at that load, not divided by the load factor; multiply them by it"
-        )
-
-
 def _refuse_column_units(sheet: Sheet) -> None:
     for name, one in sheet.gauges():
         slope, correlation = one.slope()
@@ -242,16 +209,6 @@ def _refuse_twin_columns(sheet: Sheet) -> None:
             )
 
 
-def _refuse_copies(sheet: Sheet) -> None:
-    repeated = [cell.rows for cell in sheet.campaign.cells if len(cell.rows) > 1]
-    apart = [sheet.readings[rows] - sheet.readings[rows[0]] for rows in repeated]
-    if repeated and not any(np.nanmax(np.abs(spread), initial=0.0) > 0.0 for spread in apart):
-        raise DataError(
-            f"{sheet.where(repeated[0].tolist())}: the repeats of a load are copies of one reading, here and at every "
-            "other load; expected readings that scatter, from which the noise is estimated; export every repeat"
-        )
-
-
 def warnings_on(sheet: Sheet) -> list[str]:
     """Return a sentence on each thing that may be real but should be looked at, and on what is missing."""
     empty = [name for name, one in sheet.gauges() if not np.isfinite(one.readings).any()]
@@ -264,27 +221,4 @@ def warnings_on(sheet: Sheet) -> list[str]:
         for name, one in sheet.gauges()
         if one.slope()[1] < TURNED
     ]
-    return [*notes, *_outliers(sheet)]
-
-
-def _outliers(sheet: Sheet) -> list[str]:
-    """Return a sentence on readings far from the other repeats, the first few by row and column."""
-    left = np.full_like(sheet.readings, np.nan)
-    for cell in sheet.campaign.cells:
-        enough = np.flatnonzero(cell.count >= FEW)
-        here = sheet.readings[np.ix_(cell.rows, enough)]
-        left[np.ix_(cell.rows, enough)] = here - np.nanmedian(here, axis=0)
-    known = np.flatnonzero(np.isfinite(left).any(axis=0))
-    sd = 1.4826 * np.nanmedian(np.abs(left[:, known]), axis=0)
-    far = np.argwhere(np.abs(left[:, known]) > FAR_OUT * np.where(sd > 0.0, sd, np.inf))
-    if not len(far):
-        return []
-    shown = "; ".join(
-        f"row {sheet.campaign.row_number(row)}, column {sheet.campaign.gauges[known[k]]}: "
-        f"{sheet.readings[row, known[k]]:g}"
-        for row, k in far[:FEW].tolist()
-    )
-    return [
-        f"{len(far)} reading{'s are' if len(far) > 1 else ' is'} more than {FAR_OUT:g} standard deviations from the "
-        f"other repeats ({shown}); used as recorded: clear the cell if it is the logger's placeholder for no reading."
-    ]
+    return notes

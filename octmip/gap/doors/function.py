@@ -21,15 +21,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
-from octmip.gap.doors.card import Card, RangeLike
-from octmip.gap.doors.parameter import parameter_effect
-from octmip.twin import ONE_LOAD, Effect, State
+from octmip.gap.doors.card import Card, Range, RangeLike
+from octmip.gap.effects.simple import SimpleEffect
+from octmip.twin import ONE_LOAD, PURE, Effect, State
 
 Floats = NDArray[np.float64]
 Applied = float | Mapping[str, float]
 """What is applied: a number where the model has one load, else all loads by name."""
 Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
 """Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
+Ask = Callable[[State, Any, Mapping[str, float]], Floats]
+"""State, load and values of parameters that are not nominal -> readings (n_gauges,)."""
+SHARE = 0.25
+"""Prior sd over the width of the range: the range reaches two standard deviations to either side of its middle."""
+STEP = 0.25
+"""Step of the finite difference over the prior sd: small beside the curvature of a model that is tabulated or rough."""
 
 
 class FunctionTwin:
@@ -160,3 +166,32 @@ def function_twin(
     limits = dict.fromkeys(states, 1.0)
     card = Card(readings, loads, states, parameters or {}, sign, channels or {}, limits, linear, positions or {})
     return FunctionTwin(function, card)
+
+
+def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
+    """Return the effect that the asset's value of a parameter with a range is another than the model's.
+
+    Its size is the asset's value less the nominal one; how far it is below where the nominal value is the greatest.
+    """
+    called, width = name.replace("_", " "), own.high - own.low
+    is_at_end, below = own.nominal in (own.low, own.high), own.nominal == own.high
+    unit = "" if own.unit in PURE else f" {own.unit}"
+    of, way = f"the model's {own.nominal:g}{unit}", "below" if below else "above"
+
+    def apply(readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
+        moved = ask(state, load, {name: own.nominal + (-size if below else size)} if size else {})
+        return readings + moved - ask(state, load, {})
+
+    return SimpleEffect(
+        name=name,
+        unit=own.unit,
+        prior_sd=(2 * SHARE if is_at_end else SHARE) * width,
+        apply=apply,
+        bounds=(0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
+        parameter=f"{called} {way} {of}",
+        prior_source=f"the range {own.low:g} to {own.high:g}{unit}",
+        words=called,
+        action=f"correct the {called}",
+        says=(f"it is {{size}} {way} {of}", f"it is {{size}} below {of}"),
+        step=STEP,
+    )

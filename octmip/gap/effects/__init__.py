@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from octmip.gap.effects.chain import FORMULAS, LOAD_FACTOR_ERROR, ChainEffect, error_of_load
-from octmip.gap.effects.families import Family, History, families_of, named_families
+from octmip.gap.effects.families import History, families_of, named_families
 from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of
 
 _OF_STRAINS: tuple[Effect, ...] = (*named_families([MICROSTRAIN], {}), *FORMULAS, LOAD_FACTOR_ERROR)
@@ -33,7 +33,7 @@ def chain_of(
 
 def in_chain(effect: Effect) -> bool:
     """Return whether an effect is one of the measuring chain's."""
-    return effect.name in CHAIN or isinstance(effect, (ChainEffect, Family))
+    return effect.name in CHAIN or isinstance(effect, ChainEffect)
 
 
 __all__ = ["CHAIN", "chain_of", "in_chain"]

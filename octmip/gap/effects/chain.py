@@ -33,11 +33,13 @@ STEP = 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """The twin at one state and load, and what an effect acts on there: gauges by number, or a load by name."""
+    """The twin at one state, load and time, and what an effect acts on there: gauges by number, or a load by name."""
 
     twin: Twin
     state: State
     load: Load
+    place: str = ""
+    time: float = 0.0
     gauges: tuple[int, ...] = ()
     load_name: str = ""
 
@@ -61,6 +63,8 @@ class ChainEffect:
         between the two gauges of a place; "" where a place is one instrument or the whole.
     load_name
         the load that is wrong, of a twin with several.
+    is_nameless, commonness
+        whether it is a cell of the families without a name of its own, and how probable it is beside other effects.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -79,6 +83,9 @@ class ChainEffect:
     is_one_sided: bool = False
     load_power: int | None = None
     acts_on_readings: bool = False
+    uses_time: bool = False
+    is_nameless: bool = False
+    commonness: float = 1.0
     seen_by: tuple[str, ...] = ()
     words: str = ""
     words_at: str = ""
@@ -95,7 +102,8 @@ class ChainEffect:
 
     def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size."""
-        return self.change(Moment(twin, state, load_factor, self._numbers(twin, place), self.load_name))
+        gauges = self._numbers(twin, place)
+        return self.change(Moment(twin, state, load_factor, place, time, gauges, self.load_name))
 
     def _numbers(self, twin: Twin, place: str) -> tuple[int, ...]:
         if self.separator:

@@ -31,7 +31,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.twin import MICROSTRAIN, PURE, Load, State, Twin, channels_of, positions_of, units_of
+from octmip.gap.effects.chain import ChainEffect, Moment
+from octmip.twin import MICROSTRAIN, PURE, Twin, channels_of, positions_of, units_of
 
 Floats = NDArray[np.float64]
 History = tuple[tuple[float, float], ...]
@@ -169,86 +170,56 @@ OF_CHANNEL = {
 """What these are called where no strain is read."""
 
 
+AXES = ("along", "across")
+
+
 @dataclass(frozen=True, slots=True)
-class Family:
-    """One cell of the library of families.
+class Cell:
+    """One cell of the library: what it changes in the readings, and where.
 
     Attributes
     ----------
     who, course, law
         as the tables of this module have them.
+    unit
+        of the readings that it acts on; "" for all.
     scale
         typical reading of the unit.
-    reading_unit
-        that it acts on; "" for all readings.
     history
         the course, where the campaign gives it.
-    commonness
-        how probable it is beside other effects.
-
-    The others are those of `octmip.twin.Effect`.
     """
 
-    name: str
     who: str
     course: str
     law: str
     unit: str
-    prior_sd: float
     scale: float
-    reading_unit: str
-    words: str
-    words_at: str
-    action: str
-    says: tuple[str, str]
-    commonness: float
     history: History = ()
-    parameter: str = ""
-    prior_source: str = "instruments are good to some per cent"
-    separated_by: str = "the same load at the start and at the end of the campaign, and a shunt calibration"
-    prior_mean: float = 0.0
-    is_one_sided: bool = False
-    seen_by: tuple[str, ...] = ("shunt_reading",)
-
-    @property
-    def uses_time(self) -> bool:
-        """Whether the signature depends on the time."""
-        return self.course != "steady"
-
-    @property
-    def has_own_name(self) -> bool:
-        """Whether it is one of the common cells, which have names of their own."""
-        return (self.who, self.course, self.law) in CARDS
-
-    @property
-    def load_power(self) -> int | None:
-        """The power of the load with which it grows, where it is one."""
-        return 0 if self.law == "constant" else None
-
-    def _own(self, twin: Twin) -> list[bool]:
-        return [self.reading_unit in ("", unit) for unit in units_of(twin)]
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the instruments, the batches, or the whole."""
         own = self._own(twin)
         if self.who == "one":
-            found = zip(channels_of(twin), own, strict=True)
-            return tuple(dict.fromkeys(channel for channel, is_own in found if is_own))
+            return tuple(
+                dict.fromkeys(channel for channel, is_own in zip(channels_of(twin), own, strict=True) if is_own)
+            )
         if self.who == "batch":
             return tuple(getattr(twin, "batches", {}))
-        return ("",) if sum(own) > 1 or self.name == "common_gain" else ()
+        return ("",) if sum(own) > 1 or not self.unit else ()
 
-    def gauges_of(self, twin: Twin, place: str) -> tuple[str, ...]:
-        """Return the gauges of a place."""
-        if self.who == "one":
-            return tuple(name for name, own in zip(twin.gauges, channels_of(twin), strict=True) if own == place)
-        return ()
-
-    def signature(self, twin: Twin, state: State, load_factor: Load, place: str = "", time: float = 0.0) -> Floats:
+    def change(self, moment: Moment) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size."""
-        reading = np.zeros(len(twin.gauges)) if self.law == "constant" else twin.predict(state, load_factor)
-        law = self._law(np.asarray(reading, dtype=np.float64))
-        return self._weight(twin, place) * self._course(time) * law
+        twin, weight = moment.twin, np.array(self._own(moment.twin), dtype=np.float64)
+        if self.who == "one":
+            weight *= np.isin(np.arange(len(weight)), moment.gauges)
+        elif self.who == "batch":
+            weight *= [name in twin.batches[moment.place] for name in twin.gauges]  # type: ignore[attr-defined]
+        elif self.who in AXES:
+            weight *= on_axis(twin, AXES.index(self.who))
+        return np.asarray(weight * self._course(moment.time) * self._law(moment))
+
+    def _own(self, twin: Twin) -> list[bool]:
+        return [self.unit in ("", unit) for unit in units_of(twin)]
 
     def _course(self, time: float) -> float:
         if self.course in COURSES:
@@ -256,25 +227,15 @@ class Family:
         times, values = np.array(self.history).T
         return float(values[np.argmin(np.abs(times - time))])
 
-    def _law(self, reading: Floats) -> Floats:
+    def _law(self, moment: Moment) -> Floats:
         if self.law == "constant":
-            return np.ones_like(reading)
+            return np.ones(len(moment.twin.gauges))
+        reading = np.asarray(moment.readings, dtype=np.float64)
         if self.law == "proportional":
             return 0.01 * reading
         if self.law == "square":
             return 0.01 * reading * np.abs(reading) / self.scale
         return 0.01 * np.sign(reading) * np.maximum(0.0, np.abs(reading) - 0.5 * self.scale)
-
-    def _weight(self, twin: Twin, place: str) -> Floats:
-        own = np.array(self._own(twin), dtype=np.float64)
-        if self.who == "one":
-            return own * np.array([name == place for name in channels_of(twin)], dtype=np.float64)
-        if self.who == "batch":
-            return own * np.array([name in twin.batches[place] for name in twin.gauges])  # type: ignore[attr-defined]
-        return own * on_axis(twin, AXES.index(self.who)) if self.who in AXES else own
-
-
-AXES = ("along", "across")
 
 
 def on_axis(twin: Twin, rank: int) -> Floats:
@@ -293,7 +254,7 @@ def on_axis(twin: Twin, rank: int) -> Floats:
     return np.asarray(2.0 * (places[:, axis] - places[:, axis].min()) / extent[axis] - 1.0)
 
 
-def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str, History]) -> list[Family]:
+def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str, History]) -> list[ChainEffect]:
     """Return the cells for a twin's readings, given the typical reading of each unit and the campaign's own courses."""
     missing = set() if getattr(twin, "batches", {}) else {"batch"}
     missing |= {who for rank, who in enumerate(AXES) if not on_axis(twin, rank).any()}
@@ -309,7 +270,7 @@ def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str
     return found
 
 
-def named_families(every: Sequence[str], typical: Mapping[str, float]) -> list[Family]:
+def named_families(every: Sequence[str], typical: Mapping[str, float]) -> list[ChainEffect]:
     """Return the cells with names of their own for readings of these units (n_gauges,)."""
     units, found = list(dict.fromkeys(every)), []
     for cell in CARDS:
@@ -325,7 +286,7 @@ def named_families(every: Sequence[str], typical: Mapping[str, float]) -> list[F
 
 def _family(
     cell: tuple[str, str, str], unit: str, typical: float, share: float, is_only: bool, history: History = ()
-) -> Family:
+) -> ChainEffect:
     who, course, law = cell
     ending = "" if is_only else f"_{re.sub(r'[^a-z0-9]+', '_', unit.lower()).strip('_') or 'number'}"
     size_unit = unit if law == "constant" else "%"
@@ -342,6 +303,9 @@ def _family(
         "action": f"look for the {words}",
         "says": (f"the {called} is {{size}}", f"the {called} is -{{size}}"),
         "parameter": called,
+        "prior_source": "instruments are good to some per cent",
+        "separated_by": "the same load at the start and at the end of the campaign, and a shunt calibration",
+        "seen_by": ("shunt_reading",),
     }
     if cell in CARDS:
         said |= CARDS[cell]
@@ -350,14 +314,14 @@ def _family(
             said |= OF_CHANNEL[said["name"]]
             said["words"] += "" if is_only else f" in {unit}"
     said["name"] += ending
-    return Family(
-        who=who,
-        course=course,
-        law=law,
+    own = Cell(*cell, unit, typical, history)
+    return ChainEffect(
         unit=size_unit,
-        scale=typical,
-        reading_unit=unit,
+        change=own.change,
+        places_in=own.places,
+        load_power=0 if law == "constant" else None,
+        uses_time=course != "steady",
+        is_nameless=cell not in CARDS,
         commonness=share * (1.0 if cell in CARDS else RARE),
-        history=history,
         **said,
     )

@@ -17,9 +17,6 @@ from octmip.twin import State, Twin
 
 Floats = NDArray[np.float64]
 
-STEP = 0.1
-"""Step of the finite difference over the prior sd."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimpleEffect:
@@ -36,13 +33,16 @@ class SimpleEffect:
     apply
         the readings (n_gauges,) as the twin predicts them, and a size in `unit` -> the readings (n_gauges,) with the
         effect, exactly: it need not be linear, and with size 0 it changes nothing. A third argument gets the load (a
-        float, or a mapping where the twin has several), a fourth the place.
+        float, or a mapping where the twin has several), a fourth the place, a fifth the state.
     at
         places where it may act, each its own; by default the whole.
     bounds
         least and greatest size that is possible; with a least of 0 it goes one way only.
-    parameter, prior_source, separated_by
-        words: what the size measures, where `prior_sd` is from, and what would tell the effect from its likes.
+    parameter, prior_source, separated_by, words, action, says
+        words: what the size measures, where `prior_sd` is from, what would tell the effect from its likes, and those
+        of `octmip.twin.Effect`.
+    step
+        of the finite difference that is its signature, over the prior sd.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -58,6 +58,10 @@ class SimpleEffect:
     separated_by: str = ""
     prior_mean: float = 0.0
     load_power: int | None = None
+    words: str = ""
+    action: str = ""
+    says: tuple[str, str] = ("", "")
+    step: float = 0.1
     n_arguments: int = field(init=False)
 
     def __post_init__(self) -> None:
@@ -80,24 +84,23 @@ class SimpleEffect:
     def signature(self, twin: Twin, state: State, load_factor: Any, place: str = "", time: float = 0.0) -> Floats:
         """Return the change of the readings (n_gauges,) per unit of size, by a finite difference about 0."""
         readings = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
-        ahead, behind = min(STEP * self.prior_sd, self.bounds[1]), max(-STEP * self.prior_sd, self.bounds[0])
-        change = self._applied(readings, ahead, load_factor, place) - self._applied(
-            readings, behind, load_factor, place
-        )
-        return np.asarray(change / (ahead - behind))
+        step = self.step * self.prior_sd
+        ahead, behind = min(step, self.bounds[1]), max(-step, self.bounds[0])
+        high, low = (self._applied(readings, size, load_factor, place, state) for size in (ahead, behind))
+        return np.asarray((high - low) / (ahead - behind))
 
     def predict(self, twin: Twin, state: State, load_factor: Any, size: float, place: str, time: float) -> Floats:
         """Return the readings (n_gauges,) with an effect of this size, exactly."""
         readings = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
-        return self._applied(readings, min(max(size, self.bounds[0]), self.bounds[1]), load_factor, place)
+        return self._applied(readings, min(max(size, self.bounds[0]), self.bounds[1]), load_factor, place, state)
 
-    def _applied(self, readings: Floats, size: float, load: Any, place: str) -> Floats:
-        more = (load, place)[: self.n_arguments - 2]
+    def _applied(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
+        more = (load, place, state)[: self.n_arguments - 2]
         return np.asarray(self.apply(np.array(readings), size, *more), dtype=np.float64)
 
 
 def _n_arguments(name: str, apply: Callable[..., Any]) -> int:
-    """Return how many of readings, size, load and place a function takes."""
+    """Return how many of readings, size, load, place and state a function takes."""
     try:
         kinds = [p.kind for p in inspect.signature(apply).parameters.values()]
     except (TypeError, ValueError) as error:
@@ -105,9 +108,9 @@ def _n_arguments(name: str, apply: Callable[..., Any]) -> int:
     positional = sum(
         kind in (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD) for kind in kinds
     )
-    if not 2 <= positional <= 4:
+    if not 2 <= positional <= 5:
         raise TwinError(
-            f"effect {name}: apply takes {positional} arguments; expected readings and size, then load and place if it "
-            "needs them; change it"
+            f"effect {name}: apply takes {positional} arguments; expected readings and size, then load, place and "
+            "state if it needs them; change it"
         )
     return positional

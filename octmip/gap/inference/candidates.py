@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import DataError
+from octmip.errors import DataError, TwinError
 from octmip.gap.effects import in_chain
-from octmip.gap.effects.families import Family
 from octmip.gap.odds import Odds
 from octmip.twin import Effect, State, Twin
 
@@ -21,7 +20,15 @@ Forward = Callable[[Twin, State, Any, float, str, float], NDArray[np.float64]]
 """Twin, state, load, size, place and time -> readings (n_gauges,) with an effect of that size."""
 
 SIGNATURE_ERROR = 0.1
-"""Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred."""
+"""Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred.
+
+Of 30 draws of the three twins of the documentation one more is named with it, a storey softer by 38 %; with 0.12 a
+stiffness is taken for a gain."""
+NEEDED = (
+    "name", "parameter", "unit", "prior_mean", "prior_sd", "prior_source", "is_one_sided", "separated_by", "load_power",
+    "places", "signature",
+)  # fmt: skip
+"""What every effect says itself."""
 SCALES = (1 / 3, 1.0, 3.0)
 """Factors on the sd of every prior, equally likely: no result may hang on one guess of the size."""
 
@@ -52,7 +59,7 @@ class Candidate:
     @property
     def is_nameless(self) -> bool:
         """Whether it is a cell of the families without a name of its own."""
-        return isinstance(self.effect, Family) and not self.effect.has_own_name
+        return bool(getattr(self.effect, "is_nameless", False))
 
     @property
     def is_discrete(self) -> bool:
@@ -148,9 +155,12 @@ def candidates_of(
 
     Raises
     ------
+    TwinError
+        an effect lacks something that every effect says, or two have one name.
     DataError
         an effect lacks a positive prior sd, or the odds name an effect that is not there.
     """
+    _check(effects)
     found = []
     absent = set(twin.gauges) - set(gauges)
     factors = _factors(effects, odds)
@@ -160,6 +170,20 @@ def candidates_of(
         places = [place for place in effect.places(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
         found += [Candidate(effect, place, factors[effect.name] / len(places)) for place in places]
     return tuple(found)
+
+
+def _check(effects: Mapping[str, Effect]) -> None:
+    for key, effect in effects.items():
+        missing = [name for name in NEEDED if not hasattr(effect, name)]
+        if missing:
+            raise TwinError(
+                f"effect {key!r} ({type(effect).__name__}) has no {missing[0]}; expected {', '.join(NEEDED)}, or a "
+                "SimpleEffect(name, unit, prior_sd, apply), which needs no more; add it"
+            )
+    names = [effect.name for effect in effects.values()]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise TwinError(f"two effects are called {twice[0]!r}; expected a name each; rename one")
 
 
 def _factors(effects: Mapping[str, Effect], odds: Odds) -> dict[str, float]:
