@@ -107,7 +107,7 @@ class Twin(Protocol):
       several readings (a force sensor at twelve phases of a cycle), because its faults act on all of them. By default
       every gauge is an instrument of its own;
     * ``predict_states(states (n, n_parameters), load_factor) -> (n, n_gauges)``: the readings of many states at once;
-    * ``state_limits``: greatest value of each state parameter, by name, up to which an unknown or doubted state is
+    * ``state_limits``: greatest value of each state parameter, by name, up to which an unknown state is
       looked for. A parameter that it leaves out is taken as stated. By default every parameter is looked for up to 1;
     * ``is_linear_in_load``: True where readings are proportional to the load, of several loads to all of them together;
       a twin of one load is then asked at one load only;

@@ -128,7 +128,7 @@ def _correction(diagnosis: Diagnosis, model: CachedTwin) -> list[float]:
     inputs = diagnosis.posterior.model.inputs
     state = inputs.named(diagnosis.which[0].judged.model.states[0])
     augmented = diagnosis.augmented(model)
-    plain = AugmentedTwin(model, (), augmented.calibration, augmented.calibration_load)
+    plain = AugmentedTwin(model, (), augmented.difference)
     end = max(average.time for average in inputs.averages)
     moved = augmented.predict(state, HELD_LOAD, end) - plain.predict(state, HELD_LOAD)
     correction: list[float] = moved[list(inputs.order)].tolist()

@@ -8,6 +8,7 @@ diagnosis has repeats to estimate it from. Four states are diagnosed, five other
 
 import csv
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -21,7 +22,7 @@ from benchmarks.real.telling import picture_path, show_causes
 from femlib.arrays import FloatArray
 from femlib.wing import WingTwin, reduced_twin, tapered_wing, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.inference.linear_model import difference_at
+from octmip.gap.inference.linear_model import whole_difference
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Effect, Twin
 
@@ -109,9 +110,7 @@ def rounds_of(
         if not additions:
             return
         inputs = found.posterior.model.inputs
-        calibration = np.zeros(len(twin.gauges))
-        calibration[list(inputs.order)] = difference_at(inputs, inputs.reference, {})[0]
-        current, known = AugmentedTwin(current, additions, calibration, inputs.reference), None
+        current, known = AugmentedTwin(current, additions, partial(whole_difference, inputs, 1.0)), None
         yield found, additions, current
 
 
@@ -185,7 +184,7 @@ def show_rounds(
     print(f"\n20 gauges, {title}: {before:.1f} microstrain on held-out states")
     for n_rounds, (found, additions, current) in enumerate(rounds_of(readings, whole, library, run)):
         if run is not None and n_rounds == 0:
-            alone = AugmentedTwin(whole, (), current.calibration, current.calibration_load)
+            alone = AugmentedTwin(whole, (), current.difference)
             print(f"  calibration alone: {held_out_gap(alone, readings.gauges):.1f} microstrain")
         added = ", ".join(f"{a.effect.name} {a.place} {a.size:.3g} {a.effect.unit}" for a in additions)
         gap = held_out_gap(current, readings.gauges)

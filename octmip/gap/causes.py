@@ -25,8 +25,6 @@ from octmip.gap.sizes import Parameter, parameters
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
-MISSTATED = "state_not_as_stated"
-"""Name of the cause that a test's state is another than the campaign says."""
 CREDIBLE = 0.95
 """Probability that the reported causes hold together."""
 MOST_CAUSES = 12
@@ -157,19 +155,19 @@ def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
     A set with an idle member explains what the set without it explains: its probability goes there. Hypotheses that
     hold less than `IDLE` are left as they are.
     """
-    exact = {(h.members, h.doubted) for h in judged if not h.has_unknown}
+    exact = {h.members for h in judged if not h.has_unknown}
     searched = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
     fit_together(searched)
     targets = {id(h): h.inference.identifiable(h.members) for h in searched}
-    added: dict[tuple[Members, str], float] = {}
+    added: dict[Members, float] = {}
     kept = []
     for h in judged:
         target = targets.get(id(h), h.members)
-        if target != h.members and (target, h.doubted) in exact:
-            added[target, h.doubted] = added.get((target, h.doubted), 0.0) + h.probability
+        if target != h.members and target in exact:
+            added[target] = added.get(target, 0.0) + h.probability
         else:
             kept.append(h)
-    gained = [0.0 if h.has_unknown else added.get((h.members, h.doubted), 0.0) for h in kept]
+    gained = [0.0 if h.has_unknown else added.get(h.members, 0.0) for h in kept]
     kept = [replace(h, probability=h.probability + more) for h, more in zip(kept, gained, strict=True)]
     return sorted(kept, key=lambda h: -h.probability)
 
@@ -252,8 +250,6 @@ def _part(head: Judged, member: int) -> object:
 
 
 def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
-    if head.doubted != other.doubted:
-        return False
     if head.has_unknown or other.has_unknown:  # whatever acts beside it, the library does not hold the cause
         return head.has_unknown and other.has_unknown
     if not parts or not other.members:
@@ -274,7 +270,7 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, head)
     confounded = tuple(found for j in seen if (found := _confounded(head, same, j)))
-    named = (*head.effects, *[MISSTATED] * bool(head.doubted), *[UNKNOWN] * head.has_unknown)
+    named = (*head.effects, *[UNKNOWN] * head.has_unknown)
     return Cause(named, probability, parameters(head, same), confounded, is_identifiable, head, d_prime)
 
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -22,7 +23,7 @@ from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
 from octmip.gap.inference.confounding import ABSURD, detectable, ties
 from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
-from octmip.gap.inference.linear_model import LinearModel, difference_at
+from octmip.gap.inference.linear_model import LinearModel, whole_difference
 from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
@@ -129,7 +130,7 @@ class Diagnosis:
     @property
     def nothing_acts(self) -> float:
         """Probability that nothing acts, however faint; the probability of a sound cause is that nothing is seen."""
-        silent_ones = (h for h in self.posterior.judged if not h.members and not h.has_unknown and not h.doubted)
+        silent_ones = (h for h in self.posterior.judged if not h.members and not h.has_unknown)
         return float(sum(h.probability for h in silent_ones))
 
     @property
@@ -144,9 +145,8 @@ class Diagnosis:
         by_name = {candidate.name: candidate.effect for candidate in inputs.candidates}
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
-        calibration = np.zeros(len(twin.gauges))
-        calibration[list(inputs.order)] = difference_at(inputs, inputs.reference, {}, self.posterior.model.level)[0]
-        return AugmentedTwin(twin, tuple(additions), calibration, inputs.reference)
+        level = self.posterior.model.level
+        return AugmentedTwin(twin, tuple(additions), partial(whole_difference, inputs, level))
 
 
 def diagnose(
@@ -245,7 +245,7 @@ def _beside_doubt(
     inputs: Inputs, posterior: Posterior, trust_run: bool | None
 ) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
     """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
-    sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown and not h.doubted)
+    sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
     if inputs.run is None or trust_run is not None or sound > SOUND_ENOUGH:
         return posterior, (), ()
     wrong = weigh_wrong_run(posterior.model)

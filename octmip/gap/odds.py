@@ -75,8 +75,6 @@ class Odds:
         looked for.
     unknown
         of something outside the library alone, beside one effect and beside two, all 3.
-    misstated
-        that the stated state of a test is wrong.
     wrong_run
         that a commissioning run was taken with a fault of its own, or of another asset.
     effects
@@ -92,7 +90,6 @@ class Odds:
 
     count: tuple[float, ...] = (0.50, 0.33, 0.08, 0.01)
     unknown: tuple[float, ...] = (0.06, 0.015, 0.003)
-    misstated: float = 0.01
     wrong_run: float = 0.02
     effects: Mapping[str, float] = field(default_factory=dict)
     differences: Differences = Differences()
@@ -111,8 +108,7 @@ class Odds:
         self._check_numbers()
 
     def _check_numbers(self) -> None:
-        numbers = {"count": self.count, "unknown": self.unknown, "misstated": (self.misstated,)}
-        numbers["wrong_run"] = (self.wrong_run,)
+        numbers = {"count": self.count, "unknown": self.unknown, "wrong_run": (self.wrong_run,)}
         for name, values in numbers.items():
             if not all(isfinite(v) and 0.0 <= v < 1.0 for v in values) or not sum(values) <= 1.0:
                 raise DataError(

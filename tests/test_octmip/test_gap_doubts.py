@@ -46,13 +46,6 @@ def test_a_run_of_an_asset_that_is_all_five_per_cent_softer_is_no_wrong_run():
     assert not diagnosis.doubts
 
 
-def test_a_state_that_is_not_the_stated_one_is_named_with_what_it_is():
-    diagnosis = diagnose(stated_sound(measured(7, states=((0.0, 0.0), (0.3, 0.0)))), TWIN, commissioning=RUN)
-    assert diagnosis.which[0].effects == ("state_not_as_stated",)
-    assert diagnosis.which[0].judged.doubted == "T1"
-    assert diagnosis.states[0].mean["mu1"] == pytest.approx(0.3, abs=0.03)
-
-
 def more_of_the_damage(gauge, share):
     """Return a change: one gauge shows more of what damage changes than the twin says."""
     here = np.arange(20) == gauge

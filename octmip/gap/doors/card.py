@@ -7,7 +7,7 @@ As a file it is one JSON object; only "readings" is needed:
 
 A parameter's range is its nominal value, the least and the greatest value that the asset may have, and the unit.
 "states" are parameters whose values a campaign gives test by test (a damage of 0.2, a fraction); a state that a
-campaign leaves out is 0. "state_limits" says up to which value each state is looked for where it is unknown or doubted:
+campaign leaves out is 0. "state_limits" says up to which value each state is looked for where it is unknown:
 {"crack": 0.6}. The search asks the model some hundred times, so a state without a limit is taken as stated. Functions
 and tables are fast: their states are looked for without being asked, up to 1 and up to the table's greatest value.
 "linear": true says that readings are proportional to the loads: one question then answers all their multiples.

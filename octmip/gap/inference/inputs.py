@@ -353,12 +353,3 @@ def _open_groups(campaign: Campaign) -> Groups:
         if not cell.is_known:
             by_test.setdefault(cell.test, []).append(k)
     return tuple(tuple(cells) for cells in by_test.values())
-
-
-def doubted_state(inputs: Inputs, test: str) -> Inputs:
-    """Return the inputs with the stated state of a test taken as unknown."""
-    campaign = inputs.campaign
-    states = campaign.states.copy()
-    states[np.array(campaign.test) == test] = np.nan
-    unknown = replace(campaign, states=states)
-    return replace(inputs, campaign=unknown, groups=_open_groups(unknown))

@@ -322,6 +322,13 @@ def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level:
     return given.mean, given.covariance
 
 
+def whole_difference(inputs: Inputs, level: float, state: Mapping[str, float], load: Load) -> Floats:
+    """Return the mean of the difference for all of the twin's gauges (n,), 0 for those that the campaign lacks."""
+    found = np.zeros(len(inputs.twin.gauges))
+    found[list(inputs.order)] = difference_at(inputs, load, state, level)[0]
+    return found
+
+
 def _on_grid(values: Floats, means: Means) -> Floats:
     found = np.zeros(means.expected.shape)
     found[means.average, means.gauge] = values

@@ -105,11 +105,12 @@ class Frame:
         order, n = list(self.order), len(self.order)
         healthy = self.twin.predict({}, load)[order]
         now = self.twin.predict(state, load)[order]
+        values = np.array([state.get(name, 0.0) for name in self.twin.parameters])
         return Rows(
             gauge=np.arange(n, dtype=np.int64),
             load=np.full(n, self.loads.get(load, -1), dtype=np.int64),
             test=np.full(n, -1, dtype=np.int64),
-            state=np.full(n, _number(np.array(list(state.values()))), dtype=np.int64),
+            state=np.full(n, _number(values), dtype=np.int64),
             healthy=healthy,
             change=now - healthy,
             share=self.shares(healthy),

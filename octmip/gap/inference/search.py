@@ -90,18 +90,16 @@ def log_prior(inputs: Inputs, members: Members) -> float:
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
 
-def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bool = False) -> list[Weighed]:
+def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Weighed]:
     """Return the hypotheses about inputs, under every noise and level that the readings bear.
 
     Parameters
     ----------
     states
         assignments (n_cells, n_parameters) to start from, the best first.
-    is_quick
-        whether to look at the best noise and level only.
     """
     columns = [columns_of(inputs, states[0])]
-    variants = _variants(columns[0])[: 1 if is_quick else None]
+    variants = _variants(columns[0])
     lead, first = variants[0]
     if not inputs.groups:
         columns = [_with_secants(columns[0], first)]
@@ -122,22 +120,6 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats], *, is_quick: bo
         own = _weigh([Inference(again(one, model)) for one in columns], exact)
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
-
-
-def promise(inputs: Inputs, states: Floats) -> float:
-    """Return the greatest log of prior times evidence of none and the single candidates, about some states."""
-    log_share, model = _variants(columns_of(inputs, states))[0]
-    return log_share + _best_single(model)
-
-
-def nothing_else(inputs: Inputs, states: Floats) -> Weighed:
-    """Return what it weighs that no effect acts, about some states, at the level that bears it best."""
-    columns = columns_of(inputs, states)
-    usual = assembled(columns, inputs.noise, 1.0)
-    levels = _levels(columns)
-    models = [again(columns, usual, level) for level in levels]
-    best = max(models, key=lambda model: model.log_none + log(levels[model.level]))
-    return _weigh([Inference(best)], [()])[0].times(log(levels[best.level]))
 
 
 def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:

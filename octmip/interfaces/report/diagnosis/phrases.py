@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from octmip.gap.causes import MISSTATED, UNKNOWN, Cause
+from octmip.gap.causes import UNKNOWN, Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.effects.words import effect_words
 from octmip.gap.shrinkage import Shrinkage
@@ -129,20 +129,13 @@ def cause_words(cause: Cause) -> str:
         return f"{OUTSIDE}{f' beside {known}' if known else ''}"
     if not cause.is_identifiable:
         return f"an effect too small to name in these readings ({listed(effect_names(cause))}, or another)"
-    stated = [misstated_words(cause)] if MISSTATED in cause.effects else []
-    return "; and ".join([*stated, *(_with_others(cause, parameter) for parameter in cause.parameters)])
-
-
-def misstated_words(cause: Cause) -> str:
-    """Return that the state of a test is another than stated."""
-    return f"a state of test {cause.judged.doubted} that is not the stated one"
+    return "; and ".join(_with_others(cause, parameter) for parameter in cause.parameters)
 
 
 def effect_names(cause: Cause) -> list[str]:
     """Return what the effects of a cause are called, wherever they act."""
     called = {c.name: effect_words(c.effect) for c in cause.judged.model.inputs.candidates}
-    stated = {MISSTATED: misstated_words(cause)}
-    return [called.get(name) or stated.get(name, OUTSIDE) for name in cause.effects]
+    return [called.get(name, OUTSIDE) for name in cause.effects]
 
 
 def cause_names(cause: Cause) -> str:
@@ -151,8 +144,7 @@ def cause_names(cause: Cause) -> str:
         return "no effect"
     if UNKNOWN in cause.effects or not cause.is_identifiable:
         return cause_words(cause)
-    stated = [misstated_words(cause)] if MISSTATED in cause.effects else []
-    return " with ".join([*stated, *(parameter.named.name for parameter in cause.parameters)])
+    return " with ".join(parameter.named.name for parameter in cause.parameters)
 
 
 def _with_others(cause: Cause, parameter: Parameter) -> str:

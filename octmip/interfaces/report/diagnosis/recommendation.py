@@ -15,7 +15,7 @@ Channels that are stuck or clipped are named in the same sentence whatever the v
 from enum import StrEnum
 
 from octmip.formats.names import visible
-from octmip.gap.causes import ENOUGH, MISFIT, MISSTATED, UNKNOWN, Cause, Certainty, ConfoundedEffects
+from octmip.gap.causes import ENOUGH, MISFIT, UNKNOWN, Cause, Certainty, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
 from octmip.interfaces.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
 
@@ -201,19 +201,10 @@ def _told(cause: Cause, k: int) -> str:
     return f"{parameter.named.action}: {finding_words(parameter)}"
 
 
-def _restate(diagnosis: Diagnosis) -> str:
-    """Return which stated state is wrong, and what the readings say instead."""
-    test = diagnosis.which[0].judged.doubted
-    estimate = next(e for e in diagnosis.states if test in e.tests)
-    shown = [f"{name} {mean:.2f} (sd {estimate.sd[name]:.2f})" for name, mean in estimate.mean.items()]
-    return f"check the stated state of test {test}: its readings are those of {listed(shown)}"
-
-
 def _act(diagnosis: Diagnosis) -> str:
     first = diagnosis.which[0]
     found = [_told(first, k) for k in range(len(first.parameters))]
-    stated = [_restate(diagnosis)] if MISSTATED in first.effects else []
-    parts = "; and ".join([*stated, *found])
+    parts = "; and ".join(found)
     s = diagnosis.shrinkage
     rest = "something smaller remains that no effect of the library describes"
     end = rest if s is not None and s.p_after < MISFIT else "nothing else is needed"
