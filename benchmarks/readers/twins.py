@@ -13,7 +13,7 @@ from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_csv, mangled_json
 from octmip.errors import OctmipError
 from octmip.gap.doors.function import FunctionTwin
-from octmip.gap.doors.table import table_twin
+from octmip.gap.doors.opening import table_twin
 
 CARD = {
     "readings": {"strain": "microstrain", "tip": "mm"},

@@ -14,12 +14,12 @@ from itertools import permutations
 import numpy as np
 from scipy.special import ndtr
 
-from octmip.gap.campaign.wandering import moves_together
+from octmip.gap.campaign.noise import moves_together
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.confounding import VISIBLE, confounded_with, confounders
 from octmip.gap.inference.evidence import Members
+from octmip.gap.inference.inference import neighbours
 from octmip.gap.inference.posterior import Judged, Posterior, fit_together
-from octmip.gap.inference.signature_error import neighbours
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 

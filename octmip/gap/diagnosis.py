@@ -28,11 +28,10 @@ from octmip.gap.inference.posterior import Judged, Posterior, attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
-from octmip.gap.location import Where, localise
+from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
-from octmip.gap.tree_nodes import flips
 from octmip.gap.twins.augmented import Addition, AugmentedTwin
 from octmip.gap.twins.cached import CachedTwin
 from octmip.trees.tree import Node

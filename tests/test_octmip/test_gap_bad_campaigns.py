@@ -7,7 +7,7 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.channels.flat import clipped_in
+from octmip.gap.channels.faults import clipped_in
 from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured

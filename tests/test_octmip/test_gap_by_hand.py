@@ -7,8 +7,7 @@ import pytest
 from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
-from octmip.gap.campaign.averages import AveragedCell
-from octmip.gap.campaign.fault import Fault
+from octmip.gap.campaign.campaign import AveragedCell, Fault
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
 from octmip.gap.campaign.spectrum import WHITE

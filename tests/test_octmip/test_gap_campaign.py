@@ -48,13 +48,6 @@ def test_a_written_campaign_comes_back(tmp_path):
     assert [cell.name for cell in back.cells] == [cell.name for cell in campaign.cells]
 
 
-def test_equal_readings_are_refused(tmp_path):
-    head, *rows = small()
-    flat = [",".join([*row.split(",")[:5], *["100"] * 20]) for row in rows]
-    with pytest.raises(DataError, match="all 160 readings"):
-        read_campaign(write(tmp_path, [head, *flat]), TWIN)
-
-
 def test_one_repeat_is_refused_alone_and_flagged_with_a_commissioning_run(tmp_path):
     campaign = read_campaign(write(tmp_path, lines_of(measured(1, repeats=1))), TWIN)
     with pytest.raises(DataError, match=r"row 2 .*repeat"):

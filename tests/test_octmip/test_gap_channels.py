@@ -8,8 +8,7 @@ import pytest
 from octmip.gap import diagnose
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.checks import checked
-from octmip.gap.channels.flat import stuck_in
-from octmip.gap.channels.jumps import jumps_in
+from octmip.gap.channels.faults import jumps_in, stuck_in
 from octmip.gap.channels.outliers import robust
 from tests.test_octmip.beam_twin import Beam, measured
 

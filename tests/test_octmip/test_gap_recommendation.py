@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose
-from octmip.gap.campaign.fault import Fault
+from octmip.gap.campaign.campaign import Fault
 from octmip.gap.effects.words import effect_words, words_at
 from octmip.gap.shrinkage import Shrinkage
 from octmip.interfaces.report.diagnosis.phrases import about, closed_words, interval_words, size_of

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from octmip.gap import diagnose
-from octmip.gap.campaign.averages import averages_of
+from octmip.gap.campaign.campaign import averages_of
+from octmip.gap.campaign.noise import sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
-from octmip.gap.campaign.wandering import sizes
-from octmip.gap.channels.source_of_noise import noise_of_run
+from octmip.gap.channels.checks import noise_of_run
 from tests.test_octmip.beam_twin import Beam, measured
 
 SD = 31.6

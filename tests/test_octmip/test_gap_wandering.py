@@ -8,10 +8,9 @@ import pytest
 from benchmarks.cases.gap.noise import Beam as Cantilever
 from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
-from octmip.gap.campaign.averages import averages_of, moments_of
-from octmip.gap.campaign.noise import least_moment
+from octmip.gap.campaign.campaign import averages_of, moments_of
+from octmip.gap.campaign.noise import least_moment, moves_together, sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.campaign.wandering import moves_together, sizes
 from octmip.gap.location import noise_covariance
 from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured

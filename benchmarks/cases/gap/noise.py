@@ -16,9 +16,9 @@ from benchmarks.noises import VARIANCE, Scatter, heavy, heteroscedastic, outlier
 from benchmarks.tables import Line
 from femlib.arrays import FloatArray
 from octmip.gap import Campaign, diagnose
-from octmip.gap.campaign.averages import averages_of
+from octmip.gap.campaign.campaign import averages_of
+from octmip.gap.campaign.noise import sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.campaign.wandering import sizes
 from octmip.gap.channels.checks import checked
 from octmip.twin import Effect, State
 

@@ -6,9 +6,7 @@ units, and the range of every parameter. Each parameter that has a range is an e
 
 from octmip.gap.doors.card import Card, Range, read_card
 from octmip.gap.doors.function import FunctionTwin, function_twin
-from octmip.gap.doors.opening import DOORS, open_twin
-from octmip.gap.doors.script import script_twin
-from octmip.gap.doors.table import table_twin
+from octmip.gap.doors.opening import DOORS, open_twin, script_twin, table_twin
 
 __all__ = [
     "DOORS",

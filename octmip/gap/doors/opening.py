@@ -1,17 +1,240 @@
-"""A twin by one word: DOOR:WHERE, as the commands take it."""
+"""A twin by one word, DOOR:WHERE, as the commands take it: a program, a table or a Python object.
+
+A program as a twin: parameters and loads go in as JSON, readings come out as JSON, one run for each question.
+
+The program reads one object from its standard input, {"parameters": {...}, "loads": {...}}, and writes one to its
+standard output, {"f1": 2.01, ...}; the last line of the output counts, so that a solver may talk before it. So an
+OpenSees script (openseespy), a MATLAB function or a vendor's solver with a licence of its own becomes a twin without
+being linked to this package.
+
+What it lacks: every question starts the program again, so a program that takes a minute to start costs a minute for
+each parameter, state and load. Keep such a model running and ask it by a function (docs/howto/doors.md).
+
+A table as a twin: one column per parameter, state and load, one per reading; between its rows it is interpolated.
+
+Rows that form a regular grid are interpolated linearly along it, other rows linearly over a Delaunay triangulation.
+Both are exact at the rows. Nothing is extrapolated: outside of the table there is no answer. The error between two rows
+is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact the twin is.
+"""
 
 import importlib
+import json
+import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from octmip.errors import DataError
-from octmip.gap.doors.card import card_beside
-from octmip.gap.doors.function import FunctionTwin
-from octmip.gap.doors.script import script_twin
-from octmip.gap.doors.table import table_twin
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
+from scipy.spatial import QhullError
+
+from octmip.errors import DataError, TwinError
+from octmip.formats.table import read_table
+from octmip.gap.campaign.table import read_campaign_table
+from octmip.gap.doors.card import Card, card_beside
+from octmip.gap.doors.function import Function, FunctionTwin
 from octmip.twin import Twin
+
+LONGEST = 600.0
+"""Seconds after which a program that does not answer is ended."""
+
+
+def script_twin(
+    path: str | Path,
+    card: str | Path | Card | None = None,
+    command: Sequence[str] = (),
+    seconds: float = LONGEST,
+    linear: bool = False,
+) -> FunctionTwin:
+    """Return the twin of a program.
+
+    Parameters
+    ----------
+    path
+        the program: a Python script, run by this interpreter, or any executable file.
+    card
+        its card or the file of it; by default the file beside it, its name with .json added.
+    command
+        what runs it, the path as one of its words; by default this interpreter for .py, the file itself for others.
+    seconds
+        after which a run is ended.
+    linear
+        whether readings are proportional to the loads, where the card does not say so.
+
+    Raises
+    ------
+    DataError
+        no such file or card.
+    """
+    program = Path(path)
+    if not program.is_file():
+        raise DataError(f"script {program} is not there; expected a program; check the path")
+    known = card_beside(path, card, linear)
+    words = list(command) or ([sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())])
+
+    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Any:
+        asked = json.dumps({"parameters": dict(parameters), "loads": dict(loads)})
+        lines = _said(words, f"script {program}", seconds, asked).strip().splitlines() or [""]
+        try:
+            return {str(name): float(value) for name, value in json.loads(lines[-1]).items()}
+        except (ValueError, AttributeError, TypeError) as error:
+            raise TwinError(
+                f"script {program} prints {lines[-1][:60]!r} last; expected one JSON object of readings, a number each "
+                f"({error})"
+            ) from error
+
+    return FunctionTwin(function, known)
+
+
+def _said(words: Sequence[str], called: str, seconds: float, asked: str) -> str:
+    """Return what a program prints.
+
+    Raises
+    ------
+    TwinError
+        it cannot be started, does not end in time, or ends with an error.
+    """
+    try:
+        done = subprocess.run(list(words), input=asked, capture_output=True, text=True, timeout=seconds, check=False)
+    except OSError as error:
+        raise TwinError(
+            f"{called} cannot be run by {words[0]!r} ({error.strerror}); expected a program that may be run; install "
+            "it, correct its name, or allow it (chmod +x)"
+        ) from error
+    except subprocess.TimeoutExpired as error:
+        raise TwinError(f"{called} did not end within {seconds:g} s; expected an answer; allow more") from error
+    if done.returncode != 0:
+        said = (done.stderr.strip() or done.stdout.strip()).splitlines()
+        raise TwinError(
+            f"{called} ended with code {done.returncode} ({said[-1] if said else 'and said nothing'}); expected 0"
+        )
+    return done.stdout
+
+
+Floats = NDArray[np.float64]
+
+
+def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: bool = False) -> FunctionTwin:
+    """Return the twin of a table, CSV or Parquet.
+
+    Parameters
+    ----------
+    path
+        the table: a header, numbers below it.
+    card
+        its card or the file of it; by default the file beside the table, its name with .json added.
+    linear
+        whether readings are proportional to the loads, where the card does not say so.
+
+    Raises
+    ------
+    DataError
+        no such file, a column of the card that it lacks, a cell that is no number.
+    """
+    if not Path(path).is_file():
+        raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
+    known = card_beside(path, card, linear)
+    inputs = [*known.ranges, *known.states, *known.loads]
+    numbers = _numbers(Path(path), [*inputs, *known.readings])
+    points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
+    limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
+    return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
+
+
+def _numbers(path: Path, names: list[str]) -> Floats:
+    """Return the columns of the names (n, n_names), at least one row."""
+    if path.suffix.lower() in (".parquet", ".pq"):
+        numbers = read_table(path).numbers(names)
+        if not len(numbers):
+            raise DataError(f"table {path} has no row; expected one for each combination of inputs; add them")
+        return numbers
+    try:
+        table = read_campaign_table(path)
+        missing = [name for name in names if name not in table.header]
+        if missing:
+            raise DataError(f"it lacks the column {missing[0]!r} of its card; got {list(table.header[:6])}...; add it")
+        numbers = np.array([table.floats(name) for name in names]).T
+    except DataError as error:
+        raise DataError(f"table {path} cannot be read: {error}") from error
+    bad = np.argwhere(~np.isfinite(numbers))
+    if len(bad):
+        row, column = (int(k) for k in bad[0])
+        raise DataError(f"table {path}, row {table.numbers[row]}, column {names[column]} is empty; expected a number")
+    return numbers
+
+
+def _interpolated(points: Floats, values: Floats, names: list[str], path: str) -> Function:
+    """Return the function that interpolates rows of points (n, n_inputs) and values (n, n_readings)."""
+    _refuse_equal_rows(points, names, path)
+    varied = [k for k in range(points.shape[1]) if np.ptp(points[:, k]) > 0.0]
+    low, high = points.min(axis=0), points.max(axis=0)
+    inside = _of_points(points[:, varied], values, [names[k] for k in varied], path)
+
+    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Floats:
+        given = {**parameters, **loads}
+        asked = np.array([given[name] for name in names])
+        beyond = np.flatnonzero((asked < low - _slack(low, high)) | (asked > high + _slack(low, high)))
+        if beyond.size:
+            k = int(beyond[0])
+            raise TwinError(
+                f"table {path} was asked for {names[k]} {asked[k]:g}; it holds {low[k]:g} to {high[k]:g}, and nothing "
+                "is extrapolated; add rows that reach it"
+            )
+        return np.asarray(inside(np.clip(asked, low, high)[varied]), dtype=np.float64)
+
+    return function
+
+
+def _slack(low: Floats, high: Floats) -> Floats:
+    """Return what rounding may add at the ends of a column."""
+    return 1e-9 * np.maximum(high - low, np.maximum(np.abs(low), np.abs(high)))
+
+
+def _of_points(points: Floats, values: Floats, names: list[str], path: str) -> Any:
+    """Return the interpolator of the columns that vary: along a grid, else over triangles."""
+    if not names:
+        return lambda at: values.mean(axis=0)
+    axes = [np.unique(points[:, k]) for k in range(len(names))]
+    if len(points) == np.prod([len(axis) for axis in axes]):  # no row comes twice, so all of the grid is there
+        grid = values[np.lexsort(points.T[::-1])].reshape(*map(len, axes), values.shape[1])
+        regular = RegularGridInterpolator(axes, grid, method="linear")
+        return lambda at: regular(at)[0]
+    width = np.ptp(points, axis=0)
+    try:
+        scattered = LinearNDInterpolator(points / width, values)
+    except QhullError as error:
+        raise DataError(
+            f"table {path} has {len(points)} rows that span no area in {', '.join(names)}, so nothing lies between "
+            "them; expected rows that do, a grid for instance; add rows, or leave one of these columns constant"
+        ) from error
+
+    def inside(at: Floats) -> Floats:
+        found = np.asarray(scattered(at / width), dtype=np.float64).reshape(-1)
+        if not np.isfinite(found).all():
+            where = ", ".join(f"{name} {value:g}" for name, value in zip(names, at, strict=True))
+            raise TwinError(
+                f"table {path} was asked for {where}, outside of its rows; nothing is extrapolated; add rows about it"
+            )
+        return found
+
+    return inside
+
+
+def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
+    """Refuse two rows (n, n_inputs) of the same inputs: which of their readings holds is not known."""
+    _, row_of, count = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    if (count > 1).any():
+        same = np.flatnonzero(row_of.ravel() == int(np.argmax(count > 1)))[:2]
+        values = zip(names, points[same[0]], strict=True)
+        at = ", ".join(f"{name} {value:g}" for name, value in values) or "inputs, none"
+        raise DataError(
+            f"table {path}, rows {same[0] + 2} and {same[1] + 2} hold the same {at}; expected one row for each; drop "
+            "one, or average them"
+        )
+
 
 Given = str | Path | None
 

@@ -11,12 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
-from octmip.gap.campaign.averages import AveragedCell, averages_of
-from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.noise import Noise
-from octmip.gap.campaign.wandering import sizes
-from octmip.gap.channels.checks import calm, checked
-from octmip.gap.channels.source_of_noise import noise_of, noise_of_run
+from octmip.gap.campaign.campaign import AveragedCell, Campaign, Cell, averages_of
+from octmip.gap.campaign.noise import Noise, sizes
+from octmip.gap.channels.checks import calm, checked, noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.difference import (
     Difference,

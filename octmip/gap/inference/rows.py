@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.campaign.averages import AveragedCell
-from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.campaign import AveragedCell, Campaign
 from octmip.gap.inference.difference import Rows
 from octmip.gap.twins.cached import CachedTwin
 from octmip.twin import Load

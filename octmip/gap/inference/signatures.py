@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.campaign.averages import AveragedCell
-from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.campaign import AveragedCell, Campaign
 from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
 from octmip.twin import Effect, Load, State, state_limits_of
