@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.real.evidence import Named
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, FunctionTwin, Odds, Recorded, diagnose, gathered
-from octmip.gap.inference.posterior import Judged
+from octmip.gap.inference.inference import Judged
 from octmip.twin import Effect
 
 COUNT, UNKNOWN = (0.30, 0.45, 0.20), (0.03, 0.01, 0.002)

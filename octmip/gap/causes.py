@@ -18,8 +18,8 @@ from octmip.gap.campaign.noise import moves_together
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.confounding import VISIBLE, confounded_with, confounders
 from octmip.gap.inference.evidence import Members
-from octmip.gap.inference.inference import neighbours
-from octmip.gap.inference.posterior import Judged, Posterior, fit_together
+from octmip.gap.inference.inference import Judged, neighbours
+from octmip.gap.inference.posterior import Posterior, fit_together
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 

@@ -22,9 +22,10 @@ from octmip.gap.causes import (
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
 from octmip.gap.inference.confounding import ABSURD, detectable, ties
+from octmip.gap.inference.inference import Judged
 from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
 from octmip.gap.inference.linear_model import LinearModel, whole_difference
-from octmip.gap.inference.posterior import Judged, Posterior, attribute
+from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
 from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run

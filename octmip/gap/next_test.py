@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.inference.evidence import Fit
+from octmip.gap.inference.inference import Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, difference_at
-from octmip.gap.inference.posterior import Judged
 from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]

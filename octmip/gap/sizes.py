@@ -21,9 +21,9 @@ from scipy.optimize import least_squares
 
 from octmip.gap.effects.words import EffectWords, words_at
 from octmip.gap.inference.candidates import bounds_of
-from octmip.gap.inference.inference import BETWEEN, neighbours, scales_of
+from octmip.gap.inference.inference import BETWEEN, Judged, neighbours, scales_of
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.posterior import Judged, fit_together
+from octmip.gap.inference.posterior import fit_together
 from octmip.gap.inference.signatures import exact_change
 
 Floats = NDArray[np.float64]

@@ -6,7 +6,6 @@ readings are linear in the load factor and in the sizes of these effects, so tha
 
 import itertools
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ import pytest
 from femlib.wing import Wing, WingTwin
 from femlib.wing.effects import wing_effects
 from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, gathered
-from octmip.gap.doors import Card, script_twin, table_twin
+from octmip.gap.doors import Card, table_twin
 from octmip.gap.sizes import Parameter
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 
@@ -137,12 +136,3 @@ def test_a_table_of_the_wing_says_the_same(campaign, twin, card, expected, tmp_p
     # strain is convex in damage: half-way to 30 % a line is off by a twentieth of what 30 % adds
     between = np.abs(table.predict({"mu1": 0.15}, 3.0) - twin.predict({"mu1": 0.15}, 3.0)).max()
     assert between < 0.06 * np.abs(twin.predict({"mu1": 0.3}, 3.0) - twin.predict({}, 3.0)).max()
-
-
-def test_a_program_of_the_wing_says_the_same(campaign, card, model, expected, tmp_path):
-    path = tmp_path / "wing.py"
-    path.write_text(f"{model}\nimport sys\nasked = json.load(sys.stdin)\n")
-    with path.open("a") as file:
-        file.write("names = json.load(open(sys.argv[1]))['readings']\n")
-        file.write("print(json.dumps(dict(zip(names, wing(asked['parameters'], asked['loads'])))))\n")
-    assert_same(found(campaign, script_twin(path, card, [sys.executable, "-S", "-E", str(path), str(card)])), expected)

@@ -17,7 +17,7 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered
-from octmip.gap.doors import Card, open_twin, script_twin, table_twin
+from octmip.gap.doors import Card, open_twin, table_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
 
@@ -178,35 +178,6 @@ def test_a_table_that_does_not_hold_its_card_is_refused(tmp_path, change, told):
         table_twin(path)
 
 
-def script(tmp_path, body=SOURCE, last="print('solver of somebody, version 3'); print(json.dumps(beam(**asked)))"):
-    path = tmp_path / "beam.py"
-    path.write_text(f"import json, sys\n{body}\nasked = json.load(sys.stdin)\n{last}\n")
-    return beside(path)
-
-
-def test_a_program_is_diagnosed_as_the_function_is(tmp_path):
-    path = script(tmp_path)
-    twin = script_twin(path, command=[sys.executable, "-S", "-E", str(path)])
-    own, exact = (found_in(t, stiffness=90.0, loads=(200.0,)).which[0].parameters[0] for t in (twin, TWIN))
-    assert own.effect == exact.effect
-    assert own.size == pytest.approx(exact.size, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("last", "told"),
-    [
-        ("raise SystemExit('no licence')", r"ended with code 1 \(no licence\)"),
-        ("print('done')", "prints 'done' last; expected one JSON object"),
-        ("", "prints '' last"),
-        ("print(json.dumps({'tip': 1.0}))", "without the reading 'mid'"),
-        ("import time; time.sleep(9)", "did not end within 0.5 s"),
-    ],
-)
-def test_a_program_that_fails_is_one_sentence(tmp_path, last, told):
-    with pytest.raises(TwinError, match=told):
-        script_twin(script(tmp_path, last=last), seconds=0.5 if "sleep" in last else 60).predict({}, 1.0)
-
-
 def has(*packages):
     return all(importlib.util.find_spec(package) is not None for package in packages)
 
@@ -307,11 +278,9 @@ def test_a_question_that_is_never_answered_ends_in_time():
 
 def test_the_command_opens_every_door_by_one_word(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
-    path = script(tmp_path)
     (tmp_path / "towers.py").write_text(SOURCE)
-    card = str(tmp_path / "beam.py.json")
+    card = str(tmp_path / "beam.csv.json")
     for name, given in (
-        (f"script:{path}", None),
         (f"table:{table(tmp_path)}", None),
         (f"table:{tmp_path / 'beam.csv'}", card),
         ("python:towers:beam", card),

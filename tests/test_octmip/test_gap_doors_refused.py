@@ -2,7 +2,7 @@
 
 import pytest
 
-from octmip.errors import DataError, TwinError
+from octmip.errors import DataError
 from octmip.gap.doors import open_twin, read_card, table_twin
 from tests.test_octmip.test_gap_doors import beside
 
@@ -29,19 +29,13 @@ def test_a_wrong_door_or_program_is_one_sentence_with_its_cure(tmp_path, monkeyp
         DataError, match=r"'nodoor' cannot be imported .*expected MODULE:NAME, or a door such as table:"
     ):
         open_twin("nodoor:beam")
-    beside(tmp_path / "beam.inp")
-    (tmp_path / "beam.inp").write_text("*STEP")
-    with pytest.raises(TwinError, match=r"Permission denied\); expected a program that may be run; .*chmod"):
-        open_twin("script:beam.inp").predict({}, 1.0)
 
 
 @pytest.mark.parametrize(
     ("name", "told"),
     [
         ("table:beam.csv", r"^table beam.csv is not there; expected a CSV or Parquet file"),
-        ("script:beam.py", r"^script beam.py is not there"),
         ("table:here.csv", r"^card here.csv.json is not there: .*--card"),
-        ("script:here.csv", r"^card here.csv.json is not there: .*--card"),
     ],
 )
 def test_what_is_not_there_is_named_the_model_before_its_card(tmp_path, monkeypatch, name, told):

@@ -9,11 +9,11 @@ with the inflation of the part's serial correlation (see `spectrum`) and scale(L
 the pooled one. Halves of one cell share a little more; a part that wanders is carried from cell to cell, and a gauge
 that jumped has an unknown offset from then on: `Noise.of_averages`.
 
-How far readings wander from cell to cell, and how long they remember, is a hypothesis with a few sizes. A random walk of all gauges that is too slow to stand out of the repeats of one cell still moves the means of later
-cells by more than their scatter. Readings that step up and down some ten times in a campaign look nearly white within a
-cell, and leave the variance of a mean open by a factor. So the repeats do not decide: they leave a posterior over the
-walk and the memory, which is cut into sizes: of the variance of one step of a walk, and without one of the variance of
-a mean. Each is a noise of its own; the evidence of the means weighs them (`octmip.gap.inference.search`).
+How far readings wander from cell to cell, and how long they remember, is a hypothesis with a few sizes. A random walk
+of all gauges that is too slow to stand out of the repeats of one cell still moves the means of later cells by more than
+their scatter. Readings that step up and down some ten times in a campaign look nearly white within a cell, and leave
+the variance of a mean open by a factor. So the repeats do not decide: they leave a posterior over the walk and the
+memory, which is cut into sizes: of the variance of one step of a walk, and without one of the variance of a mean. Each is a noise of its own; the evidence of the means weighs them (`octmip.gap.inference.search`).
 """
 
 from collections.abc import Mapping, Sequence

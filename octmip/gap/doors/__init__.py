@@ -1,4 +1,4 @@
-"""Doors to other people's models: a function, a table or a program becomes a twin.
+"""Doors to other people's models: a function or a table becomes a twin.
 
 Every door gives a `FunctionTwin`: a function of parameters and loads with a `Card` that names its readings, their
 units, and the range of every parameter. Each parameter that has a range is an effect that the asset may show.
@@ -6,7 +6,7 @@ units, and the range of every parameter. Each parameter that has a range is an e
 
 from octmip.gap.doors.card import Card, Range, read_card
 from octmip.gap.doors.function import FunctionTwin, function_twin
-from octmip.gap.doors.opening import DOORS, open_twin, script_twin, table_twin
+from octmip.gap.doors.opening import DOORS, open_twin, table_twin
 
 __all__ = [
     "DOORS",
@@ -16,6 +16,5 @@ __all__ = [
     "function_twin",
     "open_twin",
     "read_card",
-    "script_twin",
     "table_twin",
 ]

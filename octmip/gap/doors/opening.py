@@ -1,14 +1,4 @@
-"""A twin by one word, DOOR:WHERE, as the commands take it: a program, a table or a Python object.
-
-A program as a twin: parameters and loads go in as JSON, readings come out as JSON, one run for each question.
-
-The program reads one object from its standard input, {"parameters": {...}, "loads": {...}}, and writes one to its
-standard output, {"f1": 2.01, ...}; the last line of the output counts, so that a solver may talk before it. So an
-OpenSees script (openseespy), a MATLAB function or a vendor's solver with a licence of its own becomes a twin without
-being linked to this package.
-
-What it lacks: every question starts the program again, so a program that takes a minute to start costs a minute for
-each parameter, state and load. Keep such a model running and ask it by a function (docs/howto/doors.md).
+"""A twin by one word, DOOR:WHERE, as the commands take it: a table or a Python object.
 
 A table as a twin: one column per parameter, state and load, one per reading; between its rows it is interpolated.
 
@@ -18,16 +8,13 @@ is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact t
 """
 
 import importlib
-import json
-import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator, RegularGridInterpolator
 from scipy.spatial import QhullError
 
@@ -38,83 +25,8 @@ from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 from octmip.twin import Twin
 
-LONGEST = 600.0
-"""Seconds after which a program that does not answer is ended."""
-
-
-def script_twin(
-    path: str | Path,
-    card: str | Path | Card | None = None,
-    command: Sequence[str] = (),
-    seconds: float = LONGEST,
-    linear: bool = False,
-) -> FunctionTwin:
-    """Return the twin of a program.
-
-    Parameters
-    ----------
-    path
-        the program: a Python script, run by this interpreter, or any executable file.
-    card
-        its card or the file of it; by default the file beside it, its name with .json added.
-    command
-        what runs it, the path as one of its words; by default this interpreter for .py, the file itself for others.
-    seconds
-        after which a run is ended.
-    linear
-        whether readings are proportional to the loads, where the card does not say so.
-
-    Raises
-    ------
-    DataError
-        no such file or card.
-    """
-    program = Path(path)
-    if not program.is_file():
-        raise DataError(f"script {program} is not there; expected a program; check the path")
-    known = card_beside(path, card, linear)
-    words = list(command) or ([sys.executable, str(program)] if program.suffix == ".py" else [str(program.resolve())])
-
-    def function(parameters: Mapping[str, float], loads: Mapping[str, float]) -> Any:
-        asked = json.dumps({"parameters": dict(parameters), "loads": dict(loads)})
-        lines = _said(words, f"script {program}", seconds, asked).strip().splitlines() or [""]
-        try:
-            return {str(name): float(value) for name, value in json.loads(lines[-1]).items()}
-        except (ValueError, AttributeError, TypeError) as error:
-            raise TwinError(
-                f"script {program} prints {lines[-1][:60]!r} last; expected one JSON object of readings, a number each "
-                f"({error})"
-            ) from error
-
-    return FunctionTwin(function, known)
-
-
-def _said(words: Sequence[str], called: str, seconds: float, asked: str) -> str:
-    """Return what a program prints.
-
-    Raises
-    ------
-    TwinError
-        it cannot be started, does not end in time, or ends with an error.
-    """
-    try:
-        done = subprocess.run(list(words), input=asked, capture_output=True, text=True, timeout=seconds, check=False)
-    except OSError as error:
-        raise TwinError(
-            f"{called} cannot be run by {words[0]!r} ({error.strerror}); expected a program that may be run; install "
-            "it, correct its name, or allow it (chmod +x)"
-        ) from error
-    except subprocess.TimeoutExpired as error:
-        raise TwinError(f"{called} did not end within {seconds:g} s; expected an answer; allow more") from error
-    if done.returncode != 0:
-        said = (done.stderr.strip() or done.stdout.strip()).splitlines()
-        raise TwinError(
-            f"{called} ended with code {done.returncode} ({said[-1] if said else 'and said nothing'}); expected 0"
-        )
-    return done.stdout
-
-
 Floats = NDArray[np.float64]
+Given = str | Path | Card | None
 
 
 def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: bool = False) -> FunctionTwin:
@@ -236,14 +148,7 @@ def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
         )
 
 
-Given = str | Path | None
-
-
-def _script(path: str, card: Given, linear: bool) -> FunctionTwin:
-    return script_twin(path, card, linear=linear)
-
-
-FILES: Mapping[str, Callable[[str, Given, bool], FunctionTwin]] = {"table": table_twin, "script": _script}
+FILES: Mapping[str, Callable[[str, Given, bool], FunctionTwin]] = {"table": table_twin}
 """Doors of files, by name."""
 PYTHON = "python"
 """The door of a Python object; it may be left out."""
@@ -253,7 +158,7 @@ PARTS = ("gauges", "predict", "effects")
 
 
 def open_twin(name: str, card: Given = None, linear: bool = False) -> Twin:
-    """Return the twin behind ``table:FILE``, ``script:FILE`` or ``python:MODULE:NAME``.
+    """Return the twin behind ``table:FILE`` or ``python:MODULE:NAME``.
 
     Parameters
     ----------

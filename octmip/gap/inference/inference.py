@@ -1,7 +1,8 @@
 """The inference about one linear model: every set of candidates is fitted once, under the errors of its signatures.
 
-These errors are the misfit that a large effect leaves although its name is right. A signature comes from a model: each gauge's part of it is known to some per cent, and where an effect may act anywhere
-its places are samples of a continuum. So a set of candidates j at sizes theta_j is judged under the covariance
+These errors are the misfit that a large effect leaves although its name is right. A signature comes from a model: each
+gauge's part of it is known to some per cent, and where an effect may act anywhere its places are samples of a
+continuum. So a set of candidates j at sizes theta_j is judged under the covariance
 
     C = C0 + sum_j theta_j^2 (e^2 s_j^2 (A_j A_j') o R + BETWEEN^2 sum_k (c_k S_k - S_j) (c_k S_k - S_j)'),
 
@@ -16,6 +17,7 @@ the sizes are plugged in (empirical Bayes), which for a large effect is exact to
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -280,3 +282,56 @@ class Inference:
                 break
             members = (*members[:faintest], *members[faintest + 1 :])
         return members
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judged:
+    """A hypothesis with its weight and where it was judged.
+
+    Attributes
+    ----------
+    members
+        candidates.
+    has_unknown
+        whether the unknown acts beside them.
+    log_weight
+        log of prior times evidence.
+    inference
+        in which it was judged.
+    words
+        what the unknown looks like.
+    probability
+        posterior probability, once all hypotheses are known.
+    """
+
+    members: Members
+    has_unknown: bool
+    log_weight: float
+    inference: Inference
+    words: str = ""
+    probability: float = 0.0
+
+    @property
+    def model(self) -> LinearModel:
+        """The linear model about the states at which it was judged."""
+        return self.inference.model
+
+    @property
+    def fit(self) -> Fit:
+        """The sizes."""
+        return self.inference.fit(self.members)
+
+    @property
+    def allowing(self) -> LinearModel:
+        """The linear model under the errors of the hypothesis' own signatures."""
+        return self.inference.allowing(self.members).model
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of its effects, each once."""
+        candidates = self.model.inputs.candidates
+        return tuple(dict.fromkeys(candidates[j].name for j in self.members))
+
+    def times(self, log_factor: float) -> "Judged":
+        """Return the hypothesis with its weight multiplied."""
+        return replace(self, log_weight=self.log_weight + log_factor)

@@ -6,65 +6,19 @@ twin and asset. What one hypothesis weighs in several ways adds up; it is shown 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from scipy.special import logsumexp
 
-from octmip.gap.inference.evidence import Fit, Members
-from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.evidence import Members
+from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import Weighed, weighed_hypotheses
+from octmip.gap.inference.search import weighed_hypotheses
 from octmip.gap.inference.states import starting_states
 
 NEGLIGIBLE = 1e-7
 """Probability below which an effect beside the unknown is not kept."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Judged:
-    """A hypothesis with its posterior probability and where it was judged.
-
-    Attributes
-    ----------
-    members
-        candidates.
-    has_unknown
-        whether the unknown acts beside them.
-    probability
-        posterior probability.
-    inference
-        in which it was judged.
-    words
-        what the unknown looks like.
-    """
-
-    members: Members
-    has_unknown: bool
-    probability: float
-    inference: Inference
-    words: str = ""
-
-    @property
-    def model(self) -> LinearModel:
-        """The linear model about the states at which it was judged."""
-        return self.inference.model
-
-    @property
-    def fit(self) -> Fit:
-        """The sizes."""
-        return self.inference.fit(self.members)
-
-    @property
-    def allowing(self) -> LinearModel:
-        """The linear model under the errors of the hypothesis' own signatures."""
-        return self.inference.allowing(self.members).model
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """Names of its effects, each once."""
-        candidates = self.model.inputs.candidates
-        return tuple(dict.fromkeys(candidates[j].name for j in self.members))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +72,7 @@ def fit_together(hypotheses: Sequence[Judged]) -> None:
 def attribute(inputs: Inputs) -> Posterior:
     """Return the posterior over sets of effects."""
     weighed = weighed_hypotheses(inputs, starting_states(inputs))
-    by_key: dict[tuple[Members, bool], list[Weighed]] = {}
+    by_key: dict[tuple[Members, bool], list[Judged]] = {}
     for w in weighed:
         by_key.setdefault((w.members, w.has_unknown), []).append(w)
     total = float(logsumexp([w.log_weight for w in weighed]))
@@ -132,8 +86,8 @@ def attribute(inputs: Inputs) -> Posterior:
     return Posterior(tuple(judged), main, total)
 
 
-def _judged(same: Sequence[Weighed], total: float) -> Judged:
+def _judged(same: Sequence[Judged], total: float) -> Judged:
     """Return what one hypothesis weighs under all variants, in the one that bears it most."""
     best = max(same, key=lambda w: w.log_weight)
     probability = sum(math.exp(w.log_weight - total) for w in same)
-    return Judged(best.members, best.has_unknown, probability, best.inference, best.words)
+    return replace(best, probability=probability)

@@ -12,7 +12,7 @@ member that the others already imitate are the same explanation twice and are le
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from math import comb, inf, log
 
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.inference.evidence import Members, extensions
-from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import Columns, LinearModel, again, assembled, columns_of
 from octmip.gap.inference.signatures import exact_change, ratios
@@ -61,21 +61,6 @@ FAR, NEAR = STATE_RESOLUTION / 2, STATE_RESOLUTION / 5
 """Distance of states beyond which a set is judged about its own, and below which two models are one."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Weighed:
-    """A hypothesis, the log of prior times evidence, the inference in which it was judged, words for the unknown."""
-
-    members: Members
-    has_unknown: bool
-    log_weight: float
-    inference: Inference
-    words: str = ""
-
-    def times(self, log_factor: float) -> "Weighed":
-        """Return the hypothesis with its weight multiplied."""
-        return replace(self, log_weight=self.log_weight + log_factor)
-
-
 def log_count(inputs: Inputs, k: int) -> float:
     """Return the log prior probability of each set of k effects; -inf for more than the odds know of."""
     if k >= len(inputs.odds.count):
@@ -90,7 +75,7 @@ def log_prior(inputs: Inputs, members: Members) -> float:
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
 
-def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Weighed]:
+def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]:
     """Return the hypotheses about inputs, under every noise and level that the readings bear.
 
     Parameters
@@ -237,7 +222,7 @@ def _with_parts(sets: list[Members]) -> list[Members]:
 
 def _settled(
     columns: list[Columns], inferences: list[Inference], sets: list[Members]
-) -> tuple[list[Columns], list[Weighed]]:
+) -> tuple[list[Columns], list[Judged]]:
     """Return columns about all states, and all sets weighed, the leaders about the states that they prefer."""
     weighed = _weigh(inferences, sets)
     for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
@@ -260,14 +245,14 @@ def _settled(
     return columns, weighed
 
 
-def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Weighed]:
+def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Judged]:
     """Return prior times evidence of sets, each in the inference nearest to its own states."""
     for inference in inferences:
         inference.fits(sets)
     return [_exact(inferences, members) for members in sets]
 
 
-def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
+def _exact(inferences: Sequence[Inference], members: Members) -> Judged:
     tried = []
     for inference in inferences:
         model, fit = inference.model, inference.fit(members)
@@ -276,32 +261,32 @@ def _exact(inferences: Sequence[Inference], members: Members) -> Weighed:
         tried.append((away, value, inference))
     near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
     _, value, nearest = max(near, key=lambda t: t[1])
-    return Weighed(members, False, value + log_prior(nearest.model.inputs, members), nearest)
+    return Judged(members, False, value + log_prior(nearest.model.inputs, members), nearest)
 
 
-def _others(first: Inference, found: dict[Members, float], done: Sequence[Members]) -> list[Weighed]:
+def _others(first: Inference, found: dict[Members, float], done: Sequence[Members]) -> list[Judged]:
     """Return the hypotheses that were not judged exactly as they are, where all states are known."""
     if first.model.inputs.groups:
         return []
     left = set(found) - set(done)
-    return [Weighed(members, False, first.model.log_none + found[members], first) for members in sorted(left)]
+    return [Judged(members, False, first.model.log_none + found[members], first) for members in sorted(left)]
 
 
-def _with_unknown(weighed: Sequence[Weighed]) -> list[Weighed]:
+def _with_unknown(weighed: Sequence[Judged]) -> list[Judged]:
     """Return the unknown alone, beside every single effect and beside the best larger sets."""
     best = max(weighed, key=lambda w: w.log_weight).inference
     model, unknown = best.model, weigh_unknown(best.model)
     inputs, odds, allowing = model.inputs, model.inputs.odds.unknown, Inference(unknown.allowing)
     box = log_box(model, best.fit(()))
-    found = [Weighed((), True, model.log_none + unknown.log_factor + box + _log(odds[0]), allowing, unknown.words)]
+    found = [Judged((), True, model.log_none + unknown.log_factor + box + _log(odds[0]), allowing, unknown.words)]
     beside = allowing.model.log_none + box - unknown.log_kinds
     logs = beside + extensions(allowing.model, ())[0] + inputs.priors.log_weight
     logs += _log(odds[1]) - log(max(inputs.priors.n_effects, 1))
-    found += [Weighed((j,), True, value, allowing, unknown.words) for j, value in enumerate(logs.tolist())]
+    found += [Judged((j,), True, value, allowing, unknown.words) for j, value in enumerate(logs.tolist())]
     larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2]
     for members, own in zip(larger[:N_BESIDE_UNKNOWN], allowing.fits(larger[:N_BESIDE_UNKNOWN]), strict=True):
         prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
-        found.append(Weighed(members, True, beside + own.log_factor + prior, allowing, unknown.words))
+        found.append(Judged(members, True, beside + own.log_factor + prior, allowing, unknown.words))
     return found
 
 

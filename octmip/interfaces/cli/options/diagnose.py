@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MODULE:NAME",
         required=True,
         help="the twin, its class or a function that makes it, such as femlib.wing:uav_twin; or a model behind a door: "
-        "python:MODULE:FUNCTION, table:FILE, script:FILE",
+        "python:MODULE:FUNCTION, table:FILE",
     )
     card = parser.add_argument(
         "--card",
