@@ -64,7 +64,7 @@ def parts_of(blocks: Sequence[Floats]) -> tuple[list[NoisePart], float, float]:
     scatter = np.sqrt(np.maximum(LEAST_SINGLE, np.diag(own)))
     serial = _own_serial([block @ complement / scatter for block in blocks])
     parts = [NoisePart(serial.variance * own, serial)]
-    parts += [_part_along(blocks, v, inflation, is_single=k < single.shape[1]) for k, v in enumerate(shared.T)]
+    parts += [_part_along(blocks, v, is_single=k < single.shape[1]) for k, v in enumerate(shared.T)]
     return parts, inflation, len(correlation) / float(np.sum(correlation**2))
 
 
@@ -159,16 +159,10 @@ def _has_trend(cosines: Sequence[Floats]) -> bool:
     return bool(values[0] ** 2 <= typical * n_gauges * greatest(n_gauges, n_cells))
 
 
-def _part_along(blocks: Sequence[Floats], direction: Floats, inflation: float, is_single: bool) -> NoisePart:
-    """Return what one gauge has, or gauges share, in a direction that the readings leave uncertain where it is shared.
-
-    With a variance lambda along it and about 1 across, n independent readings leave the direction off by an angle of
-    the expected square (n_gauges - 1) lambda / (n (lambda - 1)^2), which spreads over all other directions alike.
-    """
-    pooled = np.concatenate(blocks) @ direction
-    variance = float(np.mean(pooled**2))
-    off = min(1.0, variance / (len(pooled) / inflation * max(variance - 1.0, 1e-3) ** 2)) * (not is_single)
-    pattern = (1.0 - off) * np.outer(direction, direction) + off * np.eye(len(direction))
+def _part_along(blocks: Sequence[Floats], direction: Floats, is_single: bool) -> NoisePart:
+    """Return what one gauge has, or gauges share, in a direction."""
+    variance = float(np.mean((np.concatenate(blocks) @ direction) ** 2))
+    pattern = np.outer(direction, direction)
     scores = [coefficients(block @ direction[:, None]) for block in blocks if len(block) >= SHORTEST]
     serial = fit(scores, SINGLE if is_single else SHARED, has_trend=not is_single)  # a drift of one gauge is an effect
     if serial is WHITE:
