@@ -64,7 +64,7 @@ class Slope:
 def make_stream(number: int, folder: Path) -> None:
     """Write a streamed dataset."""
     library = grid_states({"mu1": [0.0, 0.4], "mu2": [0.0, 0.2 * (number + 1)]})
-    stream_dataset(folder / "data.parquet", Slope(), library, Sampling(noise=(), samples_per_state=2))
+    stream_dataset(folder / "data.parquet", Slope(), library, Sampling(recipe=Recipe(2, 0.0)))
 
 
 def read_stream(rng: Generator, folder: Path) -> None:

@@ -1,6 +1,5 @@
 """Training samples from strains: libraries of states, loads, noise, the study's recipe, files of any length."""
 
-from femlib.dataset.noise import Bias, ColouredNoise, WhiteNoise
 from femlib.dataset.published import published_strains
 from femlib.dataset.samples import (
     Dataset,
@@ -15,8 +14,6 @@ from femlib.dataset.states import StateLibrary, grid_states, listed_states, rand
 from femlib.dataset.stream import StoredDataset, open_dataset, stream_dataset
 
 __all__ = [
-    "Bias",
-    "ColouredNoise",
     "Dataset",
     "Load",
     "MeanStrains",
@@ -24,7 +21,6 @@ __all__ = [
     "Sampling",
     "StateLibrary",
     "StoredDataset",
-    "WhiteNoise",
     "build_dataset",
     "grid_states",
     "listed_states",

@@ -7,14 +7,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
-from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.dataset.samples import GaugePlaces
 from femlib.dataset.sampling import Sampling
 from femlib.dataset.states import StateLibrary
 from femlib.errors import InputError
-
-OFFSETS = 0
-"""First word of the seeds of the noise that is drawn once for a dataset."""
 
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to strains (n_states, n_gauges) [microstrain] under one load."""
@@ -64,8 +60,6 @@ class Plan:
         Column of each library parameter among the model's (n_library_parameters,).
     kept : IntArray
         Place of each gauge of the dataset among the model's (n_gauges,).
-    offsets : tuple of FloatArray
-        What each noise draws once (n_gauges,) [microstrain].
     """
 
     model: SampledModel
@@ -73,7 +67,6 @@ class Plan:
     sampling: Sampling
     columns: IntArray
     kept: IntArray
-    offsets: tuple[FloatArray, ...]
 
     @property
     def gauges(self) -> tuple[str, ...]:
@@ -115,10 +108,7 @@ def fitted(model: SampledModel, library: StateLibrary, sampling: Sampling) -> Pl
     if any(load.force is not None for load in sampling.loads) and not isinstance(model, MapsStrains):
         raise InputError(f"a load has forces, which a {type(model).__name__} does not take; expected a full model")
     columns = np.array([list(model.parameters).index(name) for name in library.parameters])
-    kept = _kept_gauges(model, sampling)
-    gauges = [_gauge_names(model)[k] for k in kept]
-    offsets = [noise.fix(GaugeDraws([OFFSETS, sampling.seed, k], gauges)) for k, noise in enumerate(sampling.noise)]
-    return Plan(model, library, sampling, columns, kept, tuple(offsets))
+    return Plan(model, library, sampling, columns, _kept_gauges(model, sampling))
 
 
 def _gauge_names(model: SampledModel) -> tuple[str, ...]:
@@ -159,12 +149,7 @@ def described(plan: Plan) -> dict[str, Any]:
         "loads": [
             {"name": one.name, "factor": one.factor, "has_force": one.force is not None} for one in sampling.loads
         ],
-        "samples_per_state": sampling.samples_per_state,
-        "train_fraction": sampling.train_fraction,
-        "noise": [
-            {"kind": type(noise).__name__} | asdict(noise) | {"offsets": offsets.tolist()}  # type: ignore[call-overload]
-            for noise, offsets in zip(sampling.noise, plan.offsets, strict=True)
-        ],
+        "recipe": asdict(sampling.recipe),
         "model_hash": plan.model.model_hash,
         "units": _units(sampling),
     }
@@ -176,5 +161,5 @@ def _units(sampling: Sampling) -> dict[str, str]:
         "gauges": "microstrain, compressive positive" + divided,
         "parameters": "fraction of stiffness lost",
         "load_factor": "multiples of steady level flight",
-        "noise": "microstrain at the load factor, before any division",
+        "noise_variance": "microstrain^2 at the load factor, before any division",
     }

@@ -1,14 +1,17 @@
 """The published table of the study's strains, which takes the place of a simulation."""
 
+import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from femlib.arrays import FloatArray
 from femlib.dataset.gauge_draws import N_PUBLISHED_GAUGES, STUDY_GAUGES
 from femlib.dataset.samples import LEVELS_PERCENT, LOAD_FACTOR, MeanStrains, study_states_percent
-from femlib.dataset.storage import ROWS_AT_A_TIME, csv_pieces, floats
 from femlib.errors import InputError
+from femlib.files import regular_file
 
 
 def published_strains(path: str | Path) -> MeanStrains:
@@ -26,8 +29,8 @@ def published_strains(path: str | Path) -> MeanStrains:
     missing = [c for c in ("mu1_percent", "mu2_percent", "load_factor", "kind", *columns) if c not in table.columns]
     if missing:
         raise InputError(f"{path} lacks the columns {missing}; expected the published layout; complete the table")
-    is_mean = (table["kind"].astype(str) == "mean").to_numpy() & (floats(table["load_factor"]) == LOAD_FACTOR)
-    states = np.stack([floats(table[name][is_mean]) for name in ("mu1_percent", "mu2_percent")], axis=1)
+    is_mean = (table["kind"].astype(str) == "mean").to_numpy() & (_floats(table["load_factor"]) == LOAD_FACTOR)
+    states = np.stack([_floats(table[name][is_mean]) for name in ("mu1_percent", "mu2_percent")], axis=1)
     order = np.lexsort(states.T[::-1])
     states = states[order]
     if not np.array_equal(states, study_states_percent()):
@@ -37,16 +40,33 @@ def published_strains(path: str | Path) -> MeanStrains:
         )
     names = tuple(f"g{k:02d}" for k in range(1, N_PUBLISHED_GAUGES + 1))
     usable = np.array([name in STUDY_GAUGES for name in names])
-    strains = np.stack([floats(table[name][is_mean])[order] for name in columns], axis=1)
+    strains = np.stack([_floats(table[name][is_mean])[order] for name in columns], axis=1)
     source = f"published table {Path(path).name}"
     return MeanStrains(study_states_percent(), strains, LOAD_FACTOR, names, usable, source, "")
 
 
 def _read_table(path: Path) -> pd.DataFrame:
     """Return a CSV as a table, or one sentence on why not."""
-    if not path.exists():
-        raise InputError(f"{path} does not exist; expected a CSV table; correct the path")
-    pieces = list(csv_pieces(path, ROWS_AT_A_TIME))
-    if not pieces:
-        raise InputError(f"{path} cannot be read (no rows); expected a CSV table; repair the file")
-    return pd.concat(pieces, ignore_index=True)
+    with regular_file(path, "a CSV table") as file:
+        try:
+            return pd.read_csv(file, low_memory=False)
+        except (ValueError, LookupError, OSError, OverflowError, MemoryError) as error:  # pandas' own among them
+            reason = " ".join(str(error).split())[:300]
+            raise InputError(f"{path} cannot be read ({reason}); expected a CSV table; repair the file") from error
+
+
+def _floats(column: "pd.Series[Any]") -> FloatArray:
+    """Return a column as numbers (n,), NaN where a cell is none."""
+    if column.dtype.kind in "biuf":
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.array([_float(value) for value in column], dtype=np.float64)
+
+
+def _float(value: Any) -> float:
+    words = str(value)
+    if not words.isascii() or "_" in words:  # Python takes 1_000, and digits of any script
+        return math.nan
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return math.nan

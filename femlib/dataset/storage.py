@@ -6,15 +6,10 @@ so that a data file that was changed or cut off is refused.
 
 import hashlib
 import json
-import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pandas as pd
-
-from femlib.arrays import FloatArray
 from femlib.checked import taken
 from femlib.dataset.parquet import pyarrow_modules
 from femlib.errors import InputError
@@ -22,41 +17,6 @@ from femlib.files import parsed_object, read_bytes, regular_file, whole_file
 
 PIECE_BYTES = 2**16
 """Bytes of a file that are hashed at once."""
-ROWS_AT_A_TIME = 65_536
-
-
-def csv_pieces(path: Path, n_rows: int, kind: type | None = None) -> Iterator[pd.DataFrame]:
-    """Yield a CSV table, at most `n_rows` at a time, every cell as `kind` or as what it looks like.
-
-    Raises
-    ------
-    InputError
-        If it is missing, no regular file, not UTF-8, or no table.
-    """
-    with regular_file(path, "a CSV table") as file:
-        try:
-            with pd.read_csv(file, chunksize=n_rows, dtype=kind, low_memory=False) as reader:
-                yield from reader
-        except (ValueError, LookupError, OSError, OverflowError, MemoryError) as error:  # pandas' own among them
-            reason = " ".join(str(error).split())[:300]
-            raise InputError(f"{path} cannot be read ({reason}); expected a CSV table; repair the file") from error
-
-
-def floats(column: "pd.Series[Any]") -> FloatArray:
-    """Return a column as numbers (n,), NaN where a cell is none."""
-    if column.dtype.kind in "biuf":
-        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
-    return np.array([_float(value) for value in column], dtype=np.float64)
-
-
-def _float(value: Any) -> float:
-    words = str(value)
-    if not words.isascii() or "_" in words:  # Python takes 1_000, and digits of any script
-        return math.nan
-    try:
-        return float(value)
-    except (TypeError, ValueError, OverflowError):
-        return math.nan
 
 
 def checked_target(path: str | Path, endings: Sequence[str]) -> Path:

@@ -21,7 +21,6 @@ from threadpoolctl import threadpool_limits
 from femlib.arrays import FloatArray
 from femlib.checked import names, taken, whole
 from femlib.dataset.gauge_draws import GaugeDraws
-from femlib.dataset.kept_strains import KeptStrains
 from femlib.dataset.parquet import GROUP_ROWS, parquet_file, pyarrow_modules, write_groups
 from femlib.dataset.plan import MapsStrains, Plan, SampledModel, StrainMap, described, fitted
 from femlib.dataset.sampling import Load, Sampling
@@ -38,9 +37,9 @@ LEAST_TASKS = 16
 WAVE = 32
 """Tasks whose strains are held at once."""
 DRAWN_ROWS = 8192
-"""Rows whose noise is drawn at once; coloured noise is correlated along at most so many readings."""
+"""Rows whose noise is drawn at once."""
 READINGS = 1
-"""First word of the seeds of what is drawn with the rows; see `femlib.dataset.plan.OFFSETS`."""
+"""First word of the seeds of what is drawn with the rows."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,7 +126,6 @@ def stream_dataset(
     sampling: Sampling | None = None,
     *,
     n_jobs: int | None = None,
-    kept: str | Path | None = None,
 ) -> StoredDataset:
     """Write noisy readings of every state under every load to a Parquet file, and return it, opened.
 
@@ -145,29 +143,23 @@ def stream_dataset(
     library : StateLibrary
         States; their parameters must be the model's, or some of them.
     sampling : Sampling, optional
-        Loads, readings of each state, noise, gauges, seed; the study's if not given.
+        Loads, readings of each state, gauges, seed; the study's if not given.
     n_jobs : int, optional
         States solved at a time, as joblib counts; None: what `joblib.parallel_config` says, else one.
-    kept : str or Path, optional
-        Folder for the strains of solved states, made where it is missing: after a kill the same call solves only the
-        states that are missing, and writes the file that one call would have written. Workers on other machines need
-        it on a disk that they share. Remove it afterwards.
 
     Raises
     ------
     InputError
-        If the path or the folder cannot be written to, or model, library and sampling do not fit.
+        If the path cannot be written to, or model, library and sampling do not fit.
     """
     if n_jobs is not None and (not is_whole(n_jobs) or n_jobs == 0):
         raise InputError(f"n_jobs is {n_jobs!r}; expected a whole number other than 0; -1 is all processors")
     plan = fitted(model, library, Sampling() if sampling is None else sampling)
     with threadpool_limits(1):
-        side = described(plan)
-        solved = None if kept is None else KeptStrains(Path(kept), side)
-        return _store(path, _simulated(plan, n_jobs, solved), side)
+        return _store(path, _simulated(plan, n_jobs), described(plan))
 
 
-def _simulated(plan: Plan, n_jobs: int | None, kept: KeptStrains | None) -> Iterator[pd.DataFrame]:
+def _simulated(plan: Plan, n_jobs: int | None) -> Iterator[pd.DataFrame]:
     """Yield the simulated rows; the states' strains are solved a wave of tasks at a time."""
     loads = plan.sampling.loads
     maps = [_strain_map(plan.model, load) for load in loads]
@@ -176,15 +168,10 @@ def _simulated(plan: Plan, n_jobs: int | None, kept: KeptStrains | None) -> Iter
     with Parallel(n_jobs=n_jobs) as parallel:
         for begin in range(0, n_states, WAVE * step):
             firsts = range(begin, min(begin + WAVE * step, n_states), step)
-            tasks = [(first, plan.states(first, min(first + step, n_states))) for first in firsts]
-            known = (
-                {} if kept is None else {first: found for first, _ in tasks if (found := kept.find(first)) is not None}
-            )
-            missing = [(first, states) for first, states in tasks if first not in known]
-            solved = parallel(delayed(_kept_strains)(maps, first, states, kept) for first, states in missing)
-            known |= {first: strains for (first, _), strains in zip(missing, solved, strict=True)}
-            for first, _ in tasks:
-                yield from _rows(plan, first, known[first][:, :, plan.kept])
+            tasks = [plan.states(first, min(first + step, n_states)) for first in firsts]
+            solved = parallel(delayed(_strains)(maps, states) for states in tasks)
+            for first, strains in zip(firsts, solved, strict=True):
+                yield from _rows(plan, first, strains[:, :, plan.kept])
 
 
 def _strain_map(model: SampledModel, load: Load) -> StrainMap:
@@ -199,16 +186,9 @@ def _strains(maps: Sequence[StrainMap], states: FloatArray) -> FloatArray:
         return np.stack([strain_map(states) for strain_map in maps])
 
 
-def _kept_strains(maps: Sequence[StrainMap], first: int, states: FloatArray, kept: KeptStrains | None) -> FloatArray:
-    strains = _strains(maps, states)
-    if kept is not None:
-        kept.keep(first, strains)
-    return strains
-
-
 def _rows(plan: Plan, first: int, strains: FloatArray) -> Iterator[pd.DataFrame]:
     """Yield the rows of clean strains (n_loads, n_states, n_gauges) whose first state has the number `first`."""
-    n_readings = plan.sampling.samples_per_state
+    n_readings = plan.sampling.recipe.samples_per_state
     n_together = max(1, DRAWN_ROWS // n_readings)
     for start in range(0, strains.shape[1], n_together):
         for number in range(len(plan.sampling.loads)):
@@ -222,11 +202,9 @@ def _drawn(plan: Plan, number: int, first: int, clean: FloatArray, done: int, n_
     sampling = plan.sampling
     load = sampling.loads[number]
     draws = GaugeDraws([READINGS, sampling.seed, first, number, done], plan.gauges)
-    is_train = draws.shared.random(len(clean) * n_readings) < sampling.train_fraction
-    readings = np.repeat(clean[:, None, :], n_readings, axis=1)
-    for noise, offsets in zip(sampling.noise, plan.offsets, strict=True):
-        readings += noise.draw(len(clean), n_readings, offsets, draws)
-    readings /= sampling.divisor(load)
+    is_train = draws.shared.random(len(clean) * n_readings) < sampling.recipe.train_fraction
+    deviation = float(np.sqrt(sampling.recipe.noise_variance))
+    readings = (clean[:, None, :] + draws.own(deviation, (len(clean), n_readings))) / sampling.divisor(load)
     states = np.repeat(np.arange(first, first + len(clean)), n_readings)
     damage = np.repeat(plan.library.between(first, first + len(clean)), n_readings, axis=0)
     columns: dict[str, object] = {"state": states}

@@ -11,13 +11,11 @@ import pytest
 
 from femlib.arrays import BoolArray, FloatArray
 from femlib.dataset import (
-    Bias,
-    ColouredNoise,
     Load,
+    Recipe,
     Sampling,
     StateLibrary,
     StoredDataset,
-    WhiteNoise,
     grid_states,
     listed_states,
     open_dataset,
@@ -26,11 +24,10 @@ from femlib.dataset import (
     stream,
     stream_dataset,
 )
-from femlib.dataset.gauge_draws import GaugeDraws
 from femlib.errors import InputError
 from femlib.wing import Wing
 
-QUIET = Sampling(noise=(), samples_per_state=1)
+QUIET = Sampling(recipe=Recipe(1, 0.0))
 
 
 class FourGauges:
@@ -69,14 +66,13 @@ def library() -> StateLibrary:
 
 
 def noisy(**change: object) -> Sampling:
-    settings = {"loads": [Load("2 g", 2.0), Load("3 g", 3.0)], "samples_per_state": 5, "seed": 7}
-    noise = [WhiteNoise(30.0), ColouredNoise(10.0, 0.5, 0.3), Bias(2.0, 5.0)]
-    return Sampling(**(settings | {"noise": noise} | change))
+    settings = {"loads": [Load("2 g", 2.0), Load("3 g", 3.0)], "recipe": Recipe(5), "seed": 7}
+    return Sampling(**(settings | change))
 
 
 def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None:
     states = grid_states({"mu1": [0.0, 0.8], "mu3": [0.0, 0.4]})
-    sampling = Sampling(loads=[Load("down", -1.0), Load("3 g", 3.0)], samples_per_state=2, noise=())
+    sampling = Sampling(loads=[Load("down", -1.0), Load("3 g", 3.0)], recipe=Recipe(2, 0.0))
     data = stream_dataset(tmp_path / "a.parquet", Slope(), states, sampling)
     rows = data.read()
     assert data.n_rows == len(rows) == 4 * 2 * 2
@@ -110,30 +106,10 @@ def test_threads_and_processes_write_the_same_rows_as_one_job(tiny: Wing, tmp_pa
         assert other.about["sha256"] == alone.about["sha256"]
 
 
-def test_a_stream_that_was_stopped_solves_only_what_is_missing(tmp_path: Path) -> None:
-    whole = stream_dataset(tmp_path / "whole.parquet", Slope(), library(), noisy())
-    with pytest.raises(KeyboardInterrupt):
-        stream_dataset(tmp_path / "data.parquet", Broken(7), library(), noisy(), kept=tmp_path / "kept")
-    held = len(list((tmp_path / "kept").glob("strains-*")))
-    assert not (tmp_path / "data.parquet").exists()
-    assert held == 3  # two loads each, the fourth broken off
-    n_tasks = len(range(0, len(library()), min(stream.MOST_TASK_STATES, -(-len(library()) // stream.LEAST_TASKS))))
-    model = Broken(2 * (n_tasks - held))
-    again = stream_dataset(tmp_path / "data.parquet", model, library(), noisy(), kept=tmp_path / "kept")
-    assert again.about["sha256"] == whole.about["sha256"]
-    assert model.left == 0
-    damaged = next((tmp_path / "kept").glob("strains-*"))
-    damaged.write_bytes(damaged.read_bytes()[:-1])
-    with pytest.raises(InputError, match="is damaged; remove it"):
-        stream_dataset(tmp_path / "data.parquet", Slope(), library(), noisy(), kept=tmp_path / "kept")
-    with pytest.raises(InputError, match="holds strains of another dataset"):
-        stream_dataset(tmp_path / "data.parquet", Slope(), library(), noisy(seed=8), kept=tmp_path / "kept")
-
-
 def test_the_wing_under_forces_of_ones_own_is_the_full_solution(tiny: Wing, tmp_path: Path) -> None:
     force = np.roll(tiny.lift, 6)
     states = listed_states(["mu2"], [[0.5]])
-    data = stream_dataset(tmp_path / "a.parquet", tiny, states, Sampling([Load("own", 2.0, force)], 1, noise=()))
+    data = stream_dataset(tmp_path / "a.parquet", tiny, states, Sampling([Load("own", 2.0, force)], Recipe(1, 0.0)))
     full = -1e6 * (tiny.strain_rows @ tiny.structure.solve(np.array([[0.0, 0.5]]), force)[0])
     assert data.read()[list(data.gauges)].to_numpy()[0] == pytest.approx(-full[tiny.gauges.is_usable], rel=1e-8)
 
@@ -142,7 +118,7 @@ def peak(path: Path, n_states: int) -> tuple[int, int]:
     """Return the most memory held while streaming: Python's and numpy's [bytes], and arrow's so far."""
     tracemalloc.start()
     states = random_states(["mu1", "mu2", "mu3"], n_states, seed=0)
-    assert stream_dataset(path, Slope(), states, Sampling(samples_per_state=1)).n_rows == n_states
+    assert stream_dataset(path, Slope(), states, Sampling(recipe=Recipe(1))).n_rows == n_states
     held = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return held, int(pa.default_memory_pool().max_memory())
@@ -167,12 +143,12 @@ def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatc
 
 
 def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None:
-    data = stream_dataset(
-        tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), Sampling(samples_per_state=20_000)
-    )
-    noise = data.read()["g01"].to_numpy() - 1000.0
+    sampling = Sampling(recipe=Recipe(20_000))
+    data = stream_dataset(tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), sampling)
+    noise = data.read()[["g01", "g02"]].to_numpy() - 1000.0
     assert len(noise) == 20_000
-    assert noise.std() == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
+    assert noise.std(axis=0) == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
+    assert np.abs(np.corrcoef(np.column_stack([noise[:-1], noise[1:]]).T) - np.eye(4)).max() < 0.03  # white
     assert data.read()["is_train"].mean() == pytest.approx(0.7, abs=0.02)
 
 
@@ -183,8 +159,7 @@ def test_the_side_file_says_seed_noise_model_units_states_and_loads(tmp_path: Pa
     assert side["seed"] == 7
     assert side["model_hash"] == "slope"
     assert side["rows"] == 46 * 2 * 5
-    assert [noise["kind"] for noise in side["noise"]] == ["WhiteNoise", "ColouredNoise", "Bias"]
-    assert len(side["noise"][2]["offsets"]) == 3
+    assert side["recipe"] == {"samples_per_state": 5, "noise_variance": 1000.0, "train_fraction": 0.7}
     assert "microstrain" in side["units"]["gauges"]
     assert side["states"][1] == {"kind": "random", "n_states": 40, "seed": 3, "n_damaged": 2, "largest": 0.8}
 
@@ -212,33 +187,6 @@ def test_a_gauge_reads_the_same_in_any_set_and_order_of_gauges(tmp_path: Path) -
     part = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy(gauges=some)).read()
     assert part[some].equals(whole[some])
     assert part["is_train"].equals(whole["is_train"])
-
-
-def draw(noise: object, shape: tuple[int, int, int]) -> np.ndarray:
-    draws = GaugeDraws([0], [f"g{k}" for k in range(shape[2])])
-    offsets = noise.fix(draws)
-    return np.broadcast_to(noise.draw(shape[0], shape[1], offsets, draws), shape)
-
-
-def test_white_noise_is_white() -> None:
-    errors = draw(WhiteNoise(5.0), (20_000, 3, 4)).reshape(20_000, 12)
-    assert errors.std() == pytest.approx(5.0, rel=0.01)
-    assert np.abs(np.corrcoef(errors.T) - np.eye(12)).max() < 0.03
-
-
-def test_coloured_noise_has_its_variance_and_both_correlations() -> None:
-    errors = draw(ColouredNoise(5.0, between_readings=0.8, between_gauges=0.4), (20_000, 4, 2)).reshape(20_000, 8)
-    assert errors.std(axis=0) == pytest.approx(np.full(8, 5.0), rel=0.03)
-    reading, gauge = np.repeat(np.arange(4), 2), np.tile([0, 1], 4)
-    expected = 0.8 ** np.abs(reading[:, None] - reading) * np.where(gauge[:, None] == gauge, 1.0, 0.4)
-    assert np.corrcoef(errors.T) == pytest.approx(expected, abs=0.03)
-
-
-def test_a_bias_stays_the_same_in_every_reading() -> None:
-    errors = draw(Bias(3.0, 2.0), (5, 4, 2000))
-    assert (errors == errors[0, 0]).all()
-    assert errors[0, 0].mean() == pytest.approx(3.0, abs=0.2)
-    assert errors[0, 0].std() == pytest.approx(2.0, rel=0.05)
 
 
 def test_a_random_library_is_the_same_in_any_pieces() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.tables import Line, markdown
-from femlib.dataset import Sampling, random_states, stream_dataset
+from femlib.dataset import Recipe, Sampling, random_states, stream_dataset
 from femlib.wing import reduce_wing, uav_wing
 
 # model, distinct states, readings of each, jobs
@@ -39,7 +39,7 @@ def streamed(model: str, n_states: int, n_readings: int, n_jobs: int, refinement
     watch = Stopwatch()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rows.parquet"
-        sampling = Sampling(samples_per_state=n_readings, gauges=usable)
+        sampling = Sampling(recipe=Recipe(n_readings), gauges=usable)
         data = stream_dataset(path, solved, states, sampling, n_jobs=n_jobs)
         megabytes = path.stat().st_size / 1e6
     cpu, wall = watch.read()
