@@ -92,7 +92,7 @@ QUESTIONS = {
     "report a bug or contribute": "faq",
     "exit code of the command": "examples/command",
     "buckling load of the wing": "results/modes",
-    "which sensor has failed": "theory/sensing",
+    "which sensor has failed": "examples/failed-gauge",
 }
 """What somebody asks who sees the site for the first time, in his words, and the page that answers."""
 

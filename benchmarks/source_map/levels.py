@@ -115,7 +115,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "exact": 3,
         "near_optimal": 4,
         "regression": 4,
-        "sequential": 4,
         "two_feature": 4,
         "search": 5,
         "python": 6,

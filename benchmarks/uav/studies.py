@@ -11,13 +11,12 @@ from pathlib import Path
 from benchmarks.main_program import run_main
 from benchmarks.uav.complexity import report as complexity
 from benchmarks.uav.risk import decisions
-from benchmarks.uav.sensing import budget, failure, placement, sequential
+from benchmarks.uav.sensing import budget, failure, placement
 from octmip.formats.files import write_bytes
 
 STUDIES = {
     "placement": placement.report,
     "budget": budget.report,
-    "sequential": sequential.report,
     "failure": failure.report,
     "risk": decisions.report,
     "complexity": complexity.report,

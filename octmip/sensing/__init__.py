@@ -1,9 +1,8 @@
-"""Sensors: which to install, for how many labels at once, in which order to read them, and what to do if one fails.
+"""Sensors: which to install, for how many labels at once, and what to do if one fails.
 
 placement   the sensors that the best tree reads and the value of each further one, with a bound; sensors chosen by
             rules and designs of experiment, to compare with
 shared      trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
-sequential  sensors read one after the other, paid for when a path reaches them: the best tree, proof and certificate
 failed_gauge  the failed gauge found at a stated false-alarm rate, and its reading replaced by what the others say
 """
 
@@ -18,28 +17,22 @@ from octmip.sensing.placement import (
     problem_on,
     sample_bound,
 )
-from octmip.sensing.sequential.problem import Group, SequentialCertificate, SequentialProblem, certify_sequential
-from octmip.sensing.sequential.solve import solve_sequential
 from octmip.sensing.shared.budget import shared_budget
 from octmip.sensing.shared.solution import BaselineSplit, JointCertificate, JointSolution, certify_joint
 
 __all__ = [
     "BaselineSplit",
     "FaultDetector",
-    "Group",
     "Imputation",
     "InformationDesign",
     "JointCertificate",
     "JointSolution",
     "Placement",
-    "SequentialCertificate",
-    "SequentialProblem",
     "by_chance",
     "by_information",
     "by_reading",
     "by_tree",
     "certify_joint",
-    "certify_sequential",
     "label_bound",
     "place_sensors",
     "placement_frontier",
@@ -48,5 +41,4 @@ __all__ = [
     "problem_on",
     "sample_bound",
     "shared_budget",
-    "solve_sequential",
 ]

@@ -90,31 +90,6 @@ class Problem:
         planes: Mapping[str, Any] | None = None,
     ) -> Problem: ...
 
-class SequentialProblem:
-    """A problem of sequential sensing, checked."""
-
-    def __new__(
-        cls,
-        *,
-        ranks: NDArray[np.uint32],
-        paid: NDArray[np.float64],
-        frequency: NDArray[np.float64],
-        delay_costs: NDArray[np.float64],
-        penalty: float,
-        depth: int,
-        leaf_size: int,
-        sensor_of_feature: list[int],
-        allowed: list[bool],
-        most_readings: list[int],
-        sensor_cost: list[float],
-        group_of_sensor: list[int],
-        setup_costs: list[float],
-        read: list[int],
-        multiplier: float,
-        cap: float | None,
-    ) -> SequentialProblem:
-        """Take the problem: most readings of each label, set-up cost of each group, sensors read before the root."""
-
 class Question:
     """What is asked, in float64 as given, for the checker of proof logs."""
 
@@ -363,9 +338,6 @@ def two_feature_prunes() -> list[str]:
 
 def prove_two_feature(problem: Problem, claim: int, n_threads: int) -> str | None:
     """Return the body of a log that proves a claim about two-feature trees, None when stopped or not shown."""
-
-def sequential(problem: SequentialProblem, room: float, limit_values: Limits) -> FoundBelow:
-    """Return the best tree below the room."""
 
 def regression(
     room: float | None,

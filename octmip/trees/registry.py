@@ -161,12 +161,11 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
     "worst_case": "the worst case is a sum of costs of wrong classes",
     "leaves_on_fresh_rows": "probabilities are those of classes",
     "shared_budget": "labels are classes",
-    "sequential": "the next reading is chosen by the classes that are left",
 }
 """What is asked of classes alone, by name, and why: refused in one sentence with a loss of numbers."""
 
 
-NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "worst_case", "sequential")
+NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "worst_case")
 """What knows nothing of `Shape.is_shaped`: its searches go through trees level by level."""
 
 

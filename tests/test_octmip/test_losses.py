@@ -7,7 +7,6 @@ import pytest
 
 from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
-from octmip.sensing.sequential.problem import SequentialProblem
 from octmip.sensing.shared.budget import shared_budget
 from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
 from octmip.trees.registry import ASKED_OF_CLASSES
@@ -162,7 +161,6 @@ def test_the_digest_of_a_problem_tells_levels_apart():
         ("worst_case", lambda problem: least_worst.solve(problem, 0.1)),
         ("leaves_on_fresh_rows", lambda problem: leaves_on_fresh_rows(problem, problem.best_leaf())),
         ("shared_budget", lambda problem: shared_budget([problem, problem], 2.0)),
-        ("sequential", lambda problem: SequentialProblem(problem, price=0.1)),
     ],
 )
 def test_what_is_asked_of_classes_alone_is_a_line_of_the_registry_and_refused_in_one_sentence(asked, ask):

@@ -15,7 +15,6 @@ pub mod near_optimal;
 pub mod ranks;
 pub mod regression;
 pub mod search;
-pub mod sequential;
 pub mod supervise;
 mod switches;
 pub mod tree;

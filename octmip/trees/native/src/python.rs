@@ -10,7 +10,6 @@ mod regression;
 mod rows;
 mod run;
 mod search;
-mod sequential;
 mod two_feature;
 mod workers;
 mod worst_case;
@@ -23,7 +22,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Found>()?;
     module.add_class::<run::FoundBelow>()?;
     module.add_class::<problem::PyProblem>()?;
-    module.add_class::<problem::PySequentialProblem>()?;
     module.add_class::<check::PyQuestion>()?;
     module.add_class::<check::Accepted>()?;
     module.add_class::<check::Refused>()?;
@@ -36,7 +34,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(ranks::dense_ranks, module)?)?;
     module.add_function(wrap_pyfunction!(reached::reached_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
-    module.add_function(wrap_pyfunction!(sequential::sequential, module)?)?;
     module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
     module.add_function(wrap_pyfunction!(worst_case::worst_case, module)?)?;
     module.add_function(wrap_pyfunction!(worst_case::worst_case_search, module)?)?;

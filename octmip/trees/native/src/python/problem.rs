@@ -16,7 +16,6 @@ use pyo3::prelude::*;
 
 use crate::problem::{Planes, Problem};
 use crate::python::ranks::PyRankTable;
-use crate::sequential::SequentialProblem;
 
 /// Data of hyperplane splits: a dict with these names, see `Planes`.
 #[derive(FromPyObject)]
@@ -81,63 +80,6 @@ impl PyProblem {
             planes,
         };
         inner.validate().map_err(|error| PyValueError::new_err(error.0))?;
-        Ok(Self { inner })
-    }
-}
-
-/// `crate::sequential::SequentialProblem` as a Python object.
-#[pyclass(name = "SequentialProblem", frozen)]
-pub(crate) struct PySequentialProblem {
-    /// The problem.
-    pub(crate) inner: SequentialProblem,
-}
-
-#[pymethods]
-impl PySequentialProblem {
-    #[new]
-    #[pyo3(signature = (*, ranks, paid, frequency, delay_costs, penalty, depth, leaf_size, sensor_of_feature, allowed,
-        most_readings, sensor_cost, group_of_sensor, setup_costs, read, multiplier, cap))]
-    #[allow(clippy::too_many_arguments)]
-    fn new(
-        ranks: PyReadonlyArray2<'_, u32>,
-        paid: PyReadonlyArray2<'_, f64>,
-        frequency: PyReadonlyArray1<'_, f64>,
-        delay_costs: PyReadonlyArray1<'_, f64>,
-        penalty: f64,
-        depth: usize,
-        leaf_size: usize,
-        sensor_of_feature: Vec<usize>,
-        allowed: Vec<bool>,
-        most_readings: Vec<usize>,
-        sensor_cost: Vec<f64>,
-        group_of_sensor: Vec<usize>,
-        setup_costs: Vec<f64>,
-        read: Vec<usize>,
-        multiplier: f64,
-        cap: Option<f64>,
-    ) -> PyResult<Self> {
-        let inner = SequentialProblem {
-            n: ranks.shape()[1],
-            p: ranks.shape()[0],
-            n_classes: paid.shape()[1],
-            ranks: ranks.as_slice()?.to_vec(),
-            paid: paid.as_slice()?.to_vec(),
-            frequency: frequency.as_slice()?.to_vec(),
-            delay_costs: delay_costs.as_slice()?.to_vec(),
-            penalty,
-            depth,
-            leaf_size,
-            sensor_of_feature,
-            sensor_cost,
-            group_of_sensor,
-            setup_costs,
-            most_readings,
-            allowed,
-            read,
-            multiplier,
-            cap,
-        };
-        inner.validate().map_err(PyValueError::new_err)?;
         Ok(Self { inner })
     }
 }

@@ -1,24 +1,13 @@
-"""The studies of sequential sensing and of failure run, and say what docs/sensing.md says of them."""
-
-import re
+"""The study of failed gauges finds what docs/sensing.md says of them."""
 
 import numpy as np
 import pytest
 
 from benchmarks.data import SHARED
-from benchmarks.uav.sensing import failure, sequential
+from benchmarks.uav.sensing import failure
 from benchmarks.uav.sensing.readings import readings
 
 pytestmark = pytest.mark.skipif(not (SHARED / "uav").exists(), reason="the published table is not beside the project")
-
-
-def test_a_reading_less_never_makes_fewer_errors(tmp_path):
-    text = sequential.report("published", tmp_path, 1, True)
-    errors = [int(cell) for cell in re.findall(r"\| mu2 +\| +2 \| price [\d.]+ +\| +(\d+)", text)]
-    assert len(errors) == 3
-    assert errors == sorted(errors)
-    assert "decide mu2 = 80 %" in text
-    assert "already read: free" in text
 
 
 def test_detection_holds_its_rate_and_finds_a_dead_gauge():

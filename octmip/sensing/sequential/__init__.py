@@ -1,1 +1,0 @@
-"""Sequential sensing: sensors read one after the other and paid for when they are read."""
