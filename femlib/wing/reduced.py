@@ -149,9 +149,11 @@ def reduce_wing(wing: Wing, settings: ReductionSettings | None = None, lift: Flo
     Raises
     ------
     InputError
-        If a force is not finite, or the forces are not as many as the degrees of freedom.
+        If a force is not finite, all are zero, or they are not as many as the degrees of freedom.
     """
     load = wing.lift if lift is None else frozen_floats(lift, "lift", wing.lift.shape)
+    if not load.any():
+        raise InputError(f"lift is zero in all of {len(load)} entries; expected forces that bend the wing; give some")
     rows = MICRO * wing.strain_rows
     pristine = wing.solve({}, 1.0, lift).ravel()
     work = np.abs(rows @ pristine).max() / (load @ pristine) * load

@@ -194,6 +194,7 @@ ON_THE_WING: list[tuple[Callable[[Wing, Path], object], str]] = [
         "n_modes is 0; expected 1 to",
     ),
     (lambda w, p: simulated_strains(uav_wing(refinement=0.3, regions=())), r"model has the parameters \(\); expected"),
+    (lambda w, p: reduce_wing(w, lift=0.0 * w.lift), "lift is zero in all of .* entries; expected forces"),
     (lambda w, p: bend(w, {"mu1": 1.0}, 3.0), "state 0 has mu1 = 1; expected"),
     (lambda w, p: bend(w, {}, NAN), "load_factor is nan"),
     (lambda w, p: bend(w, {}, 3.0, lift=np.zeros(3)), r"lift has shape \(3,\)"),
