@@ -79,22 +79,25 @@ def part_rows(name: str) -> Iterator[dict[str, Any]]:
         for side in (1.0, -1.0)
     ]
     wanted = calculix_strains(meshed(part, FINE, is_quads=True), part, gauges)
-    largest = float(np.abs(wanted).max())
     for size in SIZES:
         structure = meshed(part, size, is_quads=False)
-        row: dict[str, Any] = {"part": name, "triangles": len(structure.mesh.trias)}
-        load = part.load(structure)
-        found = structure.strain_microstrain({}, load, gauges, 9.0, 9.0)
-        row["off, rms %"] = round(100 * float(np.sqrt(np.mean((found - wanted) ** 2))) / largest, 2)
-        row["off at most %"] = round(100 * float(np.abs(found - wanted).max()) / largest, 2)
-        row["estimate %"] = round(100 * found.error, 2)
-        try:
-            structure.strain_microstrain({}, load, gauges)
-            row["answer"] = "given"
-        except SolveError:
-            row["answer"] = "refused"
+        row = {"part": name} | answered(structure, part.load(structure), gauges, wanted)
         print(row, flush=True)
         yield row
+
+
+def answered(structure: Structure, load: FloatArray, gauges: list[StrainGauge], wanted: FloatArray) -> dict[str, Any]:
+    """Return how far a mesh's strains are from those wanted (n_gauges,), its estimate, and whether it is refused."""
+    found, largest = structure.strain_microstrain({}, load, gauges, 9.0, 9.0), float(np.abs(wanted).max())
+    row: dict[str, Any] = {"triangles": len(structure.mesh.trias)}
+    row["off, rms %"] = round(100 * float(np.sqrt(np.mean((found - wanted) ** 2))) / largest, 2)
+    row["off at most %"] = round(100 * float(np.abs(found - wanted).max()) / largest, 2)
+    row["estimate %"] = round(100 * found.error, 2)
+    try:
+        structure.strain_microstrain({}, load, gauges)
+    except SolveError:
+        return row | {"answer": "refused"}
+    return row | {"answer": "given"}
 
 
 def calculix_strains(structure: Structure, part: Part, gauges: list[StrainGauge]) -> FloatArray:
