@@ -20,17 +20,22 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import digamma, polygamma
+from scipy.stats import chi2
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign, Fault
 from octmip.gap.campaign.noise import Noise, NoisePart
-from octmip.gap.campaign.spectrum import SHARED, SHORTEST, WHITE, Serial, coefficients, fit
+from octmip.gap.campaign.spectrum import SHARED, SHORTEST, SINGLE, WHITE, Serial, coefficients, fit
 from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]
 
 MOST_SHARED = 3
 """Directions that gauges share, at most."""
+LOW = 4
+"""Cosines of longest period, which say most of the variance of means."""
+DIFFERENT = 1e-4
+"""Chance that some gauge's slow noise exceeds the others' so far; below it the gauge has a spectrum of its own."""
 OUTSTANDING = 5.0
 """Standard deviations by which a greatest eigenvalue exceeds that of independent gauges; 3.3 is met once in 1000."""
 POSSIBLE = 0.05
@@ -43,15 +48,20 @@ def parts_of(blocks: Sequence[Floats]) -> tuple[list[NoisePart], float, float]:
     """Return the parts of the noise, how many readings one independent one is worth, and the share of such gauges.
 
     `blocks` holds for each cell residuals (n_repeats, n_gauges) in standard deviations, missing ones 0. The gauges' own
-    part comes first, its walk left in however improbable (see `noise.sizes`); then what gauges share.
+    part comes first, its walk left in however improbable (see `noise.sizes`); then gauges that differ, then what
+    gauges share.
     """
     first = _own_serial(blocks)
     inflation = _inflation(first, [len(block) for block in blocks])
-    shared = _shared(blocks, first, inflation)
+    single = np.eye(blocks[0].shape[1])[:, _different(blocks, first)]
+    shared = _shared(blocks, first, inflation, single)
     complement = np.eye(len(shared)) - shared @ shared.T
     own = np.maximum(LEAST_SINGLE, np.diag(complement))
     serial = _own_serial([block @ complement / np.sqrt(own) for block in blocks])
-    parts = [NoisePart(serial.variance * np.diag(own), serial), *(_part_along(blocks, v) for v in shared.T)]
+    parts = [
+        NoisePart(serial.variance * np.diag(own), serial),
+        *(_part_along(blocks, v, k < single.shape[1]) for k, v in enumerate(shared.T)),
+    ]
     whole = np.sum([part.covariance for part in parts], axis=0)
     sd = np.sqrt(np.diag(whole))
     return parts, inflation, len(whole) / float(np.sum((whole / np.outer(sd, sd)) ** 2))
@@ -74,10 +84,20 @@ def greatest(n: float, n_gauges: int) -> float:
     return float((centre + OUTSTANDING * spread) / max(n, 1.0))
 
 
-def _shared(blocks: Sequence[Floats], serial: Serial, inflation: float) -> Floats:
-    """Return the directions (n_gauges, n_shared) that stand out: over all periods, then over the long ones."""
+def _different(blocks: Sequence[Floats], serial: Serial) -> list[int]:
+    """Return the gauges whose noise of long periods, trends left out, exceeds the others' by more than chance."""
+    long = [block for block in blocks if len(block) >= SHORTEST]
+    if not long or long[0].shape[1] < 3:
+        return []
+    power = [(coefficients(block)[1:LOW] ** 2).T @ (1.0 / serial.expected(len(block))[1:LOW]) for block in long]
+    chance = np.asarray(chi2.sf(np.sum(power, axis=0), (LOW - 1) * len(long)))
+    return [int(k) for k in np.flatnonzero(chance < DIFFERENT / len(chance))[:MOST_SHARED]]
+
+
+def _shared(blocks: Sequence[Floats], serial: Serial, inflation: float, found: Floats) -> Floats:
+    """Return the directions with those added that stand out: over all periods, then over the long ones."""
     pooled = np.concatenate(blocks)
-    found = _with_outstanding(np.zeros((pooled.shape[1], 0)), pooled, len(pooled) / inflation)
+    found = _with_outstanding(found, pooled, len(pooled) / inflation)
     slow = [_slow(block, serial) for block in blocks if len(block) >= 2 * SHORTEST]
     return _with_outstanding(found, np.concatenate(slow), sum(map(len, slow))) if slow else found
 
@@ -126,12 +146,12 @@ def _has_trend(cosines: Sequence[Floats]) -> bool:
     return bool(values[0] ** 2 <= typical * n_gauges * greatest(n_gauges, n_cells))
 
 
-def _part_along(blocks: Sequence[Floats], direction: Floats) -> NoisePart:
-    """Return what gauges share in a direction."""
+def _part_along(blocks: Sequence[Floats], direction: Floats, is_single: bool) -> NoisePart:
+    """Return what one gauge has, or gauges share, in a direction."""
     variance = float(np.mean((np.concatenate(blocks) @ direction) ** 2))
     pattern = np.outer(direction, direction)
     scores = [coefficients(block @ direction[:, None]) for block in blocks if len(block) >= SHORTEST]
-    serial = fit(scores, SHARED)
+    serial = fit(scores, SINGLE if is_single else SHARED, has_trend=not is_single)  # a drift of one gauge is an effect
     if serial is WHITE:
         return NoisePart(variance * pattern, WHITE)
     still = serial.walk == 0.0  # over many cells even a slow walk adds up: an improbable one is left out
