@@ -237,7 +237,9 @@ def _parts(head: Judged) -> list[set[int]]:
     found: dict[object, set[int]] = {}
     for j in head.members:
         near = {j, *neighbours(head.model, j)} if head.model.inputs.candidates[j].n_between else {j}
-        found.setdefault(_part(head, j), set()).update(near | confounded_with(head.allowing, head.fit, j))
+        found.setdefault(_part(head, j), set()).update(
+            near | confounded_with(head.allowing, head.fit, j, head.inference.error_of)
+        )
     return list(found.values())
 
 
@@ -273,7 +275,7 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
 
 
 def _confounded(head: Judged, same: Sequence[Judged], member: int) -> ConfoundedEffects | None:
-    found = confounders(head.allowing, head.fit, member)
+    found = confounders(head.allowing, head.fit, member, head.inference.error_of)
     if not found:
         return None
     inputs = head.model.inputs

@@ -80,7 +80,7 @@ def test_where_a_signature_changes_its_sign_it_is_no_better_known_than_beside():
     turning = Uncertain("turn", np.linspace(-5.0, 5.0, 21)[:-1], 1, 10.0)  # 0 at the tenth gauge
     inference = inference_of(twin_with(turning), SOAKED)
     model = inference.model
-    error = np.diag(inference._errors((candidate(model, "turn"),), np.array([10.0]), 1.0)).reshape(-1, 20)[-1]
+    error = np.diag(inference.error_of(candidate(model, "turn"), 10.0)).reshape(-1, 20)[-1]
     assert model.signatures[:, candidate(model, "turn")].reshape(-1, 20)[-1, 10] == pytest.approx(0.0, abs=0.2)
     assert error[10] > 0.05 * error[0]
 

@@ -7,18 +7,24 @@ readings,
     d'^2 = |size_a a - b|^2                     (b a discrete effect of size 1),
 
 with G the Gram matrix after whatever else is open (damage tangents, calibration, the other members of the set) has been
-projected out. Below 3 no test on these readings separates them.
+projected out. Below 3 no test on these readings separates them. What b leaves may also be no more than what b's own
+signature is wrong by, of covariance E: then d'^2 is its square under C + E less what errors leave on average, the trace
+of E (C + E)^-1.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from octmip.gap.inference.evidence import Fit, Members
 from octmip.gap.inference.linear_model import LinearModel
 
 Floats = NDArray[np.float64]
+Errors = Callable[[int, float], Floats | None]
+"""A candidate and its size -> the covariance (n, n) of the errors of its signature; None of none."""
 
 SEPARABLE = 3.0
 """d' below which two effects are one group."""
@@ -60,7 +66,7 @@ class Confounder:
     size: float
 
 
-def confounders(model: LinearModel, own: Fit, member: int) -> list[Confounder]:
+def confounders(model: LinearModel, own: Fit, member: int, errors: Errors) -> list[Confounder]:
     """Return the best confounder of every other effect with d' below `SEPARABLE` from a fitted member, closest first.
 
     Parameters
@@ -71,9 +77,11 @@ def confounders(model: LinearModel, own: Fit, member: int) -> list[Confounder]:
         the fit of the set.
     member
         one of its candidates.
+    errors
+        of the others.
     """
     candidates = model.inputs.candidates
-    d_prime, needed = _from_member(model, own, member)
+    d_prime, needed = _from_member(model, own, member, errors)
     best: dict[str, Confounder] = {}
     for j in np.argsort(d_prime, kind="stable").tolist():
         name = candidates[j].name
@@ -82,22 +90,41 @@ def confounders(model: LinearModel, own: Fit, member: int) -> list[Confounder]:
     return list(best.values())
 
 
-def confounded_with(model: LinearModel, own: Fit, member: int) -> set[int]:
+def confounded_with(model: LinearModel, own: Fit, member: int, errors: Errors) -> set[int]:
     """Return all candidates with d' below `SEPARABLE` from a fitted member, other places of its effect included."""
-    d_prime, _ = _from_member(model, own, member)
+    d_prime, _ = _from_member(model, own, member, errors)
     return {int(j) for j in np.flatnonzero(d_prime < SEPARABLE)}
 
 
-def _from_member(model: LinearModel, own: Fit, member: int) -> tuple[Floats, Floats]:
+def _from_member(model: LinearModel, own: Fit, member: int, errors: Errors) -> tuple[Floats, Floats]:
     """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it.
 
-    It is infinite where a candidate leaves most of what the member does.
+    It is infinite where a candidate leaves most of what the member does. The errors of a signature count at the place
+    of each other effect that leaves least.
     """
     size = float(own.size[own.members.index(member)])
     gram = conditional_gram(model, tuple(j for j in own.members if j != member), member)
     d_prime, needed = _distances(model, gram, member, size)
     alone = abs(size) * float(np.sqrt(gram[1][member]))
-    return np.where(d_prime < MOST_LEFT * alone, d_prime, np.inf), needed
+    d_prime = np.where(d_prime < MOST_LEFT * alone, d_prime, np.inf)
+    name = model.inputs.priors.name
+    nearest = {int(name[j]): int(j) for j in np.argsort(-d_prime, kind="stable") if name[j] != name[member]}
+    for j in (j for j in nearest.values() if SEPARABLE <= d_prime[j] < np.inf):
+        error = errors(j, float(needed[j]))
+        if error is not None:
+            left = model.signatures[:, [member, j]] @ np.array([size, -needed[j]])
+            others = 3.0 * model.inputs.priors.sd[list(own.members)] * model.signatures[:, list(own.members)]
+            beside = others[:, [k for k, m in enumerate(own.members) if m != member]]
+            d_prime[j] = min(d_prime[j], _beyond_errors(model.covariance + beside @ beside.T, error, left))
+    return d_prime, needed
+
+
+def _beyond_errors(covariance: Floats, error: Floats, left: Floats) -> float:
+    """Return d' of what is left (n,) under errors of a covariance too, less what these leave on average."""
+    factor = linalg.cho_factor(covariance + error, lower=True, check_finite=False)
+    squared = float(left @ linalg.cho_solve(factor, left, check_finite=False))
+    usual = float(np.trace(linalg.cho_solve(factor, error, check_finite=False)))
+    return float(np.sqrt(max(0.0, squared - usual)))
 
 
 def conditional_gram(model: LinearModel, others: Members, member: int) -> tuple[Floats, Floats]:

@@ -230,6 +230,10 @@ class Inference:
         own = self.fit(members)
         return self._errors(members, own.size, own.level)
 
+    def error_of(self, candidate: int, size: float) -> Floats | None:
+        """Return the covariance (n, n) of the errors of one signature at a size, in full; None of none."""
+        return self._errors((candidate,), np.array([size]), max(LEVELS))
+
     def allowing(self, members: Members) -> "Inference":
         """Return the inference under the errors of a set's signatures, which are propagated through its members.
 
