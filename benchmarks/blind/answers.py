@@ -11,7 +11,7 @@ import octmip
 from femlib.wing import WingTwin, tapered_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import AugmentedTwin, Campaign, Diagnosis, diagnose
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.interfaces.report.diagnosis.as_json import as_object
 
 HELD_LOAD = 2.5

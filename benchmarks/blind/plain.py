@@ -7,7 +7,7 @@ from benchmarks.blind.answers import HELD_LOAD, MOST_PROBABLE, CauseRecord, Foun
 from benchmarks.plain.selector import PlainCause, select
 from octmip.gap import Addition, AugmentedTwin, Campaign
 from octmip.gap.effects import in_chain
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 
 
 def plain(task: Task, model: CachedTwin, campaign: Campaign, run: Campaign | None) -> Found:

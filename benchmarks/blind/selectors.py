@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from benchmarks.blind.answers import Found, Task, diagnosed, twin
 from benchmarks.blind.plain import plain
 from octmip.gap import Campaign, read_campaign
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 
 Selector = Callable[[Task, CachedTwin, Campaign, Campaign | None], Found]
 

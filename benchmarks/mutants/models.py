@@ -73,7 +73,7 @@ MODELS = (
         ("float(logsumexp(every)) - log_kinds, log_kinds", "float(logsumexp(every)), log_kinds"),
     ),
     *mutants_of(
-        "octmip/gap/inference/search.py",
+        "octmip/gap/inference/posterior.py",
         DIAGNOSIS,
         (" - log(max(comb(inputs.priors.n_effects, k), 1))", ""),
     ),

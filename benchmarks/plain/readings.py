@@ -10,7 +10,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from octmip.gap import Campaign
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Load, state_limits_of, units_of
 
 LEARNT, BARE = (1.0, 1.0, 0.3, 0.5), (0.003, 0.01, 0.003, 0.003)

@@ -19,7 +19,7 @@ from femlib.arrays import FloatArray, IntArray
 from octmip.gap import Campaign
 from octmip.gap.diagnosis import library_of
 from octmip.gap.effects import in_chain
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Effect, Twin, amounts_of
 
 PRIOR = {"none": 0.50, "single": 0.38, "pair": 0.07, "unknown": 0.04}

@@ -23,7 +23,7 @@ from femlib.arrays import FloatArray
 from femlib.wing import WingTwin, reduced_twin, tapered_wing, uav_twin
 from octmip.gap import CHAIN, Addition, AugmentedTwin, Campaign, Diagnosis, diagnose
 from octmip.gap.inference.linear_model import whole_difference
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Effect, Twin
 
 TABLE = SHARED / "uav" / "strains.csv"

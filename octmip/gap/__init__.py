@@ -7,8 +7,7 @@ from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
 from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.odds import Differences, Odds
-from octmip.gap.twins.augmented import Addition, AugmentedTwin
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import Addition, AugmentedTwin, CachedTwin
 
 __all__ = [
     "CHAIN",

@@ -33,8 +33,7 @@ from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
-from octmip.gap.twins.augmented import Addition, AugmentedTwin
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import Addition, AugmentedTwin, CachedTwin
 from octmip.trees.tree import Node
 from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 

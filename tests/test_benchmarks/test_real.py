@@ -8,7 +8,7 @@ from benchmarks.real import measured, pazy, published
 from femlib.wing import reduced_twin, tapered_wing
 from femlib.wing.loads import GRAVITY
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 
 RUN = SHARED / "asset" / "commissioning.csv"
 needs_pazy = pytest.mark.skipif(not pazy.DATA.is_dir(), reason=f"{pazy.DATA} is not there: the Pazy wing's data")

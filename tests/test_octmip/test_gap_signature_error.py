@@ -11,7 +11,7 @@ from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.inference import LEVELS, Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.search import log_prior
+from octmip.gap.inference.posterior import log_prior
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)

@@ -14,7 +14,7 @@ of all gauges that is too slow to stand out of the repeats of one cell still mov
 their scatter. Readings that step up and down some ten times in a campaign look nearly white within a cell, and leave
 the variance of a mean open by a factor. So the repeats do not decide: they leave a posterior over the walk and the
 memory, which is cut into sizes: of the variance of one step of a walk, and without one of the variance of a mean. Each
-is a noise of its own; the evidence of the means weighs them (`octmip.gap.inference.search`).
+is a noise of its own; the evidence of the means weighs them (`octmip.gap.inference.posterior`).
 """
 
 from collections.abc import Mapping, Sequence

@@ -20,7 +20,7 @@ from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.campaign.table import CampaignTable, read_campaign_table
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Twin, loads_of, sign_of, state_parameters, units_of
 
 HOTTEST = 150.0

@@ -27,7 +27,7 @@ import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from octmip.gap.odds import Differences
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]

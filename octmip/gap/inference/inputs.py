@@ -27,7 +27,7 @@ from octmip.gap.inference.difference import (
 )
 from octmip.gap.inference.rows import Frame, Means
 from octmip.gap.odds import Odds
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
 
 Floats = NDArray[np.float64]

@@ -1,21 +1,301 @@
-"""The posterior over sets of candidates: how probable each set is as the explanation of the readings.
+"""The posterior over sets of candidates: which exist, how probable each is before the readings, and its evidence.
 
-It is normalised over no effect, sets of candidates, and the unknown, each at every **level** of the difference between
-twin and asset. What one hypothesis weighs in several ways adds up; it is shown in the one that bears it most.
+    for each noise and level of the difference that the readings bear        (`_variants`)
+        for each starting state                                               (`starting_states`)
+            every single candidate; the best of them beside every other;
+            the best pairs beside every other, where pairs gain               (`likely_sets`)
+        the best sets, each about the states that it prefers itself           (`_settled`)
+        the unknown alone, and beside one effect or two                       (`_with_unknown`)
+
+A set of k candidates has the prior P(k) / C(n_effects, k) * product of their shares (`octmip.gap.odds`). Sets with a
+member that the others already imitate are the same explanation twice and are left out. What one hypothesis weighs under
+several noises and levels adds up; it is shown in the one that bears it most.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
+from math import comb, inf, log
 
+import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.inference.evidence import Members
+from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.search import weighed_hypotheses
-from octmip.gap.inference.states import starting_states
+from octmip.gap.inference.linear_model import Columns, LinearModel, again, assembled, columns_of
+from octmip.gap.inference.signatures import exact_change, ratios
+from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.unknown import weigh_unknown
+
+Floats = NDArray[np.float64]
+
+LEVELS = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
+OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
+"""Levels of the difference, and with a run of what damage changes, with their probabilities before any reading.
+
+Of damage none is below 1: a gauge at which it acts by a third more than elsewhere has no fault."""
+VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
+"""Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
+N_HEADS = (20, 8)
+"""Sets of one and of two candidates that are extended."""
+N_LONGER, N_OF_ONE_NAME = 60, 4
+"""Larger sets that are kept of each size; sets of the same effects that are extended, so that places do not fill it."""
+TRIPLES = 2.0
+"""Log units that the best pair must weigh beyond the best single for triples to be looked at."""
+UNSEEN = 0.1
+"""Standard deviations that an effect must be able to move all readings together; others are no explanation."""
+IMITATED = 0.02
+"""A candidate is imitated by others when they leave less than this share of its squared length."""
+N_EXACT, EXACT_BEHIND = 60, 15.0
+"""Hypotheses whose evidence is computed exactly, at most, and the log units behind the best within which they lie."""
+N_SETTLED, LEADERS, LAPS = 6, 10.0, 3
+"""Sets about whose own states the model is taken in each lap, log units behind the best of these, and laps."""
+START_BEHIND = 15.0
+"""Log units behind the first starting state beyond which another one is not looked at."""
+N_BESIDE_UNKNOWN = 10
+"""Best pairs that are weighed with the unknown beside them."""
+N_BENT, SLIGHT, LINEAR = 16, 0.05, 0.01
+"""Best single effects whose signature is taken between none and the size found; prior standard deviations of a size
+below which it is linear, and what a signature may bend by unnoticed."""
+FAR, NEAR = STATE_RESOLUTION / 2, STATE_RESOLUTION / 5
+"""Distance of states beyond which a set is judged about its own, and below which two models are one."""
+
+
+def log_count(inputs: Inputs, k: int) -> float:
+    """Return the log prior probability of each set of k effects; -inf for more than the odds know of."""
+    if k >= len(inputs.odds.count):
+        return -inf
+    return _log(inputs.odds.count[k]) - log(max(comb(inputs.priors.n_effects, k), 1))
+
+
+def log_prior(inputs: Inputs, members: Members) -> float:
+    """Return the log prior probability of a set of candidates; -inf of two cells without names: a field is unknown."""
+    if sum(inputs.candidates[j].is_nameless for j in members) > 1:
+        return -inf
+    return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
+
+
+def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]:
+    """Return the hypotheses about inputs, under every noise and level that the readings bear.
+
+    Parameters
+    ----------
+    states
+        assignments (n_cells, n_parameters) to start from, the best first.
+    """
+    columns = [columns_of(inputs, states[0])]
+    variants = _variants(columns[0])
+    lead, first = variants[0]
+    if not inputs.groups:
+        columns = [_with_secants(columns[0], first)]
+    inferences = [Inference(again(columns[0], first))]
+    for assignment in states[1:]:
+        other = columns_of(inputs, assignment)
+        model = again(other, first)
+        if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
+            columns, inferences = [*columns, other], [*inferences, Inference(model)]
+    found: dict[Members, float] = {}
+    for one in inferences:
+        found |= {m: max(w, found.get(m, -inf)) for m, w in likely_sets(one).items()}
+    ordered = sorted(found, key=lambda members: -found[members])
+    exact = _with_parts([m for m in ordered[:N_EXACT] if found[m] > found[ordered[0]] - EXACT_BEHIND])
+    columns, weighed = _settled(columns, inferences, exact)
+    result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
+    for log_share, model in variants[1:]:
+        own = _weigh([Inference(again(one, model)) for one in columns], exact)
+        result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
+    return result
+
+
+def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
+    """Return the models worth a look with the log prior probability of their noise and level, the best first.
+
+    That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
+    """
+    inputs = columns.inputs
+    noises = [(share, assembled(columns, noise, 1.0)) for noise, share in inputs.noises or ((inputs.noise, 0.0),)]
+    noises.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
+    still = [pair for pair in noises if not pair[1].inputs.noise.walk_sd > 0.0][:1]
+    least = still[0][0] + _best_single(still[0][1]) if still else -inf
+    walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
+    open_ = list(_levels(columns).items())
+    found: list[tuple[float, LinearModel]] = []
+    for share, usual in [*still, *walks[:1]]:
+        scored = [(log(share), usual if level == 1.0 else again(columns, usual, level)) for level, share in open_]
+        scored.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
+        best = scored[0][0] + _best_single(scored[0][1])
+        near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
+        found += [(share + log_level, model) for log_level, model in near[:MOST_LEVELS]]
+    return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
+
+
+def _levels(columns: Columns) -> Mapping[float, float]:
+    """Return the levels that are open: where nothing is damaged, a run of the sound asset leaves none."""
+    if columns.inputs.run is None:
+        return LEVELS
+    return OF_DAMAGE if columns.means.rows.change.any() else {1.0: 1.0}
+
+
+def _best_single(model: LinearModel) -> float:
+    singles = extensions(model, ())[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
+    return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
+
+
+def _with_secants(columns: Columns, model: LinearModel) -> Columns:
+    """Return the columns with the signatures of the best effects that are not linear taken between none and the size.
+
+    Themselves where there is none.
+    """
+    inputs, inference = model.inputs, Inference(model)
+    expected = np.array(model.means.expected)
+    expected[model.average, model.gauge] = model.predicted
+    best = np.argsort(-extensions(model, ())[0] - inputs.priors.log_weight, kind="stable")[:N_BENT].tolist()
+    signatures = columns.signatures.copy()
+    for fit in inference.fits([(j,) for j in best]):
+        j, size = fit.members[0], float(fit.size[0])
+        candidate = inputs.candidates[j]
+        if candidate.forward is None or abs(size) <= SLIGHT * candidate.effect.prior_sd:
+            continue
+        change = exact_change(inputs, model.states, candidate, size) * ratios(inputs, model.states, expected)
+        secant = change[model.average, model.gauge] / size
+        if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
+            signatures[:, j] = secant
+    return replace(columns, signatures=signatures)
+
+
+def likely_sets(inference: Inference) -> dict[Members, float]:
+    """Return no effect, every single candidate and the best larger sets, with approximate weights."""
+    inputs = inference.model.inputs
+    most = len(inputs.odds.count) - 1
+    found: dict[Members, float] = {(): log_prior(inputs, ())}
+    heads: list[Members] = [()]
+    best = -inf
+    for size in range(1, most + 1):
+        longer: dict[Members, float] = {}
+        inference.fits(heads)
+        for members in heads:
+            longer |= _extended(inference, members)
+        ordered = sorted(longer.items(), key=lambda item: -item[1])
+        found |= dict(ordered if size == 1 else ordered[:N_LONGER])
+        if not ordered or (size > 1 and ordered[0][1] < best + TRIPLES) or size == most:
+            break
+        best = ordered[0][1]
+        heads = _diverse(inputs, [members for members, _ in ordered], N_HEADS[size - 1])
+    return found
+
+
+def _extended(inference: Inference, members: Members) -> dict[Members, float]:
+    """Return the sets of one more candidate with their weights, each judged under the errors of `members`."""
+    model = inference.model
+    inputs, prior = model.inputs, model.inputs.priors
+    under = inference.allowing(members).model
+    logs, new = extensions(under, members)
+    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.whitened.lengths) > UNSEEN
+    keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
+    if members:
+        keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:N_LONGER]]
+    weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
+    weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
+    joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
+    pairs = zip(joined, weights.tolist(), strict=True)
+    return {longer: weight for longer, weight in pairs if np.isfinite(log_prior(inputs, longer))}
+
+
+def _diverse(inputs: Inputs, ordered: Sequence[Members], most: int) -> list[Members]:
+    """Return the first sets, at most a few of the same effects."""
+    taken: dict[tuple[int, ...], int] = {}
+    name, kept = inputs.priors.name.tolist(), list[Members]()
+    for members in ordered:
+        names = tuple(sorted(name[j] for j in members))
+        taken[names] = taken.get(names, 0) + 1
+        kept += [members] if taken[names] <= N_OF_ONE_NAME else []
+        if len(kept) == most:
+            break
+    return kept
+
+
+def _with_parts(sets: list[Members]) -> list[Members]:
+    """Return the sets, and what is left of them when members are taken out: never unjudged."""
+    parts = {part for members in sets for k in range(len(members)) for part in combinations(members, k)}
+    return [*sets, *sorted(parts - set(sets))]
+
+
+def _settled(
+    columns: list[Columns], inferences: list[Inference], sets: list[Members]
+) -> tuple[list[Columns], list[Judged]]:
+    """Return columns about all states, and all sets weighed, the leaders about the states that they prefer."""
+    weighed = _weigh(inferences, sets)
+    for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
+        best = max(w.log_weight for w in weighed)
+        leaders = sorted((w for w in weighed if w.log_weight > best - LEADERS), key=lambda w: -w.log_weight)
+        new: list[Floats] = []
+        for w in leaders:
+            states = moved_states(w.inference.model, w.inference.fit(w.members))
+            known = [*(one.states for one in columns), *new]
+            if distance(states, w.inference.model.states) > FAR and all(distance(states, s) > NEAR for s in known):
+                new.append(states)
+            if len(new) == N_SETTLED:
+                break
+        if not new:
+            break
+        own = [columns_of(columns[0].inputs, states) for states in new]
+        columns = [*columns, *own]
+        inferences = [*inferences, *(Inference(again(one, inferences[0].model)) for one in own)]
+        weighed = _weigh(inferences, sets)
+    return columns, weighed
+
+
+def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Judged]:
+    """Return prior times evidence of sets, each in the inference nearest to its own states."""
+    for inference in inferences:
+        inference.fits(sets)
+    return [_exact(inferences, members) for members in sets]
+
+
+def _exact(inferences: Sequence[Inference], members: Members) -> Judged:
+    tried = []
+    for inference in inferences:
+        model, fit = inference.model, inference.fit(members)
+        value = model.log_none + fit.log_factor + log_box(model, fit)
+        away = distance(moved_states(model, fit), model.states) if model.inputs.groups else 0.0
+        tried.append((away, value, inference))
+    near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
+    _, value, nearest = max(near, key=lambda t: t[1])
+    return Judged(members, False, value + log_prior(nearest.model.inputs, members), nearest)
+
+
+def _others(first: Inference, found: dict[Members, float], done: Sequence[Members]) -> list[Judged]:
+    """Return the hypotheses that were not judged exactly as they are, where all states are known."""
+    if first.model.inputs.groups:
+        return []
+    left = set(found) - set(done)
+    return [Judged(members, False, first.model.log_none + found[members], first) for members in sorted(left)]
+
+
+def _with_unknown(weighed: Sequence[Judged]) -> list[Judged]:
+    """Return the unknown alone, beside every single effect and beside the best larger sets."""
+    best = max(weighed, key=lambda w: w.log_weight).inference
+    model, unknown = best.model, weigh_unknown(best.model)
+    inputs, odds, allowing = model.inputs, model.inputs.odds.unknown, Inference(unknown.allowing)
+    box = log_box(model, best.fit(()))
+    found = [Judged((), True, model.log_none + unknown.log_factor + box + _log(odds[0]), allowing, unknown.words)]
+    beside = allowing.model.log_none + box - unknown.log_kinds
+    logs = beside + extensions(allowing.model, ())[0] + inputs.priors.log_weight
+    logs += _log(odds[1]) - log(max(inputs.priors.n_effects, 1))
+    found += [Judged((j,), True, value, allowing, unknown.words) for j, value in enumerate(logs.tolist())]
+    larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2]
+    for members, own in zip(larger[:N_BESIDE_UNKNOWN], allowing.fits(larger[:N_BESIDE_UNKNOWN]), strict=True):
+        prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
+        found.append(Judged(members, True, beside + own.log_factor + prior, allowing, unknown.words))
+    return found
+
+
+def _log(probability: float) -> float:
+    return log(max(probability, 1e-300))
+
 
 NEGLIGIBLE = 1e-7
 """Probability below which an effect beside the unknown is not kept."""

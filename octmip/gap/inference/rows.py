@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import AveragedCell, Campaign
 from octmip.gap.inference.difference import Rows
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]

@@ -36,7 +36,7 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     from octmip.formats.tree_file import read_tree_file
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
     from octmip.gap.doors import open_twin
-    from octmip.gap.twins.cached import CachedTwin
+    from octmip.gap.twins import CachedTwin
 
     line(f"building the twin {arguments.twin}")
     twin = CachedTwin(open_twin(arguments.twin, arguments.card))

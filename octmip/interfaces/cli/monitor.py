@@ -8,7 +8,7 @@ from typing import Any
 from octmip.errors import DataError
 from octmip.formats.files import whole_folder
 from octmip.gap.doors import open_twin
-from octmip.gap.twins.cached import CachedTwin
+from octmip.gap.twins import CachedTwin
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
 from octmip.interfaces.cli.monitor_folder import summary_of, words_of, write_monitor
 from octmip.interfaces.cli.monitor_loop import run_loop

@@ -1,10 +1,12 @@
-"""A twin that keeps its answers: a diagnosis asks for the same few states and loads over and over.
+"""Twins around a twin: one with what it lacked, which can be diagnosed again, and one that keeps its answers.
 
-Every answer of somebody else's model passes here, so here it is checked: that it came, its shape, that it is finite.
+A diagnosis asks for the same few states and loads over and over. Every answer of somebody else's model passes the twin
+that keeps them, so there it is checked: that it came, its shape, that it is finite.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +25,78 @@ from octmip.twin import (
     predict_states,
     units_of,
 )
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Addition:
+    """One effect at one place with its size.
+
+    Attributes
+    ----------
+    effect
+        the effect.
+    place
+        where it acts.
+    size
+        in the effect's unit.
+    """
+
+    effect: Effect
+    place: str
+    size: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AugmentedTwin(TwinAround):
+    """A twin with additions, applied in their order: what the structure does first, what the measuring chain does last.
+
+    Attributes
+    ----------
+    twin
+        the model.
+    additions
+        what it lacked.
+    difference
+        of the asset before any effect, in a state and at a load (n_gauges,); None: 0.
+    """
+
+    twin: Twin
+    additions: tuple[Addition, ...]
+    difference: Callable[[State, Load], Floats] | None = None
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of every reading."""
+        return units_of(self.twin)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Instrument of every reading."""
+        return channels_of(self.twin)
+
+    @property
+    def gauge_positions(self) -> Floats | None:
+        """Places (n_gauges, 2) [m], or None."""
+        places = getattr(self.twin, "gauge_positions", None)
+        return None if places is None else np.asarray(places, dtype=np.float64)
+
+    def predict(self, state: State, load_factor: Load, time: float = 0.0) -> Floats:
+        """Return the readings (n_gauges,), effects included, `time` s from the start of the campaign."""
+        strain = np.array(self.twin.predict(state, load_factor), dtype=np.float64)
+        if self.difference is not None:
+            strain = strain + self.difference(state, load_factor)
+        for k, addition in enumerate(self.additions):
+            before = replace(self, additions=self.additions[:k])
+            forward = getattr(addition.effect, "predict", None)
+            if forward is not None:
+                strain = np.asarray(forward(before, state, load_factor, addition.size, addition.place, time))
+            else:
+                change = addition.effect.signature(before, state, load_factor, place=addition.place, time=time)
+                strain = strain + addition.size * change
+        return np.asarray(strain, dtype=np.float64)
+
 
 Key = tuple[tuple[tuple[str, float], ...], Load]
 
