@@ -64,11 +64,6 @@ class Whitened:
         object.__setattr__(self, "lengths", np.einsum("ij,ij->j", self.signatures, self.signatures))
         object.__setattr__(self, "projection", self.signatures.T @ self.residual)
 
-    @property
-    def gram(self) -> Floats:
-        """The whole of G (n_candidates, n_candidates): expensive, `gram_rows` gives the rows that are needed."""
-        return self.gram_rows(range(self.signatures.shape[1]))
-
     def gram_rows(self, members: Sequence[int]) -> Floats:
         """Return the rows (n_members, n_candidates) of G."""
         return np.asarray(self.signatures[:, list(members)].T @ self.signatures)
@@ -180,12 +175,6 @@ class LinearModel:
         return np.array([average.cell for average in self.inputs.averages])[self.average]
 
     @property
-    def load_factors(self) -> Floats:
-        """(n,) the one load of every row, where the campaign has one."""
-        cells = self.inputs.campaign.cells
-        return np.array([cells[k].load_factor for k in self.cells.tolist()])
-
-    @property
     def loads(self) -> tuple[Load, ...]:
         """(n,) load of every row."""
         of_average = self.inputs.loads
@@ -200,72 +189,61 @@ class LinearModel:
         return np.asarray(self.whitened.residual - self.whitened.signatures[:, list(members)] @ size)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Columns:
-    """What does not depend on the noise, nor on the level of the difference, about states (n_cells, n_parameters).
+def linearise(inputs: Inputs, states: Floats, level: float = 1.0, like: LinearModel | None = None) -> LinearModel:
+    """Return the linear model about states (n_cells, n_parameters) at a level of the difference.
 
-    Attributes
-    ----------
-    means
-        the rows.
-    signatures, tangents
-        (n, n_candidates) S and (n, n_open) J.
+    With `like` under the noise of that model, which no state changes, and at its level. Signatures go with what the run
+    says at level 1.
     """
-
-    inputs: Inputs
-    states: Floats
-    means: Means
-    signatures: Floats
-    tangents: Floats
-
-
-def columns_of(inputs: Inputs, states: Floats) -> Columns:
-    """Return rows, signatures and tangents; the signatures go with what the run says at level 1."""
     states = np.array(states)
     _ask_together(inputs, states)
     means = inputs.frame.means(inputs.campaign, inputs.averages, states, 0)
     flat = means.average * len(inputs.order) + means.gauge
     expected = means.expected + _on_grid(_given_run(inputs, 1.0, means.rows).mean, means)
-    signatures = signatures_of(inputs, states, expected)[:, flat].T
-    return Columns(inputs, states, means, signatures, _tangents(inputs, states, flat))
+    signatures, tangents = signatures_of(inputs, states, expected)[:, flat].T, _tangents(inputs, states, flat)
+    if like is not None:
+        known = replace(inputs, noise=like.inputs.noise)
+        return _assembled(known, states, means, signatures, tangents, like.noise, like.level)
+    return _assembled(inputs, states, means, signatures, tangents, _noise_of(inputs, inputs.noise, means), level)
 
 
-def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
-    """Return the linear model about states (n_cells, n_parameters) at a level of the difference."""
-    return assembled(columns_of(inputs, states), inputs.noise, level)
+def under(model: LinearModel, noise: Noise, level: float) -> LinearModel:
+    """Return the model under another noise, at a level of the difference."""
+    own = _noise_of(model.inputs, noise, model.means)
+    known = replace(model.inputs, noise=noise)
+    return _assembled(known, model.states, model.means, model.signatures, model.tangents, own, level)
 
 
-def assembled(columns: Columns, noise: Noise, level: float) -> LinearModel:
-    """Return the linear model of some columns under a noise and a level of the difference."""
-    inputs, means = columns.inputs, columns.means
-    own = noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
-    return _assembled(columns, noise, own, level)
+def again(model: LinearModel, like: LinearModel, level: float | None = None) -> LinearModel:
+    """Return a model under the noise of another one, at that one's level or at the given one."""
+    known, at = replace(model.inputs, noise=like.inputs.noise), like.level if level is None else level
+    return _assembled(known, model.states, model.means, model.signatures, model.tangents, like.noise, at)
 
 
-def again(columns: Columns, model: LinearModel, level: float | None = None) -> LinearModel:
-    """Return the model of other columns under a model's noise, which no state changes, at its level or another one."""
-    return _assembled(columns, model.inputs.noise, model.noise, model.level if level is None else level)
+def _noise_of(inputs: Inputs, noise: Noise, means: Means) -> Floats:
+    return noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
 
 
-def _assembled(columns: Columns, noise: Noise, own: Floats, level: float) -> LinearModel:
-    inputs, means = replace(columns.inputs, noise=noise), columns.means
+def _assembled(
+    inputs: Inputs, states: Floats, means: Means, signatures: Floats, tangents: Floats, own: Floats, level: float
+) -> LinearModel:
     given = _given_run(inputs, level, means.rows)
-    covariance = given.covariance + own + OPEN_STATE**2 * columns.tangents @ columns.tangents.T
+    covariance = given.covariance + own + OPEN_STATE**2 * tangents @ tangents.T
     factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
     predicted = means.predicted + given.mean
     residual = means.measured - predicted
-    whitened, open_ = _whitened(factor, columns.signatures, residual, columns.tangents)
+    whitened, open_ = _whitened(factor, signatures, residual, tangents)
     return LinearModel(
         inputs=inputs,
-        states=columns.states,
+        states=states,
         means=means,
         predicted=predicted,
         residual=residual,
         noise=own,
         covariance=covariance,
         factor=factor,
-        signatures=columns.signatures,
-        tangents=columns.tangents,
+        signatures=signatures,
+        tangents=tangents,
         whitened=whitened,
         open_states=open_states_of(open_, whitened),
         level=level,

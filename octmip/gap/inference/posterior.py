@@ -25,7 +25,7 @@ from scipy.special import logsumexp
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import Columns, LinearModel, again, assembled, columns_of
+from octmip.gap.inference.linear_model import LinearModel, again, linearise, under
 from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -86,45 +86,43 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     """
-    columns = [columns_of(inputs, states[0])]
-    variants = _variants(columns[0])
+    variants = _variants(linearise(inputs, states[0]))
     lead, first = variants[0]
-    if not inputs.groups:
-        columns = [_with_secants(columns[0], first)]
-    inferences = [Inference(again(columns[0], first))]
+    inferences = [Inference(first if inputs.groups else _with_secants(first))]
     for assignment in states[1:]:
-        other = columns_of(inputs, assignment)
-        model = again(other, first)
+        model = linearise(inputs, assignment, like=first)
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
-            columns, inferences = [*columns, other], [*inferences, Inference(model)]
+            inferences.append(Inference(model))
     found: dict[Members, float] = {}
     for one in inferences:
         found |= {m: max(w, found.get(m, -inf)) for m, w in likely_sets(one).items()}
     ordered = sorted(found, key=lambda members: -found[members])
     exact = _with_parts([m for m in ordered[:N_EXACT] if found[m] > found[ordered[0]] - EXACT_BEHIND])
-    columns, weighed = _settled(columns, inferences, exact)
+    inferences, weighed = _settled(inferences, exact)
     result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
     for log_share, model in variants[1:]:
-        own = _weigh([Inference(again(one, model)) for one in columns], exact)
+        own = _weigh([Inference(again(one.model, model)) for one in inferences], exact)
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
 
 
-def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
+def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
     """Return the models worth a look with the log prior probability of their noise and level, the best first.
 
     That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
     """
-    inputs = columns.inputs
-    noises = [(share, assembled(columns, noise, 1.0)) for noise, share in inputs.noises or ((inputs.noise, 0.0),)]
+    inputs = start.inputs
+    every = [(noise, share) for noise, share in inputs.noises if noise is not inputs.noise]
+    own = next((share for noise, share in inputs.noises if noise is inputs.noise), 0.0)
+    noises = [(own, start), *((share, under(start, noise, 1.0)) for noise, share in every)]
     noises.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
     still = [pair for pair in noises if not pair[1].inputs.noise.walk_sd > 0.0][:1]
     least = still[0][0] + _best_single(still[0][1]) if still else -inf
     walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
-    open_ = list(_levels(columns).items())
+    open_ = list(_levels(start).items())
     found: list[tuple[float, LinearModel]] = []
     for share, usual in [*still, *walks[:1]]:
-        scored = [(log(share), usual if level == 1.0 else again(columns, usual, level)) for level, share in open_]
+        scored = [(log(share), usual if level == 1.0 else again(start, usual, level)) for level, share in open_]
         scored.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
         best = scored[0][0] + _best_single(scored[0][1])
         near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
@@ -132,11 +130,11 @@ def _variants(columns: Columns) -> list[tuple[float, LinearModel]]:
     return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
 
 
-def _levels(columns: Columns) -> Mapping[float, float]:
+def _levels(model: LinearModel) -> Mapping[float, float]:
     """Return the levels that are open: where nothing is damaged, a run of the sound asset leaves none."""
-    if columns.inputs.run is None:
+    if model.inputs.run is None:
         return LEVELS
-    return OF_DAMAGE if columns.means.rows.change.any() else {1.0: 1.0}
+    return OF_DAMAGE if model.means.rows.change.any() else {1.0: 1.0}
 
 
 def _best_single(model: LinearModel) -> float:
@@ -144,16 +142,13 @@ def _best_single(model: LinearModel) -> float:
     return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
 
 
-def _with_secants(columns: Columns, model: LinearModel) -> Columns:
-    """Return the columns with the signatures of the best effects that are not linear taken between none and the size.
-
-    Themselves where there is none.
-    """
+def _with_secants(model: LinearModel) -> LinearModel:
+    """Return the model with the signatures of the best effects that are not linear taken between none and the size."""
     inputs, inference = model.inputs, Inference(model)
     expected = np.array(model.means.expected)
     expected[model.average, model.gauge] = model.predicted
     best = np.argsort(-extensions(model, ())[0] - inputs.priors.log_weight, kind="stable")[:N_BENT].tolist()
-    signatures = columns.signatures.copy()
+    signatures = model.signatures.copy()
     for fit in inference.fits([(j,) for j in best]):
         j, size = fit.members[0], float(fit.size[0])
         candidate = inputs.candidates[j]
@@ -163,7 +158,7 @@ def _with_secants(columns: Columns, model: LinearModel) -> Columns:
         secant = change[model.average, model.gauge] / size
         if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
             signatures[:, j] = secant
-    return replace(columns, signatures=signatures)
+    return again(replace(model, signatures=signatures), model)
 
 
 def likely_sets(inference: Inference) -> dict[Members, float]:
@@ -223,10 +218,8 @@ def _with_parts(sets: list[Members]) -> list[Members]:
     return [*sets, *sorted(parts - set(sets))]
 
 
-def _settled(
-    columns: list[Columns], inferences: list[Inference], sets: list[Members]
-) -> tuple[list[Columns], list[Judged]]:
-    """Return columns about all states, and all sets weighed, the leaders about the states that they prefer."""
+def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inference], list[Judged]]:
+    """Return inferences about all states, and all sets weighed, the leaders about the states that they prefer."""
     weighed = _weigh(inferences, sets)
     for _ in range(LAPS if inferences[0].model.inputs.groups else 0):
         best = max(w.log_weight for w in weighed)
@@ -234,18 +227,17 @@ def _settled(
         new: list[Floats] = []
         for w in leaders:
             states = moved_states(w.inference.model, w.inference.fit(w.members))
-            known = [*(one.states for one in columns), *new]
+            known = [*(one.model.states for one in inferences), *new]
             if distance(states, w.inference.model.states) > FAR and all(distance(states, s) > NEAR for s in known):
                 new.append(states)
             if len(new) == N_SETTLED:
                 break
         if not new:
             break
-        own = [columns_of(columns[0].inputs, states) for states in new]
-        columns = [*columns, *own]
-        inferences = [*inferences, *(Inference(again(one, inferences[0].model)) for one in own)]
+        like = inferences[0].model
+        inferences = [*inferences, *(Inference(linearise(like.inputs, states, like=like)) for states in new)]
         weighed = _weigh(inferences, sets)
-    return columns, weighed
+    return inferences, weighed
 
 
 def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Judged]:

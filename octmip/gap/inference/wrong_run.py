@@ -20,7 +20,7 @@ from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import Columns, LinearModel, again, linearise
+from octmip.gap.inference.linear_model import LinearModel, again, linearise
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.twin import Effect
@@ -66,8 +66,7 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
     good = replace(inputs, difference=usual)  # beside a wrong run the twin may well be good
-    own = Columns(good, model.states, model.means, model.signatures, model.tangents)
-    models = [model, *(again(own, model, level) for level in (1.0, 2.0))]
+    models = [model, *(again(replace(model, inputs=good), model, level) for level in (1.0, 2.0))]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
     found = [part(one, _Stack.of(one, run), columns[part]) for part in columns for one in models]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
