@@ -21,7 +21,6 @@ from scipy.spatial import QhullError
 
 from octmip.errors import DataError, TwinError
 from octmip.formats.table import read_table
-from octmip.gap.campaign.table import read_campaign_table
 from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 from octmip.twin import Twin
@@ -51,32 +50,10 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: 
         raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
     known = card_beside(path, card, linear)
     inputs = [*known.ranges, *known.states, *known.loads]
-    numbers = _numbers(Path(path), [*inputs, *known.readings])
+    numbers = read_table(Path(path)).numbers([*inputs, *known.readings], "model")
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
     return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
-
-
-def _numbers(path: Path, names: list[str]) -> Floats:
-    """Return the columns of the names (n, n_names), at least one row."""
-    if path.suffix.lower() in (".parquet", ".pq"):
-        numbers = read_table(path).numbers(names)
-        if not len(numbers):
-            raise DataError(f"table {path} has no row; expected one for each combination of inputs; add them")
-        return numbers
-    try:
-        table = read_campaign_table(path)
-        missing = [name for name in names if name not in table.header]
-        if missing:
-            raise DataError(f"it lacks the column {missing[0]!r} of its card; got {list(table.header[:6])}...; add it")
-        numbers = np.array([table.floats(name) for name in names]).T
-    except DataError as error:
-        raise DataError(f"table {path} cannot be read: {error}") from error
-    bad = np.argwhere(~np.isfinite(numbers))
-    if len(bad):
-        row, column = (int(k) for k in bad[0])
-        raise DataError(f"table {path}, row {table.numbers[row]}, column {names[column]} is empty; expected a number")
-    return numbers
 
 
 def _interpolated(points: Floats, values: Floats, names: list[str], path: str) -> Function:

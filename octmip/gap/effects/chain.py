@@ -243,7 +243,6 @@ MISALIGNMENT = ChainEffect(
     is_one_sided=True,
     seen_by=("gauge_placement",),
     words="angle of one gauge",
-    words_at="angle of gauge {place}",
     action="check the angle of gauge {place}",
     says=("the squared sine of its error is {size}", "the squared sine of its error is {size}"),
 )
@@ -258,7 +257,6 @@ POSITION_OFFSET = ChainEffect(
     places_in=_placed_gauges,
     seen_by=("gauge_placement",),
     words="place of one gauge",
-    words_at="place of gauge {place}",
     action="measure the place of gauge {place}",
     says=("it sits {size} too far outboard", "it sits {size} too far inboard"),
 )
@@ -330,7 +328,6 @@ LOAD_FACTOR_ERROR = ChainEffect(
     places_in=_whole,
     seen_by=("applied_load",),
     words="error of the load factor",
-    words_at="error of the load factor",
     action="correct the load factor",
     says=("the load was {size} higher than noted", "the load was {size} lower than noted"),
 )
@@ -348,7 +345,6 @@ def error_of_load(load: str) -> ChainEffect:
         prior_source="instruments of a test are good to about one per cent",
         separated_by=f"a second instrument for the {called} shows it",
         words=f"error of the {called}",
-        words_at=f"error of the {called}",
         action=f"correct the {called}",
         says=(f"the {called} was {{size}} higher than noted", f"the {called} was {{size}} lower than noted"),
         load_name=load,

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.effects.chain import ChainEffect, Moment
+from octmip.gap.effects.words import placed
 from octmip.twin import MICROSTRAIN, PURE, Twin, channels_of, positions_of, units_of
 
 Floats = NDArray[np.float64]
@@ -119,7 +120,6 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
         "separated_by": "a misalignment or an offset of the same gauge gives the same reading in one state; "
         "a shunt calibration shows the gain",
         "words": "gain of one gauge",
-        "words_at": "gain of gauge {place}",
         "action": "recalibrate gauge {place}",
         "says": ("it reads {size} too high", "it reads {size} too low"),
     },
@@ -130,7 +130,6 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
         "separated_by": "a reading at zero load shows it alone",
         "seen_by": (),
         "words": "zero offset of one gauge",
-        "words_at": "zero offset of gauge {place}",
         "action": "set gauge {place} to zero again",
         "says": ("it reads {size} too high at every load", "it reads {size} too low at every load"),
     },
@@ -142,7 +141,6 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
         "with loads in ascending order a drift looks like a gain",
         "seen_by": (),
         "words": "drift of one gauge",
-        "words_at": "drift of gauge {place}",
         "action": "find out why gauge {place} drifts",
         "says": ("its reading rises by {size}", "its reading falls by {size}"),
     },
@@ -153,20 +151,15 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
         "prior_source": "amplifiers and gauge factors of one batch are good to about one per cent",
         "separated_by": "strain alone cannot tell it from the load factor or a modulus: a shunt calibration does",
         "words": "gain common to all gauges",
-        "words_at": "gain common to all gauges",
         "action": "recalibrate the amplifier of all gauges",
         "says": ("all gauges read {size} too high", "all gauges read {size} too low"),
     },
 }
 """Cells with names of their own; a gain is one effect whatever the units."""
 OF_CHANNEL = {
-    "gauge_bias": {
-        "words": "offset of one channel", "words_at": "offset of {place}", "action": "set {place} to zero again",
-    },
-    "gauge_drift": {
-        "words": "drift of one channel", "words_at": "drift of {place}", "action": "find out why {place} drifts",
-    },
-}  # fmt: skip
+    "gauge_bias": {"words": "offset of one channel", "action": "set {place} to zero again"},
+    "gauge_drift": {"words": "drift of one channel", "action": "find out why {place} drifts"},
+}
 """What these are called where no strain is read."""
 
 
@@ -294,12 +287,10 @@ def _family(
         size_unit = "1/h" if size_unit in PURE else f"{size_unit}/h"
     called = f"{COURSE_WORDS[course]}{LAW_WORDS[law]}"
     words = f"{called} {WHO_WORDS[who]}{'' if is_only else f' in {unit}'}"
-    place = {"one": f"{called} of gauge {{place}}", "batch": f"{called} of the gauges on cable {{place}}"}
     said: dict[str, Any] = {
         "name": "_".join(cell),
         "prior_sd": PRIOR_SHARE[law] * (typical if law == "constant" else 1.0),
         "words": words,
-        "words_at": place.get(who, words),
         "action": f"look for the {words}",
         "says": (f"the {called} is {{size}}", f"the {called} is -{{size}}"),
         "parameter": called,
@@ -314,6 +305,8 @@ def _family(
             said |= OF_CHANNEL[said["name"]]
             said["words"] += "" if is_only else f" in {unit}"
     said["name"] += ending
+    if who in ("one", "batch"):
+        said["words_at"] = placed(said["words"]).removesuffix(f" in {unit}")
     own = Cell(*cell, unit, typical, history)
     return ChainEffect(
         unit=size_unit,

@@ -40,10 +40,17 @@ def effect_words(effect: Effect) -> str:
     return str(getattr(effect, "words", "")) or effect.name.replace("_", " ")
 
 
+def placed(called: str) -> str:
+    """Return what an effect is called at a place: one gauge, cable or channel is then that of the place."""
+    return re.sub(r"\bone (gauge|cable)\b", r"\1 {place}", called).replace("one channel", "{place}")
+
+
 def words_at(effect: Effect, twin: Twin, place: str) -> EffectWords:
     """Return the words for an effect at a place."""
     called = effect_words(effect)
-    given = str(getattr(effect, "words_at", "")) or (f"{called} at {{place}}" if place else called)
+    there = placed(called)
+    named = there if there != called or not place else f"{called} at {{place}}"
+    given = str(getattr(effect, "words_at", "")) or named
     names = _names(effect, twin, place)
     name = _filled(given, names)
     action = str(getattr(effect, "action", ""))
