@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import hypot, isfinite
+from math import isfinite
 
 from octmip.errors import DataError
 
@@ -57,11 +57,6 @@ class Differences:
                 raise DataError(
                     f"differences {name} is {value}; expected a number above 0: a share of the readings, 0.01 for 1 %"
                 )
-
-    @property
-    def spread(self) -> float:
-        """Relative standard deviation of a healthy reading at level 1."""
-        return hypot(self.common, self.smooth, self.own)
 
 
 @dataclass(frozen=True, slots=True)

@@ -69,8 +69,6 @@ class Cell:
         (n_gauges,) recorded repeats.
     time
         mean time since the first reading of the campaign [s]; 0 where no time was recorded.
-    temperature
-        mean temperature [deg C]; NaN where none was recorded.
     load_names
         names of the loads.
     """
@@ -82,7 +80,6 @@ class Cell:
     mean: NDArray[np.float64]
     count: NDArray[np.int64]
     time: float
-    temperature: float
     load_names: tuple[str, ...] = ONE_LOAD
 
     @property
@@ -216,13 +213,9 @@ class Campaign:
         return [self._cell(np.array(rows, dtype=np.int64), start) for rows in keys.values()]
 
     def _cell(self, rows: NDArray[np.int64], start: float) -> Cell:
-        readings = self.readings[rows]
-        count = np.isfinite(readings).sum(axis=0)
-        total = np.nansum(readings, axis=0)
-        mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+        mean, count = _averaged(self.readings[rows])
         first = int(rows[0])
         time = self.time[rows][np.isfinite(self.time[rows])]
-        temperature = self.temperature[rows][np.isfinite(self.temperature[rows])]
         return Cell(
             test=self.test[first],
             load=self._load(first),
@@ -231,7 +224,6 @@ class Campaign:
             mean=mean,
             count=count,
             time=float(time.mean()) - start if time.size else 0.0,
-            temperature=float(temperature.mean()) if temperature.size else np.nan,
             load_names=self.load_names,
         )
 
@@ -316,6 +308,12 @@ class AveragedCell:
         return replace(self, mean=self.mean[list(order)], count=self.count[list(order)])
 
 
+def _averaged(readings: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return mean and count (n_gauges,) of what was recorded in readings (n, n_gauges); NaN where nothing was."""
+    count = np.isfinite(readings).sum(axis=0)
+    return np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan), count
+
+
 def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
     """Return whole cells, or the earlier and later half of each where `split` and time was recorded, averaged."""
     found = []
@@ -327,9 +325,7 @@ def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
             rows = cell.rows[np.argsort(campaign.time[cell.rows], kind="stable")]
             halves = [rows[: len(rows) // 2], rows[len(rows) // 2 :]]
         for rows in halves:
-            readings = campaign.readings[rows]
-            count = np.isfinite(readings).sum(axis=0)
-            mean = np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan)
+            mean, count = _averaged(campaign.readings[rows])
             time = float(np.nanmean(campaign.time[rows])) - start if campaign.has_time else cell.time
             found.append(AveragedCell(k, mean, count, time, rows, moments[rows]))
     return tuple(found)
