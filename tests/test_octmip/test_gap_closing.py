@@ -97,4 +97,4 @@ def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
     j = next(k for k, c in enumerate(inputs.candidates) if c.name == "soak")
     error = np.diag(inference._errors((j,), np.array([12.0]), 1.0))
     assert not error[inference.model.gauge < 10].any()
-    assert (error[(inference.model.gauge >= 10) & (inference.np.array(model.loads) > 0.0)] > 0.0).all()
+    assert (error[(inference.model.gauge >= 10) & (np.array(inference.model.loads) > 0.0)] > 0.0).all()

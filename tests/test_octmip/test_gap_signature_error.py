@@ -68,8 +68,8 @@ def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_t
     model = inference.model
     j = candidate(model, "soak")
     error, own = inference.errors((j,)), inference.fit((j,))
-    last = np.flatnonzero(np.array(model.loads) == 3.0)[0]  # the constant course, along the load, bent over it: 1 + 1 + 1
-    other = next(k for k in range(last + 1, model.n) if np.array(model.loads)[k] == 3.0)
+    last = model.loads.index(3.0)  # the constant course, along the load, bent over it: 1 + 1 + 1
+    other = model.loads.index(3.0, last + 1)
     at = 0.03 * own.level * float(own.size[0]) * model.signatures[:, j]
     assert error[last, last] == pytest.approx(5.0 * at[last] ** 2)  # two of these also of the kind as a whole
     alike = model.inputs.difference.smooth[model.gauge[last], model.gauge[other]]
