@@ -230,12 +230,12 @@ def _envelope(axis: Axes, capable: Capability, wing: Wing) -> None:
         colour = str(0.95 - 0.09 * k)
         axis.fill_between(speeds, 0.0, top, color=colour, lw=0)
         axis.plot([*speeds, FASTEST], [*top, 0.0], color="#222222", lw=0.8)
-        label = f"{100 * damage:.0f} % lost in both regions: {bears:.2f} g"
+        label = f"{100 * damage:.0f} % lost: {bears:.2f} g"
         place = (FASTEST, bears)
         axis.annotate(label, place, xytext=(-4, -11), textcoords="offset points", ha="right", fontsize=8)
     axis.axhline(FLOWN, color="#c2410c", ls="--", lw=1)
     axis.set(xlabel="speed [m/s]", ylabel="load factor [g]", xlim=(0.0, FASTEST), ylim=(0.0, None))
-    axis.set_title("flight envelope: stall on the left, strength on top", fontsize=10)
+    axis.set_title("flight envelope by loss in both regions: stall on the left, strength on top", fontsize=10)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,12 @@ from femlib.dataset.sampling import Sampling
 from femlib.dataset.states import StateLibrary
 from femlib.errors import InputError
 
+UNITS = {
+    "gauges": "microstrain, compressive positive, divided by load_factor",
+    "parameters": "fraction of stiffness lost",
+    "load_factor": "multiples of steady level flight",
+    "noise_variance": "microstrain^2 at the load factor, before any division",
+}
 StrainMap = Callable[[FloatArray], FloatArray]
 """From states (n_states, n_parameters) to strains (n_states, n_gauges) [microstrain] under one load."""
 
@@ -151,15 +157,5 @@ def described(plan: Plan) -> dict[str, Any]:
         ],
         "recipe": asdict(sampling.recipe),
         "model_hash": plan.model.model_hash,
-        "units": _units(sampling),
-    }
-
-
-def _units(sampling: Sampling) -> dict[str, str]:
-    divided = ", divided by load_factor" if sampling.divide_by_load else " at load_factor"
-    return {
-        "gauges": "microstrain, compressive positive" + divided,
-        "parameters": "fraction of stiffness lost",
-        "load_factor": "multiples of steady level flight",
-        "noise_variance": "microstrain^2 at the load factor, before any division",
+        "units": UNITS,
     }

@@ -52,21 +52,18 @@ class Sampling:
         Readings of each state under each load, their white noise and the share for training; the study's if not given.
     gauges : sequence of str, optional
         Gauges to read; those outside every damage region if not given.
-    divide_by_load : bool
-        Divide readings by the load factor, as the study does.
     seed : int
         Seed of noise and training share.
 
     Raises
     ------
     InputError
-        If a number is out of its range, or readings under a load factor of 0 are to be divided by it.
+        If a number is out of its range or a load factor is 0: readings are divided by it, as the study does.
     """
 
     loads: Sequence[Load] = (Load(f"{LOAD_FACTOR:g} g", LOAD_FACTOR),)
     recipe: Recipe = field(default_factory=Recipe)
     gauges: Sequence[str] | None = None
-    divide_by_load: bool = True
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -78,14 +75,7 @@ class Sampling:
             raise InputError(
                 f"sampling loads are named {names}; expected one load or more, each name once; rename them"
             )
-        if self.divide_by_load and any(load.factor == 0.0 for load in self.loads):
-            raise InputError(
-                "a load has the factor 0 and readings are divided by it; expected another factor; "
-                "say divide_by_load=False to keep microstrain at the load"
-            )
+        if any(load.factor == 0.0 for load in self.loads):
+            raise InputError("a load has the factor 0 and readings are divided by it; expected another; correct it")
         if not is_whole(self.seed) or self.seed < 0:
             raise InputError(f"seed is {self.seed!r}; expected 0 or more; choose another")
-
-    def divisor(self, load: Load) -> float:
-        """Return the divisor of the readings under a load."""
-        return load.factor if self.divide_by_load else 1.0

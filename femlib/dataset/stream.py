@@ -130,9 +130,9 @@ def stream_dataset(
     """Write noisy readings of every state under every load to a Parquet file, and return it, opened.
 
     Columns: `state` (its number in the library), the damage parameters [fraction of stiffness lost], `load` (name),
-    `load_factor`, `is_train`, then one for each gauge [microstrain, compressive positive, divided by the load factor
-    unless the sampling says otherwise]. The side file, named `path` with .json added, has seed, noise, model hash,
-    units and what the states come from. Both files appear whole or not at all, also when interrupted.
+    `load_factor`, `is_train`, then one for each gauge [microstrain, compressive positive, divided by the load
+    factor]. The side file, named `path` with .json added, has seed, recipe, model hash, units and what the states come
+    from. Both files appear whole or not at all, also when interrupted.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def _drawn(plan: Plan, number: int, first: int, clean: FloatArray, done: int, n_
     draws = GaugeDraws([READINGS, sampling.seed, first, number, done], plan.gauges)
     is_train = draws.shared.random(len(clean) * n_readings) < sampling.recipe.train_fraction
     deviation = float(np.sqrt(sampling.recipe.noise_variance))
-    readings = (clean[:, None, :] + draws.own(deviation, (len(clean), n_readings))) / sampling.divisor(load)
+    readings = (clean[:, None, :] + draws.own(deviation, (len(clean), n_readings))) / load.factor
     states = np.repeat(np.arange(first, first + len(clean)), n_readings)
     damage = np.repeat(plan.library.between(first, first + len(clean)), n_readings, axis=0)
     columns: dict[str, object] = {"state": states}
