@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
+from scipy.stats import chi2, false_discovery_control, norm
 
 from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
@@ -192,7 +192,7 @@ def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place,
     """Return every mean reading as a place, the least probable without a gap first."""
     z = means.residual / np.sqrt(np.diag(means.covariance))
     p = 2.0 * norm.sf(np.abs(z))
-    significant = discoveries(p)
+    significant = false_discovery_control(p) <= RATE
     return tuple(
         Place(
             name=names[k],
@@ -205,16 +205,6 @@ def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place,
         )
         for k in np.argsort(p, kind="stable").tolist()
     )
-
-
-def discoveries(p: Floats, rate: float = RATE) -> NDArray[np.bool_]:
-    """Return which p-values (n,) are significant by the step-up rule of Benjamini and Hochberg."""
-    order = np.argsort(p, kind="stable")
-    passed = np.flatnonzero(p[order] <= rate * np.arange(1, len(p) + 1) / len(p))
-    found = np.zeros(len(p), dtype=bool)
-    if passed.size:
-        found[order[: passed[-1] + 1]] = True
-    return found
 
 
 def _groups(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
