@@ -21,6 +21,7 @@ from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
 from octmip.gap.inference.linear_model import LinearModel, again, linearise
+from octmip.gap.inference.posterior import LEVELS
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.twin import Effect
@@ -189,7 +190,8 @@ def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     log_run = float(logsumexp(logs)) - float(np.log(len(logs))) - 0.5 * len(run.residual) * float(np.log(2 * np.pi))
     alone = linearise(replace(inputs, run=None, difference=usual), model.states)
-    return WrongRun(alone.log_none + log_run, "it differs from the asset of today as another asset would", None, None)
+    log_alone = float(logsumexp([again(alone, alone, level).log_none + np.log(p) for level, p in LEVELS.items()]))
+    return WrongRun(log_alone + log_run, "it differs from the asset of today as another asset would", None, None)
 
 
 def _states(run: Run, inputs: Inputs) -> Floats:
