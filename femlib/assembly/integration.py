@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -92,24 +93,17 @@ def point_strains(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iter
     triangles the middles of their sides.
     """
     mesh, n_quads = shells.mesh, len(shells.mesh.quads)
-    triangle = np.repeat(np.linalg.norm(mesh.area_vectors()[n_quads:], axis=1)[:, None] / 3.0, 3, axis=1)
-    for corners, part, matrices in zip(
-        (mesh.quads, mesh.trias), (slice(n_quads), slice(n_quads, None)), shells.element_stiffness, strict=True
+    blocks = [[[own.membrane, own.coupling], [own.coupling, own.bending]] for own in shells.laminates]
+    for corners, part, matrices, kind in zip(
+        (mesh.quads, mesh.trias),
+        (slice(n_quads), slice(n_quads, None)),
+        shells.element_stiffness,
+        (_quad_rows, _tria_rows),
+        strict=True,
     ):
         points = mesh.nodes[corners]
         whole = moved[corners].reshape(len(corners), DOFS_PER_NODE * corners.shape[1])
-        blocks = [[[own.membrane, own.coupling], [own.coupling, own.bending]] for own in shells.laminates]
-        held = np.array(blocks)[shells.section[part]]
-        if corners.shape[1] == quad4.N_NODES:
-            places = [(r, s) for r, s in GAUSS.tolist()]
-            operator = quad4.strain_operators(points, places, shells.axis, (shells.laminates, shells.section[part]))
-            area = np.stack([frame(points, r, s, shells.axis).area for r, s in places], axis=1)
-            shapes = np.array([shape(r, s) for r, s in places])
-        else:
-            sections = shells.laminates, shells.section[part]
-            operator = tria3.strain_operators(points, tria3.MIDDLES, shells.axis, sections)
-            area, shapes = triangle, tria3.MIDDLES
-        rows, axes = np.stack([operator.membrane, operator.curvature], axis=2), operator.axes
+        rows, axes, area, shapes = shells.point_rows.get(kind.__name__, partial(kind, shells, points, part))
         yield PointStrains(
             corners=corners,
             group=corners * shells.n_smooth + shells.smooth[part, None],
@@ -120,5 +114,23 @@ def point_strains(shells: Shells, moved: FloatArray, factor: FloatArray) -> Iter
             strains=np.einsum("emkci,ei->emkc", rows, whole, optimize=True),
             area=area,
             shapes=shapes,
-            moduli=held * (shells.scale[part] * factor[part])[:, None, None, None, None],
+            moduli=np.array(blocks)[shells.section[part]]
+            * (shells.scale[part] * factor[part])[:, None, None, None, None],
         )
+
+
+def _quad_rows(shells: Shells, points: FloatArray, part: slice) -> tuple[FloatArray, ...]:
+    """Return rows (e, m, 2, 3, 24), axes and areas of Gauss's points and the shape functions there."""
+    places = [(r, s) for r, s in GAUSS.tolist()]
+    operator = quad4.strain_operators(points, places, shells.axis, (shells.laminates, shells.section[part]))
+    area = np.stack([frame(points, r, s, shells.axis).area for r, s in places], axis=1)
+    rows = np.stack([operator.membrane, operator.curvature], axis=2)
+    return rows, operator.axes, area, np.array([shape(r, s) for r, s in places])
+
+
+def _tria_rows(shells: Shells, points: FloatArray, part: slice) -> tuple[FloatArray, ...]:
+    """Return the same (e, m, 2, 3, 18) of the middles of the triangles' sides."""
+    operator = tria3.strain_operators(points, tria3.MIDDLES, shells.axis, (shells.laminates, shells.section[part]))
+    whole = np.linalg.norm(shells.mesh.area_vectors()[len(shells.mesh.quads) :], axis=1)
+    rows = np.stack([operator.membrane, operator.curvature], axis=2)
+    return rows, operator.axes, np.repeat(whole[:, None] / 3.0, 3, axis=1), tria3.MIDDLES

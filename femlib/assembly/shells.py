@@ -43,6 +43,8 @@ class Shells:
         moduli within a factor of `STEP` or so. They jump where a layup ends.
     unit_thermal : Kept
         Of `femlib.assembly.loads`: the elements' thermal forces per unit by the elements' name, once asked for.
+    point_rows : Kept
+        Of `femlib.assembly.integration`: the elements' rows of strain, likewise; as large as their matrices.
     """
 
     mesh: Mesh
@@ -52,6 +54,7 @@ class Shells:
     axis: FloatArray
     smooth: IntArray = field(init=False, repr=False)
     unit_thermal: Kept[str, FloatArray] = field(init=False, repr=False, default_factory=Kept)
+    point_rows: Kept[str, tuple[FloatArray, ...]] = field(init=False, repr=False, default_factory=Kept)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
