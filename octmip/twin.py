@@ -186,11 +186,6 @@ class Effect(Protocol):
         ...
 
     @property
-    def prior_source(self) -> str:
-        """Source of the prior scale."""
-        ...
-
-    @property
     def is_one_sided(self) -> bool:
         """Whether the size cannot be negative."""
         ...

@@ -27,7 +27,6 @@ class Field:
     unit: str = "%"
     prior_mean: float = 0.0
     parameter: str = "size of the field"
-    prior_source: str = "chosen for the test"
     is_one_sided: bool = False
     separated_by: str = "its shape"
     seen_by: tuple[str, ...] = ()

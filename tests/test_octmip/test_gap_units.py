@@ -243,4 +243,3 @@ def test_a_pure_number_is_written_without_a_unit(unit):
     assert amount(0.252, unit) == "0.252"
     effect = parameter_effect("share", Range(0.3, 0.0, 1.0, unit), None)
     assert effect.parameter == "share above the model's 0.3"
-    assert effect.prior_source == "the range 0 to 1"

@@ -189,7 +189,6 @@ def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
         apply=apply,
         bounds=(0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
         parameter=f"{called} {way} {of}",
-        prior_source=f"the range {own.low:g} to {own.high:g}{unit}",
         words=called,
         action=f"correct the {called}",
         says=(f"it is {{size}} {way} {of}", f"it is {{size}} below {of}"),

@@ -73,7 +73,6 @@ class ChainEffect:
     parameter: str
     unit: str
     prior_sd: float
-    prior_source: str
     separated_by: str
     change: Callable[[Moment], Floats]
     places_in: Callable[[Twin], tuple[str, ...]]
@@ -235,8 +234,7 @@ MISALIGNMENT = ChainEffect(
     name="misalignment",
     parameter="sin^2 of the angle by which one gauge is turned (1 % is 5.7 degrees)",
     unit="%",
-    prior_sd=1.0,
-    prior_source="gauges are laid to a few degrees; transverse sensitivity is of the same order",
+    prior_sd=1.0,  # gauges are laid to a few degrees; transverse sensitivity is of the same order
     separated_by="it only lowers a reading, a gain goes both ways; a shunt calibration sees a gain and not an angle",
     change=_turned,
     places_in=_strain_gauges,
@@ -250,8 +248,7 @@ POSITION_OFFSET = ChainEffect(
     name="position_offset",
     parameter="offset of one gauge outboard",
     unit="mm",
-    prior_sd=3.0,
-    prior_source="gauges are placed to some millimetres",
+    prior_sd=3.0,  # gauges are placed to some millimetres
     separated_by="in one state it equals a gain of the gauge; measuring its place on the structure separates them",
     change=_offset,
     places_in=_placed_gauges,
@@ -265,8 +262,7 @@ DEAD_GAUGE = ChainEffect(
     parameter="part of the signal that one gauge has lost",
     unit="-",
     prior_mean=1.0,
-    prior_sd=0.02,
-    prior_source="a broken lead leaves nothing",
+    prior_sd=0.02,  # a broken lead leaves nothing
     separated_by="the reading does not move with the load",
     change=_dead,
     places_in=_instruments,
@@ -282,8 +278,7 @@ CROSSTALK = ChainEffect(
     name="crosstalk",
     parameter="part of the neighbouring channel's signal in one reading",
     unit="%",
-    prior_sd=1.0,
-    prior_source="multiplexers and common grounds leak up to one per cent",
+    prior_sd=1.0,  # multiplexers and common grounds leak up to one per cent
     separated_by="in one state it equals a gain of the gauge; "
     "states that change the neighbour's strain alone, or a shunt on the neighbour, separate them",
     change=_leaking,
@@ -303,8 +298,7 @@ SWAPPED_PAIR = ChainEffect(
     parameter="1 when the two are exchanged",
     unit="-",
     prior_mean=1.0,
-    prior_sd=0.02,
-    prior_source="two channels are exchanged or they are not",
+    prior_sd=0.02,  # two channels are exchanged or they are not
     separated_by="tapping or heating one gauge shows which channel answers",
     change=_exchanged,
     places_in=_all_pairs,
@@ -321,8 +315,7 @@ LOAD_FACTOR_ERROR = ChainEffect(
     name="load_factor_error",
     parameter="error of the load factor",
     unit="%",
-    prior_sd=1.5,
-    prior_source="load cells and accelerometers are good to about one per cent",
+    prior_sd=1.5,  # load cells and accelerometers are good to about one per cent
     separated_by="strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does",
     change=_more_load,
     places_in=_whole,
@@ -342,7 +335,6 @@ def error_of_load(load: str) -> ChainEffect:
         LOAD_FACTOR_ERROR,
         name=f"{load}_error",
         parameter=f"error of the {called}",
-        prior_source="instruments of a test are good to about one per cent",
         separated_by=f"a second instrument for the {called} shows it",
         words=f"error of the {called}",
         action=f"correct the {called}",

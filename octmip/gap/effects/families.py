@@ -116,7 +116,7 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
     ("one", "steady", "proportional"): {
         "name": "gauge_gain",
         "parameter": "error of the gain of one gauge",
-        "prior_source": "gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again",
+        # gauge factors are given to 0.5 to 1 %, lead wires and bonding add as much again
         "separated_by": "a misalignment or an offset of the same gauge gives the same reading in one state; "
         "a shunt calibration shows the gain",
         "words": "gain of one gauge",
@@ -126,7 +126,7 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
     ("one", "steady", "constant"): {
         "name": "gauge_bias",
         "parameter": "offset of one gauge",
-        "prior_source": "bridges are balanced to some ten microstrain, other channels to 3 % of the typical reading",
+        # bridges are balanced to some ten microstrain, other channels to 3 % of the typical reading
         "separated_by": "a reading at zero load shows it alone",
         "seen_by": (),
         "words": "zero offset of one gauge",
@@ -136,7 +136,7 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
     ("one", "linear", "constant"): {
         "name": "gauge_drift",
         "parameter": "drift of one gauge",
-        "prior_source": "unprotected gauges wander by some ten microstrain in an hour, other channels by some per cent",
+        # unprotected gauges wander by some ten microstrain in an hour, other channels by some per cent
         "separated_by": "the same load at the start and at the end of the campaign; "
         "with loads in ascending order a drift looks like a gain",
         "seen_by": (),
@@ -147,8 +147,7 @@ CARDS: Mapping[tuple[str, str, str], Mapping[str, Any]] = {
     ("unit", "steady", "proportional"): {
         "name": "common_gain",
         "parameter": "error of the gain common to all gauges",
-        "prior_sd": 1.0,
-        "prior_source": "amplifiers and gauge factors of one batch are good to about one per cent",
+        "prior_sd": 1.0,  # amplifiers and gauge factors of one batch are good to about one per cent
         "separated_by": "strain alone cannot tell it from the load factor or a modulus: a shunt calibration does",
         "words": "gain common to all gauges",
         "action": "recalibrate the amplifier of all gauges",
@@ -294,7 +293,6 @@ def _family(
         "action": f"look for the {words}",
         "says": (f"the {called} is {{size}}", f"the {called} is -{{size}}"),
         "parameter": called,
-        "prior_source": "instruments are good to some per cent",
         "separated_by": "the same load at the start and at the end of the campaign, and a shunt calibration",
         "seen_by": ("shunt_reading",),
     }

@@ -38,9 +38,8 @@ class SimpleEffect:
         places where it may act, each its own; by default the whole.
     bounds
         least and greatest size that is possible; with a least of 0 it goes one way only.
-    parameter, prior_source, separated_by, words, action, says
-        words: what the size measures, where `prior_sd` is from, what would tell the effect from its likes, and those
-        of `octmip.twin.Effect`.
+    parameter, separated_by, words, action, says
+        words: what the size measures, what would tell the effect from its likes, and those of `octmip.twin.Effect`.
     step
         of the finite difference that is its signature, over the prior sd.
 
@@ -54,7 +53,6 @@ class SimpleEffect:
     at: tuple[str, ...] = ("",)
     bounds: tuple[float, float] = (-np.inf, np.inf)
     parameter: str = ""
-    prior_source: str = "said by the author of the effect"
     separated_by: str = ""
     prior_mean: float = 0.0
     load_power: int | None = None

@@ -25,7 +25,7 @@ SIGNATURE_ERROR = 0.1
 Of 30 draws of the three twins of the documentation one more is named with it, a storey softer by 38 %; with 0.12 a
 stiffness is taken for a gain."""
 NEEDED = (
-    "name", "parameter", "unit", "prior_mean", "prior_sd", "prior_source", "is_one_sided", "separated_by", "load_power",
+    "name", "parameter", "unit", "prior_mean", "prior_sd", "is_one_sided", "separated_by", "load_power",
     "places", "signature",
 )  # fmt: skip
 """What every effect says itself."""
