@@ -83,7 +83,8 @@ fn record(
     if control.is_stopped() || view.leaf().min(shallower.cost(i64::MAX)) < upper {
         return None; // a tree of fewer levels costs less
     }
-    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, whole, upper, None, &[])
+    let fewer = (depth - 1, whole, &[][..]);
+    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, fewer, upper, None)
         .by_windows_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
     match helpers {
         Helpers::Threads(n_threads) => std::thread::scope(|scope| {
@@ -101,7 +102,7 @@ fn record(
             let frontier = &frontier;
             std::thread::scope(|scope| {
                 for _ in 0..frontier.size() {
-                    scope.spawn(move || frontier.work_by(|cut| elsewhere.solve(depth, cut, control)));
+                    scope.spawn(move || frontier.work_by(|_, cut| elsewhere.solve(depth, cut, control)));
                 }
             });
         }

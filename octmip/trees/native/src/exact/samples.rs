@@ -72,7 +72,12 @@ pub(crate) struct Samples {
     rows: Vec<u32>,
     /// What every tree of the problem costs more than these samples do, in the problem's own unit.
     pub(crate) avoided: i64,
+    /// Runs of values, one of each feature: about the sets that cuts can make.
+    n_boxes: f64,
 }
+
+/// Most runs of values, one of each feature, of samples that have few.
+const MOST_BOXES: f64 = 131_072.0;
 
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
@@ -117,7 +122,12 @@ impl Samples {
             unit: 1,
             rows: Vec::new(),
             avoided: 0,
+            n_boxes: 1.0,
         };
+        for &feature in &samples.features {
+            let values = f64::from(problem.n_ranks[feature as usize]);
+            samples.n_boxes *= values * (values + 1.0) / 2.0;
+        }
         samples.set_gains(problem);
         samples
     }
@@ -271,6 +281,11 @@ impl Samples {
             rows: self.rows.clone(),
             ..*self
         }
+    }
+
+    /// Whether cuts part the samples in so few ways that a search soon meets each set again.
+    pub(crate) fn has_few_boxes(&self) -> bool {
+        self.n_boxes <= MOST_BOXES
     }
 
     /// The ranks of one usable feature, by sample.

@@ -14,6 +14,7 @@
 
 mod prices;
 
+use crate::exact::node::axis::prices::Prices;
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
 use crate::exact::samples::label_sets::WIDTH;
@@ -101,18 +102,20 @@ impl Axis {
         let smallest = samples.leaf_size.max(1);
         self.of_all_levels = 0;
         self.is_priced = samples.penalty > 0 && switches.price;
-        if self.is_priced {
-            self.lay_prices(samples, view, f);
-        }
+        let mut prices =
+            self.is_priced.then(|| Prices::new(samples, view, n_leaves, std::mem::take(&mut self.by_price)));
         let mut total_range = 0;
         let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
         self.n_cuts = 0;
         self.push(0, 0, counts);
+        prices.iter_mut().for_each(|prices| prices.push(0));
         for (k, &i) in list.iter().enumerate() {
             let next = ranks[i as usize];
             if next != rank && k >= smallest && view.len - k >= smallest {
                 self.push(k, total_range, counts);
+                prices.iter_mut().for_each(|prices| prices.push(total_range));
             }
+            prices.iter_mut().for_each(|prices| samples.count(i, 1, &mut prices.gains));
             rank = next;
             total_range += samples.ranges[i as usize];
             if self.counted == Counted::Labels {
@@ -130,6 +133,8 @@ impl Axis {
             }
         }
         self.push(view.len, total_range, counts);
+        prices.iter_mut().for_each(|prices| prices.push(total_range));
+        self.by_price = prices.map_or_else(Default::default, |prices| prices.least);
         let last = self.last();
         (self.left[0], self.right[0]) = (0, whole);
         (self.left[last], self.right[last]) = (whole, 0);

@@ -15,6 +15,13 @@ pub(crate) fn levels_below(upper: i64, penalty: i64, depth: usize) -> usize {
     if penalty == 0 || upper <= 0 { depth } else { depth.min(((upper - 1) / penalty) as usize) }
 }
 
+/// Lower bound of trees of at most `more` levels, where trees of at most `levels` cost `lower` or more: they are those,
+/// or pay for a split more than these have levels.
+#[inline]
+pub(crate) fn at_all_levels(lower: i64, levels: usize, more: usize, penalty: i64) -> i64 {
+    if more <= levels { lower } else { lower.min(penalty.saturating_mul(levels as i64 + 1)) }
+}
+
 /// Least cost of trees of at most `n_leaves` leaves on samples of a total range and gains (`n_labels`), by price and
 /// labels alone; the gains are sorted.
 #[inline]

@@ -4,10 +4,10 @@ use std::collections::VecDeque;
 
 use crate::effort::Control;
 use crate::exact::node::axis::Axis;
-use crate::exact::node::kept::{Kept, key};
+use crate::exact::node::kept::{Kept, Seen, Shared, keeps, key};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::price::levels_below;
+use crate::exact::node::price::{at_all_levels, levels_below};
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::stumps::place::StumpSolver;
@@ -40,6 +40,8 @@ pub(crate) struct Children {
     pub(crate) tree: Option<(i64, Plan)>,
     /// What a log says of them, where one is written of the root's cuts one by one.
     pub(crate) record: String,
+    /// Results of the nodes below it, where they are kept.
+    pub(crate) kept: Kept,
 }
 
 /// Buffers of one level of the recursion.
@@ -76,7 +78,7 @@ pub(crate) struct Search<'a> {
     marks: Vec<bool>,
     /// Whether results are kept: where nodes are met again, for trees of four levels or more that pay for splits.
     keeps: bool,
-    kept: Kept,
+    known: Seen<'a>,
 }
 
 impl<'a> Search<'a> {
@@ -96,9 +98,16 @@ impl<'a> Search<'a> {
             levels: (0..=depth).map(|_| Level::default()).collect(),
             solvers: [None, None, None],
             marks: vec![false; samples.n],
-            keeps: switches.kept && samples.penalty > 0 && switches.price && depth > 3,
-            kept: Kept::default(),
+            keeps: keeps(samples, &switches, depth),
+            known: Seen::default(),
         }
+    }
+
+    /// The same for cuts of a root whose trees have `last` levels at most: it sees what other cuts have shown.
+    pub(crate) fn sharing(mut self, shared: &'a Shared, last: usize) -> Self {
+        self.keeps = keeps(self.samples, &self.switches, last);
+        self.known = Seen::of(shared);
+        self
     }
 
     /// Whether the search is stopped; what is returned after that proves nothing.
@@ -125,6 +134,9 @@ impl<'a> Search<'a> {
     }
 
     fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        // What the last search left is of another node.
+        self.incumbents.clear();
+        self.solved.clear();
         if upper <= floor {
             return NodeResult::none(floor);
         }
@@ -142,15 +154,17 @@ impl<'a> Search<'a> {
         if !self.keeps {
             return self.searched(view, depth, upper, floor);
         }
-        let key = key(self.samples, view, depth);
-        if let Some((result, incumbents)) = self.kept.find(&key, upper) {
-            self.incumbents = incumbents;
-            self.solved.clear();
-            return result;
-        }
-        let result = self.searched(view, depth, upper, floor);
+        let key = key(self.samples, view);
+        let bound = match self.known.find(&key, depth, upper, self.samples.penalty) {
+            Ok((result, incumbents)) => {
+                self.incumbents = incumbents;
+                return result;
+            }
+            Err(bound) => bound,
+        };
+        let result = self.searched(view, depth, upper, floor.max(bound));
         if !self.is_stopped() {
-            self.kept.keep(key, &result, &self.incumbents);
+            self.known.keep(key, depth, &result, &self.incumbents);
         }
         result
     }
@@ -185,9 +199,13 @@ impl<'a> Search<'a> {
         if depth == 3 {
             self.prepare(view);
         }
+        let shallower = if self.keeps && self.samples.has_few_boxes() { 2 } else { depth - 1 };
         if self.switches.shallower_first {
-            let result = self.solve(view, depth - 1, leaf + 1, floor);
-            whole = result.lower;
+            if shallower < depth - 1 {
+                self.forget();
+            }
+            let result = self.solve(view, shallower, leaf + 1, floor);
+            whole = at_all_levels(result.lower, shallower, depth - 1, self.price());
             fewer = std::mem::take(&mut self.solved);
             if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
                 log.shallower();
@@ -199,8 +217,8 @@ impl<'a> Search<'a> {
                 let incumbents = std::mem::take(&mut self.incumbents);
                 order = self.features_by(|f| incumbents[f].cost);
             }
-            // Trees of fewer levels are known, and those of all of them pay for as many splits.
-            if self.price() > 0 && best.cost(upper) <= self.price().saturating_mul(depth as i64) {
+            // Trees of fewer levels are known, and those of more pay for as many splits.
+            if self.price() > 0 && best.cost(upper) <= self.price().saturating_mul(shallower as i64 + 1) {
                 self.solved = fewer; // as good as solved at this level
                 return best.closed(upper);
             }
@@ -213,7 +231,8 @@ impl<'a> Search<'a> {
                 break;
             }
             let before = best.cost(upper);
-            let result = self.deep_feature(view, depth, (f, &fewer, whole), before, &mut incumbents[f], &mut solved);
+            let result =
+                self.deep_feature(view, depth, (f, &fewer, whole, shallower), before, &mut incumbents[f], &mut solved);
             if result.cost(i64::MAX) < before {
                 best = result;
             }
@@ -228,7 +247,7 @@ impl<'a> Search<'a> {
         &mut self,
         view: &View,
         depth: usize,
-        (f, fewer, whole): (usize, &[Solved], i64),
+        (f, fewer, whole, shallower): (usize, &[Solved], i64, usize),
         upper: i64,
         seen: &mut FeatureIncumbent,
         solved: &mut Vec<Solved>,
@@ -237,7 +256,7 @@ impl<'a> Search<'a> {
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
         if self.switches.shallower_first {
-            level.axis.want_levels(samples, depth - 1);
+            level.axis.want_levels(samples, shallower);
             level.axis.take_up_fewer(f, fewer);
         }
         level.queue.clear();
@@ -297,7 +316,7 @@ impl<'a> Search<'a> {
             let budget = cut.target + cut.slack - bounds[1 - side];
             let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
             if self.is_stopped() {
-                return Children { bounds: cut.bounds, tree: None, record: String::new() };
+                return Children { bounds: cut.bounds, tree: None, record: String::new(), kept: Kept::default() };
             }
             bounds[side] = bounds[side].max(result.lower);
             plans[side] = result.best;
@@ -316,17 +335,22 @@ impl<'a> Search<'a> {
             }
             _ => None,
         };
-        Children { bounds, tree, record: String::new() }
+        Children { bounds, tree, record: String::new(), kept: Kept::default() }
     }
 
-    /// The same, with the lines of the log where one is written: a cut of the root by itself.
-    pub(crate) fn root_children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
-        // What a cut of the root shows does not depend on the cuts that this thread has solved before it.
-        self.kept.clear();
+    /// The same for a cut of the root, chosen when `until` were entered, with the lines of the log where one is written.
+    pub(crate) fn root_children(
+        &mut self,
+        view: &View,
+        depth: usize,
+        (until, cut): (usize, &Cut),
+        sides: &mut [View; 2],
+    ) -> Children {
+        self.known.begin(until);
         let children = self.children(view, depth, cut, sides);
         let record = self.log.as_mut().map_or_else(String::new, Log::take_lines);
         self.report_effort();
-        Children { record, ..children }
+        Children { record, kept: self.known.take(), ..children }
     }
 
     /// Whether a leaf is best without a look at the cuts.

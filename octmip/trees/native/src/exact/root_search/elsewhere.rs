@@ -2,9 +2,11 @@
 //!
 //! The search at this end is the one that threads do: as many cuts in work at once, chosen and entered in the same
 //! order after it. So tree, bound and evaluated cuts are the same wherever the cuts are solved, and a cut that is lost
-//! with its process is asked for again.
+//! with its process is asked for again. Where results of nodes are kept (`node::kept`), those of other cuts stay at this
+//! end: more is evaluated elsewhere, and of equally good trees another may be found.
 
 use crate::effort::Control;
+use crate::exact::node::kept::Kept;
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::search::{Children, Cut, Search};
@@ -44,7 +46,7 @@ impl Elsewhere<'_> {
         let solved = (self.ask)(level, cut, control)?;
         control.add(solved.n_evaluated);
         let tree = solved.tree.map(|(cost, tree)| (cost, Plan::Whole(tree)));
-        Some(Children { bounds: solved.bounds, tree, record: solved.record })
+        Some(Children { bounds: solved.bounds, tree, record: solved.record, kept: Kept::default() })
     }
 }
 
@@ -71,8 +73,8 @@ impl CutSolver {
         if level == 3 {
             search.prepare(&self.view);
         }
-        let Children { bounds, tree, record } =
-            search.root_children(&self.view, level, cut, &mut [View::default(), View::default()]);
+        let Children { bounds, tree, record, .. } =
+            search.root_children(&self.view, level, (0, cut), &mut [View::default(), View::default()]);
         let tree = tree.map(|(cost, plan)| (cost, plan.tree(&self.samples, &self.view)));
         (!control.is_stopped()).then(|| SolvedCut { bounds, tree, n_evaluated: control.n_evaluated(), record })
     }

@@ -15,7 +15,9 @@ use std::time::Duration;
 
 use crate::effort::Control;
 use crate::exact::node::axis::Axis;
+use crate::exact::node::kept::Shared;
 use crate::exact::node::plan::Plan;
+use crate::exact::node::price::at_all_levels;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::{Children, Cut, Search};
 use crate::exact::root_search::known::Known;
@@ -62,6 +64,8 @@ pub(crate) struct Frontier<'a> {
     size: usize,
     state: Mutex<State>,
     changed: Condvar,
+    /// Results of nodes below the cuts that are entered.
+    shared: Option<&'a Shared>,
 }
 
 /// A cut of the window, and what came back.
@@ -71,12 +75,14 @@ struct Task {
     interval: Interval,
     bound: i64,
     cut: Cut,
+    /// Cuts whose results it sees.
+    until: usize,
     result: Option<Children>,
 }
 
 impl<'a> Frontier<'a> {
-    /// All cuts of all features; trees below `upper` are wanted, and `incumbents` are those of one level fewer.
-    /// `known`: what an earlier search of this level has proven; `fewer`: the cuts solved for one level fewer.
+    /// All cuts of all features; trees below `upper` are wanted, and `incumbents` are those of `before` levels, as are
+    /// the bound `whole` and the solved cuts `fewer`. `known`: what an earlier search of this level has proven.
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn new(
         samples: &'a Samples,
@@ -85,11 +91,11 @@ impl<'a> Frontier<'a> {
         view: &'a View,
         depth: usize,
         incumbents: &[FeatureIncumbent],
-        whole: i64,
+        (before, whole, fewer): (usize, i64, &[Solved]),
         upper: i64,
         known: Option<&Known>,
-        fewer: &[Solved],
     ) -> Self {
+        let whole = at_all_levels(whole, before, depth - 1, samples.penalty);
         let mut features: Vec<usize> = (0..samples.p).collect();
         features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
         let (mut heap, mut axes, mut window) = (BinaryHeap::new(), Vec::new(), VecDeque::new());
@@ -97,7 +103,7 @@ impl<'a> Frontier<'a> {
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
-            axis.want_levels(samples, depth - 1);
+            axis.want_levels(samples, before);
             axis.take_up_fewer(f, fewer);
             let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
             if !cuts.is_empty() {
@@ -117,6 +123,7 @@ impl<'a> Frontier<'a> {
                         interval,
                         bound,
                         cut: cut(&axis, f, &interval, k, upper - samples.penalty, &switches),
+                        until: 0,
                         result: None,
                     }),
                     None => heap.push(Reverse(open)),
@@ -140,7 +147,25 @@ impl<'a> Frontier<'a> {
             records: Vec::new(),
         };
         let changed = Condvar::new();
-        Self { samples, switches, control, view, depth, features, size: WINDOW, state: Mutex::new(state), changed }
+        Self {
+            samples,
+            switches,
+            control,
+            view,
+            depth,
+            features,
+            size: WINDOW,
+            state: Mutex::new(state),
+            changed,
+            shared: None,
+        }
+    }
+
+    /// The same where results of nodes are shared.
+    pub(crate) fn sharing(self, shared: &'a Shared) -> Self {
+        let until = shared.n_entered();
+        self.lock().window.iter_mut().for_each(|task| task.until = until);
+        Self { shared: Some(shared), ..self }
     }
 
     /// The same with so many cuts in work at once, at least as many as by default: other cuts are searched, and one of
@@ -210,13 +235,13 @@ impl<'a> Frontier<'a> {
     /// Work until nothing is open or the search is stopped.
     pub(crate) fn work(&self, search: &mut Search<'_>) {
         let mut sides = [View::default(), View::default()];
-        self.work_by(|cut| Some(search.root_children(self.view, self.depth, cut, &mut sides)));
+        self.work_by(|until, cut| Some(search.root_children(self.view, self.depth, (until, cut), &mut sides)));
     }
 
     /// The same with somebody else to solve the cuts; who returns None has stopped.
-    pub(crate) fn work_by(&self, mut solve: impl FnMut(&Cut) -> Option<Children>) {
-        while let Some((number, cut)) = self.next() {
-            let Some(children) = solve(&cut) else { break };
+    pub(crate) fn work_by(&self, mut solve: impl FnMut(usize, &Cut) -> Option<Children>) {
+        while let Some((number, until, cut)) = self.next() {
+            let Some(children) = solve(until, &cut) else { break };
             if self.control.is_stopped() {
                 break; // what was found may be no proof: it is never entered, the cut's bounds stand
             }
@@ -226,7 +251,7 @@ impl<'a> Frontier<'a> {
     }
 
     /// The number and place of the next cut, once there is one; None at the end.
-    fn next(&self) -> Option<(usize, Cut)> {
+    fn next(&self) -> Option<(usize, usize, Cut)> {
         let mut state = self.lock();
         loop {
             if state.n_first == 0 {
@@ -237,9 +262,9 @@ impl<'a> Frontier<'a> {
             }
             let number = state.n_handed_out;
             if let Some(task) = state.window.get(number - state.n_entered) {
-                let cut = task.cut;
+                let (until, cut) = (task.until, task.cut);
                 state.n_handed_out += 1;
-                return Some((number, cut));
+                return Some((number, until, cut));
             }
             // Woken by results; looks up now and then, as nobody wakes it when the search is stopped.
             let waited = self.changed.wait_timeout(state, Duration::from_millis(20));
@@ -292,6 +317,7 @@ impl<'a> Frontier<'a> {
                 interval,
                 bound: open.bound,
                 cut: cut(axis, self.features[open.place], &interval, k, target, &self.switches),
+                until: self.shared.map_or(0, Shared::n_entered),
                 result: None,
             });
         }
@@ -301,6 +327,9 @@ impl<'a> Frontier<'a> {
     fn enter(&self, state: &mut State, task: Task) {
         let Some(children) = task.result else { return };
         state.solved.push((task.place, task.k));
+        if let Some(shared) = self.shared {
+            shared.enter(children.kept);
+        }
         if !children.record.is_empty() {
             state.records.push(children.record);
         }

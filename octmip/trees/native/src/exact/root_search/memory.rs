@@ -3,7 +3,7 @@
 //! Every list is reckoned at the longest that it can become. `n` samples, `p` features, `4 n p` bytes a set of lists.
 
 use crate::costs::ClassCosts;
-use crate::exact::node::kept::MOST_BYTES;
+use crate::exact::node::kept::{MOST_BYTES, MOST_BYTES_OF_CUT};
 use crate::exact::samples::label_sets::{WIDTH, most_width};
 use crate::exact::samples::unit::unit;
 use crate::exact::stumps::width;
@@ -28,7 +28,13 @@ pub(crate) fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) ->
     }
     let is_tight = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
     let copies = if is_tight { 2.0 * lists + 28.0 * n } else { 0.0 };
-    samples + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
+    let kept = if has_kept(problem) { MOST_BYTES as f64 } else { 0.0 };
+    samples + kept + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
+}
+
+/// Whether results of nodes are kept.
+fn has_kept(problem: &Problem) -> bool {
+    problem.penalty > 0 && problem.depth > 3
 }
 
 /// Workspaces of one thread: the samples on both sides at every level above the last two, cuts, stumps.
@@ -36,7 +42,7 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     let (n, p, depth) = (problem.n as f64, problem.p as f64, problem.depth as f64);
     let sides = (depth - 2.0).max(0.0) * 8.0 * n * p;
     let axes = (depth - 1.0).max(1.0) * axis(problem, 2);
-    let kept = if problem.penalty > 0 && problem.depth > 3 { MOST_BYTES as f64 } else { 0.0 };
+    let kept = if has_kept(problem) { MOST_BYTES_OF_CUT as f64 } else { 0.0 };
     sides + axes + 8.0 * n + stumps(problem, switches) + kept
 }
 

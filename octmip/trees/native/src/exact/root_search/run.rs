@@ -2,6 +2,7 @@
 
 use crate::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use crate::effort::Control;
+use crate::exact::node::kept::{Shared, keeps};
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Search;
@@ -67,6 +68,8 @@ pub(crate) struct Run<'a, 's> {
     pub(crate) due: Due<'s>,
     /// Who solves the cuts of the root; None: the threads of this process.
     pub(crate) elsewhere: Option<&'s Elsewhere<'s>>,
+    /// Results of nodes below the cuts that are entered.
+    pub(crate) shared: Shared,
 }
 
 impl<'a, 's> Run<'a, 's> {
@@ -95,6 +98,7 @@ impl<'a, 's> Run<'a, 's> {
             known,
             due: Due::new(saver),
             elsewhere: None,
+            shared: Shared::default(),
         };
         if let Some((objective, _)) = &options.incumbent
             && samples.counted(objective - base) <= run.best.0
@@ -134,14 +138,31 @@ impl Run<'_, '_> {
             self.bound = self.known.as_ref().map_or(0, |known| known.bound);
             return;
         }
-        for level in first..=depth {
-            self.bound = self.bound.max(self.deeper(whole, level - 1, depth));
+        let levels: Vec<usize> = (first..=depth).filter(|&level| self.is_searched(level, first)).collect();
+        for level in levels {
+            let before = self.level_before(level);
+            self.bound = self.bound.max(self.deeper(whole, before, depth));
             if self.supervision.reason().is_some() || self.bound >= self.best.0 {
                 return;
             }
-            (whole, incumbents, fewer) = self.deep(level, depth, &incumbents, (whole, &fewer), keep_going);
+            (whole, incumbents, fewer) = self.deep((before, level, depth), &incumbents, (whole, &fewer), keep_going);
             self.known = None;
         }
+    }
+
+    /// Whether trees of this level are searched by themselves: the levels in between only repeat each other where sets
+    /// of samples are few.
+    fn is_searched(&self, level: usize, first: usize) -> bool {
+        level == first || level == 3 || level == self.problem.depth || !self.skips_levels()
+    }
+
+    /// The level that is searched before this one.
+    fn level_before(&self, level: usize) -> usize {
+        if level > 4 && self.skips_levels() { 3 } else { level - 1 }
+    }
+
+    fn skips_levels(&self) -> bool {
+        keeps(self.samples, &self.options.switches, self.problem.depth) && self.samples.has_few_boxes()
     }
 
     /// What no tree of `depth` avoids, where none of `level` costs less than `bound`.
@@ -203,11 +224,10 @@ impl Run<'_, '_> {
         (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents, solved)
     }
 
-    /// Depth three or more, by all threads.
+    /// Depth three or more, by all threads, after that of `before` levels.
     fn deep(
         &mut self,
-        depth: usize,
-        last: usize,
+        (before, depth, last): (usize, usize, usize),
         incumbents: &[FeatureIncumbent],
         (whole, fewer): (i64, &[Solved]),
         keep_going: KeepGoing<'_>,
@@ -217,6 +237,7 @@ impl Run<'_, '_> {
         // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
         let upper = self.best.0;
         let known = self.known.take();
+        let shared = std::mem::take(&mut self.shared);
         let frontier = Frontier::new(
             samples,
             switches,
@@ -224,11 +245,11 @@ impl Run<'_, '_> {
             view,
             depth,
             incumbents,
-            whole,
+            (before, whole, fewer),
             upper,
             known.as_ref(),
-            fewer,
         )
+        .sharing(&shared)
         .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (tables, before, control) = (self.tables, self.tree(), &self.control);
         let state_now = || {
@@ -250,9 +271,9 @@ impl Run<'_, '_> {
         };
         let elsewhere = self.elsewhere;
         let work = || match elsewhere {
-            Some(elsewhere) => frontier.work_by(|cut| elsewhere.solve(depth, cut, control)),
+            Some(elsewhere) => frontier.work_by(|_, cut| elsewhere.solve(depth, cut, control)),
             None => {
-                let mut search = Search::new(samples, switches, control, depth);
+                let mut search = Search::new(samples, switches, control, depth).sharing(&shared, last);
                 if depth == 3 {
                     search.prepare(view);
                 }
@@ -280,7 +301,10 @@ impl Run<'_, '_> {
         if let Some((cost, plan)) = frontier.best() {
             self.best = (cost, Best::Plan(plan));
         }
-        (bound.min(cost), frontier.incumbents(), frontier.solved())
+        let below = (bound.min(cost), frontier.incumbents(), frontier.solved());
+        drop(frontier);
+        self.shared = shared;
+        below
     }
 
     /// Progress with an objective and a bound above the base, the evaluated cuts counted so far.

@@ -15,6 +15,9 @@ use crate::exact::view::View;
 /// Samples of a bucket on average, at most: in long tables a walk inside is the price.
 const LONGEST: usize = 128;
 
+/// Buckets of features of so few values are passed sooner than buckets are laid out anew.
+const FEW_VALUES: u32 = 64;
+
 /// Stump solver from histograms.
 pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
@@ -22,6 +25,8 @@ pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     pub(super) profiles: Profiles<T>,
     tightens: bool,
     pub(super) tables: [Table; 2],
+    /// Whether the first table is laid out for all samples and stays: each feature has few values.
+    stays: bool,
     /// 0: the table shared with other views, 1: the view's own.
     pub(super) used: usize,
     pub(super) groups: Vec<Histogram<T, N, S>>,
@@ -49,6 +54,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             profiles,
             tightens: switches.distinct_labels && samples.is_single,
             tables: [Table::default(), Table::default()],
+            stays: !samples.order.is_empty() && samples.ranks.iter().all(|&rank| rank < FEW_VALUES),
             used: 1,
             groups: (0..samples.p.div_ceil(S)).map(|group| Histogram::new(group, samples.p)).collect(),
             scores: vec![0; samples.p],
@@ -133,16 +139,24 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
 
 impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
     fn prepare(&mut self, samples: &Samples, view: &View) {
-        let most = self.most_buckets(view.len);
-        self.tables[0].lay(samples, view, self.shape, most);
+        if !self.stays {
+            let most = self.most_buckets(view.len);
+            self.tables[0].lay(samples, view, self.shape, most);
+        }
     }
 
     fn forget(&mut self) {
-        self.tables[0].len = 0;
+        if !self.stays {
+            self.tables[0].len = 0;
+        }
     }
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
-        self.used = usize::from(view.len * 3 < self.tables[0].len || self.tables[0].len == 0);
+        if self.stays && self.tables[0].len == 0 {
+            self.tables[0].lay(samples, &View::root(samples), self.shape, FEW_VALUES as usize);
+        }
+        let is_own = !self.stays && (view.len * 3 < self.tables[0].len || self.tables[0].len == 0);
+        self.used = usize::from(is_own);
         if self.used == 1 {
             let most = self.most_buckets(view.len);
             self.tables[1].lay(samples, view, self.shape, most);

@@ -6,6 +6,38 @@ use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
 use crate::exact::view::View;
 
+/// What each side of the cuts of a feature costs at least by price and labels, cut after cut.
+pub(super) struct Prices<'a> {
+    samples: &'a Samples,
+    view: &'a View,
+    n_leaves: usize,
+    /// Gains of each label left of the cut.
+    pub(super) gains: Vec<i64>,
+    sorted: Vec<i64>,
+    /// Of the left and the right child.
+    pub(super) least: [Vec<i64>; 2],
+}
+
+impl<'a> Prices<'a> {
+    /// Left of all samples; `least` is used again.
+    pub(super) fn new(samples: &'a Samples, view: &'a View, n_leaves: usize, mut least: [Vec<i64>; 2]) -> Self {
+        least.iter_mut().for_each(Vec::clear);
+        let [gains, sorted] = [0, 0].map(|gain| vec![gain; samples.n_labels]);
+        Self { samples, view, n_leaves, gains, sorted, least }
+    }
+
+    /// The next cut, with this total range left of it.
+    pub(super) fn push(&mut self, total_range: i64) {
+        let (samples, view) = (self.samples, self.view);
+        self.sorted.copy_from_slice(&self.gains);
+        self.least[0].push(least_by_labels(samples, total_range, &mut self.sorted, self.n_leaves));
+        let sides = view.totals.iter().zip(&self.gains);
+        self.sorted.iter_mut().zip(sides).for_each(|(rest, (all, left))| *rest = all - left);
+        let right = view.total_range - total_range;
+        self.least[1].push(least_by_labels(samples, right, &mut self.sorted, self.n_leaves));
+    }
+}
+
 impl Axis {
     /// The same bounds for trees of `levels` levels in one child or the other: those of fewer are known.
     pub(crate) fn want_levels(&mut self, samples: &Samples, levels: usize) {
@@ -52,33 +84,6 @@ impl Axis {
         }
         for (bounds, known) in self.by_price.iter_mut().zip(known) {
             bounds.iter_mut().zip(known).for_each(|(bound, known)| *bound = known.max(*bound));
-        }
-    }
-
-    /// What each side of every cut costs at least by price and labels.
-    pub(super) fn lay_prices(&mut self, samples: &Samples, view: &View, f: usize) {
-        let (ranks, list, n_leaves) = (samples.ranks_of(f), view.list(f), self.n_leaves);
-        let smallest = samples.leaf_size.max(1);
-        let (mut gains, mut total_range) = (vec![0; samples.n_labels], 0);
-        let mut sorted = vec![0; samples.n_labels];
-        let [left, right] = &mut self.by_price;
-        left.clear();
-        right.clear();
-        let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
-        for k in 0..=list.len() {
-            let next = list.get(k).map_or(u32::MAX, |&i| ranks[i as usize]);
-            let is_cut = next != rank && k >= smallest && view.len - k >= smallest;
-            if k == 0 || k == list.len() || is_cut {
-                sorted.copy_from_slice(&gains);
-                left.push(least_by_labels(samples, total_range, &mut sorted, n_leaves));
-                sorted.iter_mut().zip(&view.totals).zip(&gains).for_each(|((rest, all), left)| *rest = all - left);
-                right.push(least_by_labels(samples, view.total_range - total_range, &mut sorted, n_leaves));
-            }
-            rank = next;
-            if let Some(&i) = list.get(k) {
-                samples.count(i, 1, &mut gains);
-                total_range += samples.ranges[i as usize];
-            }
         }
     }
 
