@@ -14,7 +14,7 @@
 
 mod prices;
 
-use crate::exact::node::axis::prices::Prices;
+use crate::exact::node::price::Prices;
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
 use crate::exact::samples::label_sets::WIDTH;

@@ -338,7 +338,7 @@ impl<'a> Search<'a> {
         Children { bounds, tree, record: String::new(), kept: Kept::default() }
     }
 
-    /// The same for a cut of the root, chosen when `until` were entered, with the lines of the log where one is written.
+    /// The same for a cut of the root, chosen when `until` were entered, with the lines of its log.
     pub(crate) fn root_children(
         &mut self,
         view: &View,

@@ -2,8 +2,8 @@
 //!
 //! The search at this end is the one that threads do: as many cuts in work at once, chosen and entered in the same
 //! order after it. So tree, bound and evaluated cuts are the same wherever the cuts are solved, and a cut that is lost
-//! with its process is asked for again. Where results of nodes are kept (`node::kept`), those of other cuts stay at this
-//! end: more is evaluated elsewhere, and of equally good trees another may be found.
+//! with its process is asked for again. Where results of nodes are kept (`node::kept`), those of other cuts stay at
+//! this end: more is evaluated elsewhere, and of equally good trees another may be found.
 
 use crate::effort::Control;
 use crate::exact::node::kept::Kept;

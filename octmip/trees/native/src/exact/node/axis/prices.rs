@@ -1,42 +1,8 @@
 //! What the price of a split says of the cuts of a feature.
 
 use crate::exact::node::axis::Axis;
-use crate::exact::node::price::least_by_labels;
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
-use crate::exact::view::View;
-
-/// What each side of the cuts of a feature costs at least by price and labels, cut after cut.
-pub(super) struct Prices<'a> {
-    samples: &'a Samples,
-    view: &'a View,
-    n_leaves: usize,
-    /// Gains of each label left of the cut.
-    pub(super) gains: Vec<i64>,
-    sorted: Vec<i64>,
-    /// Of the left and the right child.
-    pub(super) least: [Vec<i64>; 2],
-}
-
-impl<'a> Prices<'a> {
-    /// Left of all samples; `least` is used again.
-    pub(super) fn new(samples: &'a Samples, view: &'a View, n_leaves: usize, mut least: [Vec<i64>; 2]) -> Self {
-        least.iter_mut().for_each(Vec::clear);
-        let [gains, sorted] = [0, 0].map(|gain| vec![gain; samples.n_labels]);
-        Self { samples, view, n_leaves, gains, sorted, least }
-    }
-
-    /// The next cut, with this total range left of it.
-    pub(super) fn push(&mut self, total_range: i64) {
-        let (samples, view) = (self.samples, self.view);
-        self.sorted.copy_from_slice(&self.gains);
-        self.least[0].push(least_by_labels(samples, total_range, &mut self.sorted, self.n_leaves));
-        let sides = view.totals.iter().zip(&self.gains);
-        self.sorted.iter_mut().zip(sides).for_each(|(rest, (all, left))| *rest = all - left);
-        let right = view.total_range - total_range;
-        self.least[1].push(least_by_labels(samples, right, &mut self.sorted, self.n_leaves));
-    }
-}
 
 impl Axis {
     /// The same bounds for trees of `levels` levels in one child or the other: those of fewer are known.
