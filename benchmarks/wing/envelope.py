@@ -89,12 +89,12 @@ def kept(name: str, rows: list[dict[str, object]], folder: str | None, step: int
 
 def trim_rows(wing: Wing, reduced: ReducedWing, capable: Capability, speed: float) -> list[dict[str, object]]:
     """Return what trim at a speed changes in strains of the gauges, root moment and capability, and the divergence."""
-    trimmed = trim_wing(wing, FlightPoint(airspeed=speed))
+    trimmed = trim_wing(wing, FlightPoint(airspeed=speed), FLOWN)
     start = time.process_time()
     moving = wing_capability(wing, trimmed, n_checks=2)
     print(f"{speed:g} m/s: set-up {time.process_time() - start:.0f} CPU s, error {moving.error:.1e}; {cost(moving)}")
     states = np.array(TRIM_STATES)
-    still, there = (own.strains_microstrain(states, FLOWN) for own in (reduced, trimmed))
+    still, there = reduced.strains_microstrain(states, FLOWN), trimmed.strains_microstrain(states)
     bears = [own.load_factors(states).tolist() for own in (capable, moving)]
     diverges = np.sqrt(2.0 * trimmed.divergence_pressures(states) / DENSITY).tolist()
     y, rows = wing.structure.shells.mesh.nodes[:, 1], []

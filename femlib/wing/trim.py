@@ -6,11 +6,11 @@ theta with cos theta = y / s, half-span s, chord c, dynamic pressure q, A_n coef
     sum_n A_n sin(n theta) (n m + sin theta) = m sin theta (alpha + eps),   m = 2 pi c / (8 s)
 
 A_1 alone is the ellipse and carries the lift P = 2 pi q s^2 A_1. The rigid wing has the ellipse; what the sections'
-twist adds is linear in it, and the twist is linear in the lift of each harmonic. Hence one small system in
-A_n / A_1, the same at every load factor. Without A_1 held it is singular at the pressures of divergence.
+twist adds is linear in it, and the twist is linear in the lift of each harmonic and in the moment of the camber,
+c_m q c^2 a length about the quarter chord. Hence one small system in A_n / A_1. It holds at one load factor: the
+moment does not grow with the load. Without A_1 held it is singular at the pressures of divergence.
 
-Price: lift acts at the quarter chord, so that the moment of the camber, which does not grow with the load, is left
-out; a section twists as the line from its leading to its trailing edge; no stall, no Mach number.
+Price: a section twists as the line from its leading to its trailing edge; no stall, no Mach number.
 Source: H. Glauert, The Elements of Aerofoil and Airscrew Theory (1926), chapter 11; R. L. Bisplinghoff, H. Ashley,
 R. L. Halfman, Aeroelasticity (1955), chapter 8.
 """
@@ -21,6 +21,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage
+from femlib.errors import InputError
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReducedModel
@@ -30,16 +31,19 @@ from femlib.wing.reduced import reduce_wing
 
 N_HARMONICS = 6
 """Odd harmonics of the lift; two more change the strains of a damaged wing by 0.04 % at 35 m/s."""
+SECTION_MOMENT = -0.106
+"""Coefficient c_m of the moment of NACA 4415 about the quarter chord, nose up, by thin-aerofoil theory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrimmedWing:
-    """A wing in trim at one dynamic pressure, as the reduced model that `femlib.rom.capability` asks for.
+    """A wing in trim at one dynamic pressure and load factor, as the model that `femlib.rom.capability` asks for.
 
     Attributes
     ----------
     lifts : FloatArray
-        Nodal forces (n_harmonics, n_dofs) [N] of each harmonic at load factor 1 and A_n = A_1.
+        Nodal forces (n_harmonics + 1, n_dofs) [N] of each harmonic at load factor 1 and A_n = A_1, then of the moment
+        at a dynamic pressure of 1 Pa.
     models : tuple of ReducedModel
         The wing under each of them.
     answers : tuple of FloatArray
@@ -48,6 +52,8 @@ class TrimmedWing:
         Change of A_n (n_harmonics,) by the root's angle.
     pressure : float
         Dynamic pressure [Pa].
+    load_factor : float
+        Load factor.
     """
 
     lifts: FloatArray
@@ -55,6 +61,7 @@ class TrimmedWing:
     answers: tuple[FloatArray, ...]
     rise: FloatArray
     pressure: float
+    load_factor: float
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -67,7 +74,7 @@ class TrimmedWing:
         return np.concatenate([np.asarray(model.motion) for model in self.models], axis=1)
 
     def shares(self, states: FloatArray) -> FloatArray:
-        """Return A_n / A_1 (n_states, n_harmonics) in trim of states (n_states, n_parameters), the first 1.
+        """Return the amplitudes (n_states, n_harmonics + 1) of `lifts` in trim over the load factor, the first 1.
 
         Raises
         ------
@@ -78,25 +85,25 @@ class TrimmedWing:
         return self._shares([model.parts(damage) for model in self.models])
 
     def parts(self, mu: FloatArray) -> FloatArray:
-        """Return the amplitudes (n_states, n_parts) of `motion` in trim at load factor 1 of checked damages."""
+        """Return the amplitudes (n_states, n_parts) of `motion` in trim over the load factor of checked damages."""
         parts = [model.parts(mu) for model in self.models]
         weights = self._shares(parts).T[:, :, None]
         return np.concatenate([weight * own for weight, own in zip(weights, parts, strict=True)], axis=1)
 
     def lift(self, state: FloatArray) -> FloatArray:
-        """Return the nodal forces (n_dofs,) [N] at load factor 1 in trim of one state (n_parameters,)."""
+        """Return the nodal forces (n_dofs,) [N] in trim over the load factor of one state (n_parameters,)."""
         return np.asarray(self.shares(state[None])[0] @ self.lifts)
 
-    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
+    def strains_microstrain(self, states: FloatArray) -> FloatArray:
         """Return the gauge strains (n_states, n_gauges) in trim of damage fractions (n_states, n_parameters).
 
         Raises
         ------
         InputError
-            If a damage is outside [0, 1), or the load factor or a strain is beyond linear analysis.
+            If a damage is outside [0, 1), or a strain is beyond linear analysis.
         """
         each = np.stack([model.solve(states)[:, :-1] for model in self.models], axis=1)
-        return checked_strains(checked_load_factor(load_factor) * np.einsum("sk,skg->sg", self.shares(states), each))
+        return checked_strains(self.load_factor * np.einsum("sk,skg->sg", self.shares(states), each))
 
     def divergence_pressures(self, states: FloatArray) -> FloatArray:
         """Return the least dynamic pressures (n_states,) [Pa] at which the twist has no end; inf for none.
@@ -108,24 +115,28 @@ class TrimmedWing:
         """
         damage = checked_damage(states, self.parameters)
         matrices = self._answers([model.parts(damage) for model in self.models])
-        return np.array([divergence_pressure(matrix) for matrix in matrices])
+        return np.array([divergence_pressure(matrix[:, :-1]) for matrix in matrices])
 
     def _shares(self, parts: list[FloatArray]) -> FloatArray:
-        """Solve A = e_1 + q C A + rise alpha with A_1 = 1 for alpha and the other A."""
-        pushed = self.pressure * self._answers(parts)
-        matrix = np.eye(len(self.models)) - pushed
+        """Solve A = e_1 + q (C A + C_m q / n) + rise alpha with A_1 = 1 for alpha and the other A."""
+        pushed, camber = self.pressure * self._answers(parts), self.pressure / self.load_factor
+        matrix = np.eye(len(self.rise)) - pushed[:, :, :-1]
         matrix[:, :, 0] = -self.rise
-        found = np.linalg.solve(matrix, pushed[:, :, :1])[:, :, 0]
+        found = np.linalg.solve(matrix, pushed[:, :, :1] + camber * pushed[:, :, -1:])[:, :, 0]
         found[:, 0] = 1.0  # alpha's place, that of A_1
-        return np.asarray(found)
+        return np.column_stack([found, np.full(len(found), camber)])
 
     def _answers(self, parts: list[FloatArray]) -> FloatArray:
-        """Return C (n_states, n_harmonics, n_harmonics) [1/Pa]: change of A_m / A_1 by the twist under A_n = A_1."""
+        """Return C and C_m (n_states, n_harmonics, n_harmonics + 1) [1/Pa]: change of A_m / A_1 by twist."""
         return np.stack([own @ answer.T for own, answer in zip(parts, self.answers, strict=True)], axis=2)
 
 
 def trim_wing(
-    wing: Wing, flight: FlightPoint | None = None, is_induced: bool = True, n_harmonics: int = N_HARMONICS
+    wing: Wing,
+    flight: FlightPoint | None = None,
+    load_factor: float = 3.0,
+    is_induced: bool = True,
+    n_harmonics: int = N_HARMONICS,
 ) -> TrimmedWing:
     """Return the wing in trim at the speed and density of a flight point; its weight is that of the wing's lift.
 
@@ -134,17 +145,19 @@ def trim_wing(
     Raises
     ------
     InputError
-        As `reduce_wing`.
+        As `reduce_wing`, or if the load factor is 0.
     """
-    point = FlightPoint() if flight is None else flight
+    point, factor = FlightPoint() if flight is None else flight, checked_load_factor(load_factor)
+    if factor == 0.0:
+        raise InputError("load_factor is 0; expected another, to which the moment of the camber is set in proportion")
     orders = 2 * np.arange(n_harmonics) + 1
-    lifts = np.array([harmonic_lift(wing, int(order)) for order in orders])
+    lifts = np.array([*(harmonic_lift(wing, int(order)) for order in orders), camber_moment(wing)])
     models = tuple(reduce_wing(wing, lift=lift).model for lift in lifts)
     by_twist, rise = lifting_line(wing.planform, wing.grid.eta, orders, is_induced)
     per_pressure = 2.0 * np.pi * wing.span**2 / wing.lift[2::DOFS_PER_NODE].sum()
     rows = per_pressure * by_twist @ twist_rows(wing)
     answers = tuple(rows @ np.asarray(model.motion, dtype=np.float64) for model in models)
-    return TrimmedWing(lifts, models, answers, rise, 0.5 * point.density * point.airspeed**2)
+    return TrimmedWing(lifts, models, answers, rise, 0.5 * point.density * point.airspeed**2, factor)
 
 
 def lifting_line(
@@ -175,6 +188,15 @@ def twist_rows(wing: Wing) -> FloatArray:
     rows[stations, DOFS_PER_NODE * grid.upper[:, 0] + 2] = 1.0 / chord
     rows[stations, DOFS_PER_NODE * grid.upper[:, -1] + 2] = -1.0 / chord
     return rows
+
+
+def camber_moment(wing: Wing) -> FloatArray:
+    """Return nodal forces (n_dofs,) [N] of the moment of the camber at 1 Pa: couples of leading and trailing edge."""
+    grid, forces = wing.grid, np.zeros_like(wing.lift)
+    edges = np.concatenate([grid.eta[:1], 0.5 * (grid.eta[1:] + grid.eta[:-1]), grid.eta[-1:]])
+    force = SECTION_MOMENT * wing.planform.chord(grid.eta) * wing.span * np.diff(edges)
+    forces[DOFS_PER_NODE * grid.upper[:, [0, -1]] + 2] = np.outer(force, [1.0, -1.0])
+    return forces
 
 
 def harmonic_lift(wing: Wing, order: int) -> FloatArray:
