@@ -110,6 +110,14 @@ def test_the_default_is_the_best_step_of_all_families_and_is_certified():
     assert said["expected"]["tree"]["low"] <= said["expected"]["tree"]["mean"] <= said["expected"]["tree"]["high"]
 
 
+def test_the_family_of_any_tree_begins_at_the_trees_of_all_others():
+    features = np.random.default_rng(3).integers(0, 2, (200, 20)).astype(float)
+    problem = Problem(features, features[:, :4].sum(axis=1) % 2, depth=1)  # parity, which no greedy tree finds
+    *others, last = trace_families(problem, default_families(problem), Run(limits=Limits(nodes=20_000)), 8)
+    best = [min(tree.cost + 2.0 * tree.complexity for tree in path.trees) for path in (*others, last)]
+    assert best[-1] == min(best) == 2.0 * 15
+
+
 def test_one_seed_gives_one_choice_on_one_thread_on_two_and_in_processes():
     alone, threads = answer_of(IRIS, n_jobs=1), answer_of(IRIS, n_jobs=2)
     with joblib.parallel_config(backend="loky", n_jobs=2):

@@ -1,8 +1,9 @@
 """Families: the kinds of trees that cross-validation chooses among, each with the path of its best trees.
 
 What generalises best differs from table to table: the best tree of few levels, proven; a deeper one that is searched;
-CART's, pruned. Thresholds at few quantiles learn less by heart than thresholds anywhere, so the default families cut
-there. Their numbers were settled on one half of 72 public tables and judged on the other: docs/results/tables.md.
+CART's, pruned. Thresholds at few quantiles learn less by heart than thresholds anywhere, and are too coarse where rows
+are many. So the last family has any depth and any threshold, and its search begins at the trees of all the others.
+The families were settled on one half of 72 public tables and judged on the other: docs/results/tables.md.
 """
 
 import math
@@ -19,10 +20,10 @@ from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import PenaltyPath, trace_impurity, trace_run
-from octmip.trees.tree import Node
+from octmip.trees.tree import Node, depth
 
 PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
-SEARCHED_DEPTHS, SEARCHED_CUTS = (8, 12), 10
+SEARCHED_DEPTH, SEARCHED_CUTS = 8, 10
 CUTS_OF_NUMBERS = 10
 UNPROVEN_DEPTHS = (1, 2, 3)
 """Of hyperplanes and linear leaves."""
@@ -62,8 +63,9 @@ class Family:
         if self.method == "cart":
             return "CART's tree, pruned by impurity" if self.by_impurity else "CART's tree, pruned"
         found = "searched" if self.method == "search" else "optimal"
+        levels = "any depth" if self.depth == MAX_DEPTH else f"depth {self.depth} or less"
         cuts = "" if self.n_cuts is None else f", at most {self.n_cuts} cuts of a feature"
-        return f"{found}, depth {self.depth} or less{cuts}"
+        return f"{found}, {levels}{cuts}"
 
     def run(self, run: Run) -> Run:
         """Return a run of this method: the options of the family beside those of the run."""
@@ -81,7 +83,8 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
     quick = SearchOptions(restarts=1, perturbations=0 if is_class else None)
     if is_plain:
         found = [Family(depth, "exact", PROVEN_CUTS if is_class else CUTS_OF_NUMBERS) for depth in PROVEN_DEPTHS]
-        found += [Family(depth, "search", SEARCHED_CUTS, quick) for depth in SEARCHED_DEPTHS if is_class]
+        if is_class:
+            found += [Family(SEARCHED_DEPTH, "search", SEARCHED_CUTS, quick), Family(MAX_DEPTH, "search", None, quick)]
     else:
         found = [Family(depth, "search", None, quick) for depth in UNPROVEN_DEPTHS]
     by_impurity = [Family(MAX_DEPTH, "cart", by_impurity=True)] if is_class else []
@@ -91,7 +94,7 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
 def trace_families(
     problem: Problem, families: Sequence[Family], run: Run, most_solves: int, seconds: float = math.inf
 ) -> list[PenaltyPath]:
-    """Return the path of each family, begun with the trees of those before that cut where it does.
+    """Return the path of each family, begun with the trees of those before that belong to it too.
 
     Paths are over the readings of the problem; what a path of few cuts proves it proves among trees that cut there.
 
@@ -124,18 +127,19 @@ def trace_families(
         limited = family.run(replace(run, limits=limits))
         if family.method == "cart" and grown is None:
             grown = solve_run(cut, limited)
+        own = [tree for tree in known.get(n_cuts, ()) if depth(tree) <= family.depth]
         path = (
             trace_impurity(cut, limited, grown)
             if family.by_impurity and grown is not None
-            else trace_run(cut, limited, known.get(n_cuts, ()), most_solves, grown)
+            else trace_run(cut, limited, own, most_solves, grown)
         )
         if paths and time.perf_counter() > start + seconds:
             break
-        if family.method != "cart":  # whose trees may be deeper than the next family's
-            known[n_cuts] = [best.tree for best in path.trees]
+        known[n_cuts] = [*known.get(n_cuts, ()), *(best.tree for best in path.trees)]
         if n_cuts is not None:
             over = grids[n_cuts].over_readings
             path = replace(path, problem=free, trees=tuple(replace(t, tree=over(t.tree)) for t in path.trees))
+            known[None] = [*known.get(None, ()), *(best.tree for best in path.trees)]
         paths.append(path)
         if path.is_interrupted:
             break
