@@ -140,6 +140,17 @@ def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
     assert "<h1>A decision tree</h1>" in page
 
 
+def test_a_chosen_tree_says_what_is_expected_on_new_samples_and_not_that_it_was_not_measured():
+    problem, share = xor(), {"mean": 0.05, "low": 0.01, "high": 0.1}
+    choice = {"expected": {"tree": share, "cart": share, "difference": share}}
+    solution = dataclasses.replace(solve(problem), details={"choice": choice})
+    file = record_tree(problem, solution, "side")
+    page = tree_page(file, "t.json", gather(file, problem), masthead=Masthead(made=DAY))
+    assert "On new samples 5 % are expected to be wrong, of CART pruned by the same folds 5 %" in page
+    assert "The error that is expected on new samples stands above." in page
+    assert "was not measured for this page" not in page
+
+
 def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
     problem = xor()
     greedy = greedy_tree(problem)

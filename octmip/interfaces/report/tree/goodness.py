@@ -5,6 +5,7 @@ from typing import Any
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
 from octmip.interfaces.report.tree.measure import Measure, differs
+from octmip.interfaces.report.tree.summary import expected_errors
 from octmip.interfaces.report.tree.words import Wording, counted, figure
 from octmip.trees.tree import Node, depth, features_used, n_splits
 
@@ -22,7 +23,10 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
     held = evidence.held_out
     if held is None:
         sentences.append(
-            "Errors on training samples flatter every tree. How it does on new samples was not measured for this page."
+            "Errors on training samples flatter every tree. The error that is expected on new samples stands above."
+            if expected_errors(file)
+            else "Errors on training samples flatter every tree. How it does on new samples was not measured for this "
+            "page."
         )
     elif held.is_retrained:
         sentences.append(

@@ -59,7 +59,7 @@ def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) ->
     if evidence is not None and (held := evidence.held_out) is not None:
         own, greedy = (measure.line(evidence, one, held) for one in (held.tree, held.greedy))
         return f"On new samples: {own}; the greedy tree: {greedy}."
-    expected = _expected(file)
+    expected = expected_errors(file)
     if expected is None:
         return ""
     beside = (
@@ -68,7 +68,7 @@ def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) ->
     return f"On new samples {percent(expected['tree']['mean'])} are expected to be wrong{beside} (cross-validation)."
 
 
-def _expected(file: TreeFile) -> Mapping[str, Any] | None:
+def expected_errors(file: TreeFile) -> Mapping[str, Any] | None:
     """Return what a chosen tree costs on new samples, where that is a share of errors; None without a choice."""
     choice = choice_of(file.solution) or {}
     is_share = isinstance(file.loss, ClassCosts) and file.loss.is_zero_one and file.weights_column is None
@@ -114,7 +114,7 @@ def figures(file: TreeFile, evidence: Evidence | None, measure: Measure, wording
 
 def _expected_card(file: TreeFile) -> Card | None:
     """Return what cross-validation expects on new samples; None where no tree was chosen by it."""
-    expected = _expected(file)
+    expected = expected_errors(file)
     if expected is None:
         return None
     low, high = percent(expected["tree"]["low"]), percent(expected["tree"]["high"])
