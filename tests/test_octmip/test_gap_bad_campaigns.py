@@ -41,6 +41,13 @@ def without(column):
     return [",".join(cell for k, cell in enumerate(row.split(",")) if k != place) for row in ROWS]
 
 
+def divided():
+    lines = list(ROWS)
+    for name in ROWS[0].split(",")[5:]:
+        lines = changed(name, lambda k, cell: repr(float(cell) / max(1, k // 6)), lines)
+    return lines
+
+
 def text(lines):
     return "\n".join(lines) + "\n"
 
@@ -73,6 +80,7 @@ REFUSED = {
     "strain": (text(scaled(1e-6)), ["row 8, columns g01 to g20", "microstrain"]),
     "nanostrain": (text(scaled(1e3)), ["row 8, columns g01 to g20", "microstrain"]),
     "tension positive": (text(scaled(-1.0)), ["rows 2 to 19", "reverse the sign"]),
+    "readings over load": (text(divided()), ["row 14", "1/2 of what the twin predicts", "multiply"]),
     "one gauge in nanostrain": (text(scaled(1e3, only="g05")), ["column g05", "convert this one"]),
     "one gauge in millistrain": (text(scaled(1e-3, only="g05")), ["column g05", "convert this one"]),
     "an absurd reading": (text(with_cell(ROWS, 3, "g05", "1e300")), ["row 4, column g05", "1e+300"]),
@@ -166,6 +174,7 @@ def test_rows_keep_their_line_numbers(tmp_path):
 
 
 WARNED = {
+    "a mark for nothing": (with_cell(ROWS, 10, "g05", "-9999"), "row 11, column g05: -9999"),
     "an empty column": (changed("g05", lambda k, cell: ""), "Column g05 holds no reading"),
     "a bridge the wrong way round": (
         changed("g05", lambda k, cell: repr(-float(cell))),

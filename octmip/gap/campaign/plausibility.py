@@ -31,6 +31,12 @@ SMALLEST_SHARE = 0.02
 """Predictions below this share of the greatest one say nothing about the unit, of readings that are no strain."""
 TURNED = -0.9
 """Correlation of readings and twin below which the sign is reversed."""
+DIVIDED = 0.1
+"""Readings within this share of prediction over load factor were divided by the load factor."""
+FAR_OUT = 15.0
+"""Robust standard deviations from the other repeats beyond which a reading is reported as an outlier."""
+FEW = 3
+"""Repeats that an outlier needs beside it; most outliers that are reported."""
 DISTINCT = 6
 """Different readings in a column below which two columns may be equal by chance."""
 
@@ -105,9 +111,10 @@ class Sheet:
         names = self.campaign.load_names
         return load_words(names, load_of(names, tuple(self.campaign.applied[row].tolist())))
 
-    def slope(self) -> tuple[float, float]:
+    def slope(self, rows: NDArray[np.bool_] | None = None) -> tuple[float, float]:
         """Return readings over predictions by least squares, and their correlation; NaN where nothing is predicted."""
-        x, y = self.predicted.ravel(), self.readings.ravel()
+        kept = slice(None) if rows is None else rows
+        x, y = self.predicted[kept].ravel(), self.readings[kept].ravel()
         used = np.isfinite(y) & (np.abs(x) > self.smallest_signal)
         x, y = x[used], y[used]
         largest = float(np.abs(y).max(initial=0.0))
@@ -124,7 +131,7 @@ class Sheet:
 
 def refuse_nonsense(sheet: Sheet) -> None:
     """Raise DataError for the first thing that no physics explains."""
-    for check in (_refuse_units, _refuse_column_units, _refuse_absurd, _refuse_sign):
+    for check in (_refuse_units, _refuse_column_units, _refuse_absurd, _refuse_sign, _refuse_divided):
         for one in sheet.of_units():
             check(one)
     _refuse_twin_columns(sheet)
@@ -182,6 +189,21 @@ def _refuse_sign(sheet: Sheet) -> None:
     )
 
 
+def _refuse_divided(sheet: Sheet) -> None:
+    """Refuse readings divided by the load factor: right at load factor 1, half of what they should be at 2."""
+    applied = sheet.campaign.applied[:, :1].ravel()
+    greatest = float(np.abs(applied).max(initial=0.0))
+    if sheet.campaign.load_names != ONE_LOAD or not sheet.is_microstrain or greatest < 2.0:
+        return
+    slopes = [sheet.slope(applied == load)[0] * load for load in np.unique(applied[applied != 0.0]).tolist()]
+    if all(abs(slope - 1.0) < DIVIDED for slope in slopes):
+        row = int(np.flatnonzero(np.abs(applied) == greatest)[0])
+        raise DataError(
+            f"{sheet.where([row])}: readings at {sheet.words(row)} are 1/{greatest:g} of what the twin predicts; "
+            "expected microstrain at that load, not divided by the load factor; multiply them by it"
+        )
+
+
 def _refuse_column_units(sheet: Sheet) -> None:
     for name, one in sheet.gauges():
         slope, correlation = one.slope()
@@ -221,4 +243,27 @@ def warnings_on(sheet: Sheet) -> list[str]:
         for name, one in sheet.gauges()
         if one.slope()[1] < TURNED
     ]
-    return notes
+    return [*notes, *_outliers(sheet)]
+
+
+def _outliers(sheet: Sheet) -> list[str]:
+    """Return a sentence on readings far from the other repeats, the first few by row and column."""
+    left = np.full_like(sheet.readings, np.nan)
+    for cell in sheet.campaign.cells:
+        enough = np.flatnonzero(cell.count >= FEW)
+        here = sheet.readings[np.ix_(cell.rows, enough)]
+        left[np.ix_(cell.rows, enough)] = here - np.nanmedian(here, axis=0)
+    known = np.flatnonzero(np.isfinite(left).any(axis=0))
+    sd = 1.4826 * np.nanmedian(np.abs(left[:, known]), axis=0)
+    far = np.argwhere(np.abs(left[:, known]) > FAR_OUT * np.where(sd > 0.0, sd, np.inf))
+    if not len(far):
+        return []
+    shown = "; ".join(
+        f"row {sheet.campaign.row_number(row)}, column {sheet.campaign.gauges[known[k]]}: "
+        f"{sheet.readings[row, known[k]]:g}"
+        for row, k in far[:FEW].tolist()
+    )
+    return [
+        f"{len(far)} reading{'s are' if len(far) > 1 else ' is'} more than {FAR_OUT:g} standard deviations from the "
+        f"other repeats ({shown}); used as recorded: clear the cell if it is the logger's placeholder for no reading."
+    ]

@@ -196,7 +196,7 @@ class Cell:
                 dict.fromkeys(channel for channel, is_own in zip(channels_of(twin), own, strict=True) if is_own)
             )
         if self.who == "batch":
-            return tuple(getattr(twin, "batches", {}))
+            return tuple(_batches(twin))
         return ("",) if sum(own) > 1 or not self.unit else ()
 
     def change(self, moment: Moment) -> Floats:
@@ -205,7 +205,7 @@ class Cell:
         if self.who == "one":
             weight *= np.isin(np.arange(len(weight)), moment.gauges)
         elif self.who == "batch":
-            weight *= [name in twin.batches[moment.place] for name in twin.gauges]  # type: ignore[attr-defined]
+            weight *= np.isin(twin.gauges, _batches(twin)[moment.place])
         elif self.who in AXES:
             weight *= on_axis(twin, AXES.index(self.who))
         return np.asarray(weight * self._course(moment.time) * self._law(moment))
@@ -246,9 +246,14 @@ def on_axis(twin: Twin, rank: int) -> Floats:
     return np.asarray(2.0 * (places[:, axis] - places[:, axis].min()) / extent[axis] - 1.0)
 
 
+def _batches(twin: Twin) -> Mapping[str, list[str]]:
+    """Return the gauges of each batch or cable by its name; none for a twin that does not say them."""
+    return {name: list(gauges) for name, gauges in getattr(twin, "batches", {}).items()}
+
+
 def families_of(twin: Twin, typical: Mapping[str, float], histories: Mapping[str, History]) -> list[ChainEffect]:
     """Return the cells for a twin's readings, given the typical reading of each unit and the campaign's own courses."""
-    missing = set() if getattr(twin, "batches", {}) else {"batch"}
+    missing = set() if _batches(twin) else {"batch"}
     missing |= {who for rank, who in enumerate(AXES) if not on_axis(twin, rank).any()}
     every = list(units_of(twin))
     units = list(dict.fromkeys(every))
