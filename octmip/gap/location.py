@@ -152,7 +152,7 @@ def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
     share = excess / max(float(excess.sum()), 1e-12)
     cells = [model.inputs.campaign.cells[c] for c in means.cell]
     gauges = [model.inputs.campaign.gauges[g] for g in means.gauge]
-    white = model.whitened.residual
+    white = model.left
     return Where(
         entries=_entries(means, [f"{g}, {c.name}" for g, c in zip(gauges, cells, strict=True)], share),
         gauges=_groups(means, gauges, share),
@@ -185,7 +185,7 @@ def _means(model: LinearModel) -> _Means:
 def noise_covariance(model: LinearModel) -> Floats:
     """Return the covariance (n, n) that noise alone gives the averaged readings: what wanders is in it, no jump."""
     inputs = model.inputs
-    return inputs.noise.of_scatter(inputs.averages, inputs.loads, model.average, model.gauge)
+    return inputs.noise.of_scatter(inputs.averages, model.average, model.gauge)
 
 
 def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:
@@ -279,7 +279,7 @@ def _readings(model: LinearModel, order: list[int], rng: np.random.Generator) ->
     n_gauges = len(inputs.campaign.gauges)
     root = np.linalg.cholesky(inputs.noise.covariance)
     real, simulated = [], []
-    first = {average.cell: k for k, average in reversed(list(enumerate(inputs.averages)))}
+    first = {average.number: k for k, average in reversed(list(enumerate(inputs.averages)))}
     for k, cell in enumerate(inputs.campaign.cells):
         if is_zero(cell.load):
             continue

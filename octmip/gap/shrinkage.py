@@ -131,7 +131,7 @@ def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 
         low=low,
         high=high,
         held_out=tuple(whole.of(fold == k).held_out(name) for k, name in enumerate(names)),
-        chi2_before=float(model.whitened.residual @ model.whitened.residual) / model.n,
+        chi2_before=float(model.left @ model.left) / model.n,
         chi2_after=float(remaining @ remaining) / model.n,
         p_after=chance_of_rest(allowing, own),
         unit=model.inputs.unit,

@@ -98,7 +98,7 @@ def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
     """Return the size of a member that fits all readings best by its exact forward map, and the stretch of its sd."""
     model, own, candidate = head.allowing, head.fit, head.model.inputs.candidates[member]
     sd, (low, high) = float(model.inputs.priors.sd[member]), bounds_of(candidate.effect)
-    moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
+    moved = model.tangents @ model.moved_by(own.members, own.size)
     others = [k for k, j in enumerate(own.members) if j != member]
     moved = moved + model.signatures[:, [own.members[k] for k in others]] @ own.size[others]
     target = model.whiten(model.residual - moved)

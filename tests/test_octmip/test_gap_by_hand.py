@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
-from octmip.gap.campaign.campaign import AveragedCell, Fault
+from octmip.gap.campaign.campaign import Cell, Fault
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
 from octmip.gap.campaign.spectrum import WHITE
@@ -92,8 +92,9 @@ def test_the_offset_of_a_jump_acts_from_its_first_row_on():
         ("a", "b"), (NoisePart(np.diag([4.0, 9.0]), WHITE),), faults=(Fault("jump", "b", np.zeros(0, int), "", 1.0, 3),)
     )
     rows = [np.array([0, 1, 2]), np.array([2, 3]), np.array([3, 4])]
-    cells = [AveragedCell(k, np.zeros(2), np.full(2, len(r)), 0.0, r, r + 1.0) for k, r in enumerate(rows)]
-    at = [cells, (1.0, 1.0, 1.0), np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0])]
+    zero = np.zeros(2)
+    cells = [Cell("T", 1.0, zero, r, zero, np.full(2, len(r)), 0.0, r + 1.0, k) for k, r in enumerate(rows)]
+    at = [cells, np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0])]
     found = noise.of_averages(*at) - noise.of_scatter(*at)
     assert found == pytest.approx(JUMP_SD**2 * 9.0 * np.outer([0.0, 0.5, 1.0, 0.0], [0.0, 0.5, 1.0, 0.0]))
 

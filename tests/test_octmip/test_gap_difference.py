@@ -47,7 +47,7 @@ def test_without_a_run_the_difference_is_what_is_usual():
     model = linearise(inputs, states_of(campaign))
     expected = model.noise + inputs.difference.covariance(model.means.rows, model.means.rows)
     assert np.allclose(model.covariance, expected + OPEN_STATE**2 * model.tangents @ model.tangents.T)
-    assert model.log_run == 0.0
+    assert model.given.log_run == 0.0
 
 
 def test_a_difference_is_a_covariance_and_same_cells_share_all_of_it():

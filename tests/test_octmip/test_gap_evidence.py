@@ -52,10 +52,10 @@ ALONE = [
 def test_evidence_of_one_effect_equals_its_integral_within_a_tenth(chosen):
     inference = inference_of(3)
     member = candidate(inference, *chosen)
-    effect, white = inference.model.inputs.candidates[member].effect, inference.model.whitened
+    effect, model = inference.model.inputs.candidates[member].effect, inference.model
     size = effect.prior_sd * np.linspace(0.0 if effect.is_one_sided else -30.0, 30.0, 200_001)
     density = np.mean([norm.pdf(size, scale=scale * effect.prior_sd) for scale in SCALES], axis=0)
-    log_likelihood = white.projection[member] * size - 0.5 * white.gram_rows([member])[0, member] * size**2
+    log_likelihood = model.projection[member] * size - 0.5 * model.gram_rows([member])[0, member] * size**2
     most = float(log_likelihood.max())
     integral = np.trapezoid(np.exp(log_likelihood - most) * density, size) * (2.0 if effect.is_one_sided else 1.0)
     assert inference.fit([member]).log_factor == pytest.approx(most + float(np.log(integral)), abs=0.1)
@@ -79,9 +79,9 @@ def test_evidence_equals_the_dense_gaussian_density(seed):
                 covariance = model.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
                 logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
     dense = float(np.logaddexp.reduce(logs)) - np.log(27)
-    assert model.whitened.log_none + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
+    assert (model.log_none - model.given.log_run) + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
     none = multivariate_normal.logpdf(model.residual, cov=model.covariance)
-    assert model.whitened.log_none == pytest.approx(none, abs=1e-6)
+    assert (model.log_none - model.given.log_run) == pytest.approx(none, abs=1e-6)
 
 
 def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_candidate():
@@ -97,12 +97,12 @@ def test_the_quick_extension_of_a_set_is_the_evidence_of_one_more_column_of_a_co
     model = inference.model
     held, more = candidate(inference, "temperature_uniform"), candidate(inference, "gauge_gain", "g02")
     effects = [model.inputs.candidates[j].effect for j in (held, more)]
-    held_columns = np.outer(*[effects[0].prior_sd * model.whitened.signatures[:, held]] * 2)
+    held_columns = np.outer(*[effects[0].prior_sd * model.white[:, held]] * 2)
     logs = []
     for scale in SCALES:
-        own = np.outer(*[scale * effects[1].prior_sd * model.whitened.signatures[:, more]] * 2)
-        logs.append(multivariate_normal.logpdf(model.whitened.residual, cov=np.eye(model.n) + held_columns + own))
-    none = multivariate_normal.logpdf(model.whitened.residual, cov=np.eye(model.n))
+        own = np.outer(*[scale * effects[1].prior_sd * model.white[:, more]] * 2)
+        logs.append(multivariate_normal.logpdf(model.left, cov=np.eye(model.n) + held_columns + own))
+    none = multivariate_normal.logpdf(model.left, cov=np.eye(model.n))
     dense = float(np.logaddexp.reduce(logs)) - np.log(3) - none
     quick, new = extensions(model, (held,))
     assert quick[more] == pytest.approx(dense, abs=1e-6)

@@ -10,7 +10,7 @@ from octmip.errors import DataError
 from octmip.gap import CHAIN, CachedTwin, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.linear_model import again, linearise, with_covariance
+from octmip.gap.inference.linear_model import linearise
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -28,7 +28,7 @@ def model():
 def test_nothing_of_a_linear_model_can_be_written(model):
     with pytest.raises(FrozenInstanceError):
         model.residual = model.residual
-    for array in (model.states, model.residual, model.covariance, model.signatures, model.whitened.signatures):
+    for array in (model.states, model.residual, model.covariance, model.signatures, model.white):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0.0
 
@@ -104,7 +104,7 @@ def test_columns_are_good_for_every_level(level):
     inputs, _ = prepare(campaign, TWIN, {**CHAIN, **TWIN.effects}, COMMISSIONING)
     states = np.array([cell.state for cell in campaign.cells])
     usual, made = linearise(inputs, states), linearise(inputs, states, level)
-    moved = again(usual, usual, level)
+    moved = usual.under(level)
     assert moved.log_none == pytest.approx(made.log_none, abs=1e-9)
     assert np.allclose(moved.residual, made.residual)
     assert moved.log_none != pytest.approx(linearise(inputs, states).log_none, abs=1e-3)
@@ -112,6 +112,6 @@ def test_columns_are_good_for_every_level(level):
 
 def test_a_covariance_that_is_added_has_the_dense_gaussian_density(model):
     root = np.random.default_rng(0).standard_normal((model.n, 3))
-    under = with_covariance(model, root @ root.T)
+    under = model.with_covariance(root @ root.T)
     dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + root @ root.T)
-    assert under.whitened.log_none == pytest.approx(dense, abs=1e-6)
+    assert under.log_none - under.given.log_run == pytest.approx(dense, abs=1e-6)

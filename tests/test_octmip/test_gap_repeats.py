@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from octmip.gap import diagnose
-from octmip.gap.campaign.campaign import averages_of
 from octmip.gap.campaign.noise import sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
@@ -92,7 +91,7 @@ def test_a_walk_is_named_and_carried_from_cell_to_cell():
     campaign = measured(1, noise=walking(0.3))
     noise = estimate_noise(campaign)
     assert "random_walk" in noise.findings
-    averages = averages_of(campaign, split=False)
+    averages = campaign.averages(split=False)
     index = np.arange(len(averages))
     across = noise.across(averages, index, np.zeros_like(index))
     step = (0.3 * SD) ** 2
@@ -102,7 +101,7 @@ def test_a_walk_is_named_and_carried_from_cell_to_cell():
 
 def test_white_noise_has_no_part_across_cells():
     campaign = measured(2)
-    averages = averages_of(campaign, split=False)
+    averages = campaign.averages(split=False)
     noise = sizes(estimate_noise(campaign), averages)[0][0]
     index = np.arange(len(averages))
     assert not noise.across(averages, index, np.zeros_like(index)).any()
@@ -113,17 +112,17 @@ def test_the_covariance_of_means_that_remember_is_one_however_calm_a_load_is():
     """Before: where one load scattered less, what it shared with others was more than it had, and nothing was said."""
     campaign = measured(3, noise=serial(0.95))
     noise = dataclasses.replace(estimate_noise(campaign), scale={0.0: 1.0, 1.0: 0.1, 2.0: 1.0, 3.0: 1.0})
-    averages = averages_of(campaign, split=False)
-    covariance = noise.of_averages(averages, [0.0, 1.0, 2.0, 3.0], np.arange(4), np.full(4, 2))
+    averages = campaign.averages(split=False)
+    covariance = noise.of_averages(averages, np.arange(4), np.full(4, 2))
     assert np.linalg.eigvalsh(covariance).min() > 0.0
 
 
 def test_halves_of_a_cell_share_what_the_noise_remembers():
     campaign = measured(3, noise=serial(0.85))
     noise = estimate_noise(campaign)
-    halves = averages_of(campaign, split=True)[:2]
+    halves = campaign.averages(split=True)[:2]
     index, gauge = np.array([0, 1]), np.array([4, 4])
-    covariance = noise.of_averages(halves, [0.0, 0.0], index, gauge)
+    covariance = noise.of_averages(halves, index, gauge)
     whole = noise.of_mean(np.full(20, 50), 0.0)[4, 4]
     assert covariance.sum() / 4.0 == pytest.approx(whole, rel=0.02)
 
@@ -134,7 +133,7 @@ def test_means_of_loads_read_one_after_the_other_share_a_long_memory():
     level = remembering(rng, (4 * n, 20), rho)
     blocks = iter(np.split(level, 4))
     noise = estimate_noise(campaign := measured(6, noise=lambda rng, shape, load: SD * next(blocks)))
-    averages = averages_of(campaign, split=False)
+    averages = campaign.averages(split=False)
     index = np.arange(len(averages))
     across = noise.across(averages, index, np.zeros_like(index))
     true = rho * ((1.0 - rho**n) / (1.0 - rho)) ** 2 / n**2 * SD**2
@@ -149,9 +148,9 @@ def test_the_one_gauge_that_wanders_has_a_part_of_its_own():
         return series
 
     campaign = measured(4, noise=noise)
-    averages = averages_of(campaign, split=False)[:1]
+    averages = campaign.averages(split=False)[:1]
     every = np.arange(20)
-    of_mean = np.diag(estimate_noise(campaign).of_averages(averages, [0.0], np.zeros(20, dtype=np.int64), every))
+    of_mean = np.diag(estimate_noise(campaign).of_averages(averages, np.zeros(20, dtype=np.int64), every))
     assert of_mean[5] > 5.0 * np.median(of_mean)
 
 

@@ -60,7 +60,8 @@ def test_the_model_that_allows_for_errors_of_signatures_has_the_dense_gaussian_d
     error = inference.errors((j,))
     assert error is not None
     dense = multivariate_normal.logpdf(model.residual, cov=model.covariance + error)
-    assert inference.allowing((j,)).model.whitened.log_none == pytest.approx(dense, abs=1e-6)
+    allowing = inference.allowing((j,)).model
+    assert allowing.log_none - allowing.given.log_run == pytest.approx(dense, abs=1e-6)
 
 
 def test_an_error_of_a_signature_is_a_share_of_it_at_each_gauge_and_grows_with_the_size():
@@ -127,7 +128,7 @@ def test_levels_of_errors_are_summed_like_the_density_at_every_level():
             covariance = model.covariance + error + (scale * sd) ** 2 * np.outer(column, column)
             logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
             weights.append(share / len(SCALES))
-    found = model.whitened.log_none + inference._over_levels([(j,)])[0].log_factor
+    found = (model.log_none - model.given.log_run) + inference._over_levels([(j,)])[0].log_factor
     assert found == pytest.approx(logsumexp(logs, b=weights), abs=1e-6)
 
 

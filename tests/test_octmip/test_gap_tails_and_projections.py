@@ -31,7 +31,7 @@ def test_a_size_that_cannot_be_negative_has_the_variance_of_half_a_normal():
 
 def test_what_is_left_of_a_signature_beside_another_is_a_residual_of_least_squares():
     model = inference_of(3).model
-    signatures, sd = model.whitened.signatures, model.inputs.priors.sd
+    signatures, sd = model.white, model.inputs.priors.sd
     member, other = np.argsort(-np.abs(signatures.T @ signatures[:, 0]))[:2].tolist()
     rows = np.append(signatures[:, other], 1 / (3 * sd[other]))
     share = np.linalg.lstsq(rows[:, None], np.append(signatures[:, member], 0.0), rcond=None)[0][0]

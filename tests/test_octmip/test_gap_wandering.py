@@ -8,7 +8,6 @@ import pytest
 from benchmarks.cases.gap.noise import Beam as Cantilever
 from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
-from octmip.gap.campaign.campaign import averages_of, moments_of
 from octmip.gap.campaign.noise import least_moment, moves_together, sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.location import noise_covariance
@@ -82,7 +81,7 @@ def test_something_unknown_is_no_walk_where_the_readings_are_calm():
 
 def test_sizes_hold_all_that_repeats_leave_open():
     campaign = measured(1)
-    found = sizes(estimate_noise(campaign), averages_of(campaign, split=False))
+    found = sizes(estimate_noise(campaign), campaign.averages(split=False))
     assert sum(np.exp(log_share) for _, log_share in found) == pytest.approx(1.0, abs=0.02)
     steps = [noise.walk_sd for noise, _ in found]
     assert steps[0] == 0.0
@@ -99,10 +98,10 @@ def test_a_walk_goes_by_time_where_that_is_recorded():
         load_factor=campaign.load_factor[rows],
         time=campaign.time[rows],
     )
-    assert moments_of(shuffled).tolist() == (rows + 1.0).tolist()
+    assert shuffled.moments.tolist() == (rows + 1.0).tolist()
     untimed = replace(shuffled, time=np.full(20, np.nan))
-    assert moments_of(untimed).tolist() == list(range(1, 21))
-    one, other = (averages_of(shuffled, split=False)[k].moments for k in (0, 1))
+    assert untimed.moments.tolist() == list(range(1, 21))
+    one, other = (shuffled.averages(split=False)[k].moments for k in (0, 1))
     for pair in ((one, one), (one, other), (other, one)):
         assert least_moment(*pair) == pytest.approx(np.minimum(*np.meshgrid(*pair)).mean())
 
@@ -162,7 +161,7 @@ def stepping(height=0.5, dwell=40.0):
 
 def test_the_memory_of_readings_is_weighed_where_repeats_leave_it_open():
     campaign = measured(21, noise=stepping())
-    found = [noise for noise, _ in sizes(estimate_noise(campaign), averages_of(campaign, split=False))]
+    found = [noise for noise, _ in sizes(estimate_noise(campaign), campaign.averages(split=False))]
     still = [noise.parts[0] for noise in found if noise.walk_sd == 0.0]
     means = [part.of_mean(50) * np.trace(part.covariance) for part in still]
     assert max(means) > 1.5 * min(means)
@@ -170,6 +169,6 @@ def test_the_memory_of_readings_is_weighed_where_repeats_leave_it_open():
 
 def test_white_readings_are_looked_at_as_white_first():
     campaign = measured(1)
-    noise, log_share = sizes(estimate_noise(campaign), averages_of(campaign, split=False))[0]
+    noise, log_share = sizes(estimate_noise(campaign), campaign.averages(split=False))[0]
     assert log_share > np.log(0.9)
     assert noise.parts[0].serial.white_probability > 0.99

@@ -16,7 +16,6 @@ from benchmarks.noises import VARIANCE, Scatter, heavy, heteroscedastic, outlier
 from benchmarks.tables import Line
 from femlib.arrays import FloatArray
 from octmip.gap import Campaign, diagnose
-from octmip.gap.campaign.campaign import averages_of
 from octmip.gap.campaign.noise import sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.channels.checks import checked
@@ -94,14 +93,14 @@ def alarms(kind: str, draws: int) -> Line:
         campaign, run = drawn(kind, 2 * seed), drawn(kind, 2 * seed + 1)
         clock = Stopwatch()
         checks = checked(campaign)
-        averages = averages_of(checks.campaign, split=False)
+        averages = checks.campaign.averages(split=False)
         noise = sizes(estimate_noise(checks.campaign), averages)[0][0]
         milliseconds.append(1e3 * clock.read()[0])
         for part, cell in zip(averages, checks.campaign.cells, strict=True):
             expected = OWN * twin.predict({}, cell.load_factor)
             own = np.array([campaign.gauges.index(name) for name in checks.campaign.gauges])
             index, every = np.zeros(len(own), dtype=np.int64), np.arange(len(own))
-            variance = np.diag(noise.of_averages([part], [cell.load], index, every))
+            variance = np.diag(noise.of_averages([part], index, every))
             ratios.append(float(np.nanmean((cell.mean - expected[own]) ** 2 / variance)))
         found = diagnose(campaign, twin, commissioning=run)
         accused += bool(found.which[0].effects)

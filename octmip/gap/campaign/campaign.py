@@ -3,8 +3,7 @@
 Readings are in the twin's units and signs at their load (never divided by it); NaN is "not recorded". A state
 parameter that is NaN is unknown: it is marginalised, not guessed. All rows of one test share one state.
 
-Beside it: `Fault`, what one channel does wrong, and `AveragedCell`, the repeats that are averaged together: a cell, or
-half of one where an effect depends on time.
+Beside it: `Fault`, what one channel does wrong.
 """
 
 from collections.abc import Sequence
@@ -47,11 +46,13 @@ class Fault:
 
 FEWEST_REPEATS = 3
 """A cell with fewer repeats says nothing about its own noise."""
+ENOUGH_FOR_HALVES = 16
+"""Repeats from which a cell is averaged in two halves where time matters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cell:
-    """The mean of the repeats of one test at one load.
+    """The mean of the repeats of one test at one load, or of half of them where an effect depends on time.
 
     Attributes
     ----------
@@ -69,6 +70,10 @@ class Cell:
         (n_gauges,) recorded repeats.
     time
         mean time since the first reading of the campaign [s]; 0 where no time was recorded.
+    moments
+        (n_repeats,) when they were read, in steps from one reading to the next, the campaign's first at 1.
+    number
+        which of the campaign's cells it is, or is half of.
     load_names
         names of the loads.
     """
@@ -80,6 +85,8 @@ class Cell:
     mean: NDArray[np.float64]
     count: NDArray[np.int64]
     time: float
+    moments: NDArray[np.float64]
+    number: int = 0
     load_names: tuple[str, ...] = ONE_LOAD
 
     @property
@@ -109,6 +116,10 @@ class Cell:
     def name(self) -> str:
         """Test and load in words."""
         return f"{self.test} at {self.load_words}" if self.load_words else self.test
+
+    def of_gauges(self, order: Sequence[int]) -> "Cell":
+        """Return the means of these gauges, in their order."""
+        return replace(self, mean=self.mean[list(order)], count=self.count[list(order)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -209,23 +220,48 @@ class Campaign:
         for row, test in enumerate(self.test):
             state = tuple(None if np.isnan(value) else float(value) for value in self.states[row])
             keys.setdefault((test, self._load(row), state), []).append(row)
-        start = float(np.nanmin(self.time)) if np.isfinite(self.time).any() else 0.0
-        return [self._cell(np.array(rows, dtype=np.int64), start) for rows in keys.values()]
+        moments = self.moments
+        rows_of = [np.array(rows, dtype=np.int64) for rows in keys.values()]
+        return [self._cell(rows, number, moments) for number, rows in enumerate(rows_of)]
 
-    def _cell(self, rows: NDArray[np.int64], start: float) -> Cell:
-        mean, count = _averaged(self.readings[rows])
-        first = int(rows[0])
+    def _cell(self, rows: NDArray[np.int64], number: int, moments: NDArray[np.float64]) -> Cell:
+        readings, first = self.readings[rows], int(rows[0])
+        count = np.isfinite(readings).sum(axis=0)
         time = self.time[rows][np.isfinite(self.time[rows])]
         return Cell(
             test=self.test[first],
             load=self._load(first),
             state=self.states[first],
             rows=rows,
-            mean=mean,
+            mean=np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan),
             count=count,
-            time=float(time.mean()) - start if time.size else 0.0,
+            time=float(time.mean()) - float(np.nanmin(self.time)) if time.size else 0.0,
+            moments=moments[rows],
+            number=number,
             load_names=self.load_names,
         )
+
+    def averages(self, split: bool) -> tuple[Cell, ...]:
+        """Return the cells, or the earlier and later half of each where `split` and time was recorded."""
+        if not split or not self.has_time:
+            return self.cells
+        moments, found = self.moments, list[Cell]()
+        for cell in self.cells:
+            rows = cell.rows[np.argsort(self.time[cell.rows], kind="stable")]
+            halves = (rows[: len(rows) // 2], rows[len(rows) // 2 :]) if len(rows) >= ENOUGH_FOR_HALVES else ()
+            found += [self._cell(half, cell.number, moments) for half in halves] or [cell]
+        return tuple(found)
+
+    @property
+    def moments(self) -> NDArray[np.float64]:
+        """(n_rows,) when each was read, in typical steps from one reading to the next, the first at 1.
+
+        Rows count where no time was recorded: they are in the order of reading.
+        """
+        rows = np.arange(1.0, len(self.test) + 1.0)
+        steps = np.diff(np.sort(self.time)) if self.has_time else np.zeros(0)
+        steps = steps[steps > 0.0]
+        return np.asarray(1.0 + (self.time - self.time.min()) / float(np.median(steps))) if steps.size else rows
 
     def unit_of(self, gauge: str) -> str:
         """Return the unit of a gauge's readings."""
@@ -272,75 +308,3 @@ class Campaign:
             numbers=tuple(self.numbers[k] for k in keep) if self.numbers else (),
             **{name: getattr(self, name)[keep] for name in by_row},
         )
-
-
-ENOUGH_FOR_HALVES = 16
-"""Repeats from which a cell is averaged in two halves where time matters."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AveragedCell:
-    """Repeats that are averaged together: a cell of the campaign, or half of one where time matters.
-
-    Attributes
-    ----------
-    cell
-        index of the campaign's cell.
-    mean, count
-        (n_gauges,) of these repeats.
-    time
-        mean time [s].
-    rows
-        (n_repeats,) rows of the campaign.
-    moments
-        (n_repeats,) when they were read, in steps from one reading to the next, the campaign's first at 1.
-    """
-
-    cell: int
-    mean: NDArray[np.float64]
-    count: NDArray[np.int64]
-    time: float
-    rows: NDArray[np.int64]
-    moments: NDArray[np.float64]
-
-    def of_gauges(self, order: Sequence[int]) -> "AveragedCell":
-        """Return the average of these gauges, in their order."""
-        return replace(self, mean=self.mean[list(order)], count=self.count[list(order)])
-
-
-def _averaged(readings: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return mean and count (n_gauges,) of what was recorded in readings (n, n_gauges); NaN where nothing was."""
-    count = np.isfinite(readings).sum(axis=0)
-    return np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan), count
-
-
-def averages_of(campaign: Campaign, split: bool) -> tuple[AveragedCell, ...]:
-    """Return whole cells, or the earlier and later half of each where `split` and time was recorded, averaged."""
-    found = []
-    moments = moments_of(campaign)
-    start = float(np.nanmin(campaign.time)) if np.isfinite(campaign.time).any() else 0.0
-    for k, cell in enumerate(campaign.cells):
-        halves = [cell.rows]
-        if split and campaign.has_time and len(cell.rows) >= ENOUGH_FOR_HALVES:
-            rows = cell.rows[np.argsort(campaign.time[cell.rows], kind="stable")]
-            halves = [rows[: len(rows) // 2], rows[len(rows) // 2 :]]
-        for rows in halves:
-            mean, count = _averaged(campaign.readings[rows])
-            time = float(np.nanmean(campaign.time[rows])) - start if campaign.has_time else cell.time
-            found.append(AveragedCell(k, mean, count, time, rows, moments[rows]))
-    return tuple(found)
-
-
-def moments_of(campaign: Campaign) -> NDArray[np.float64]:
-    """Return when every row was read (n_rows,), in typical steps from one reading to the next, the first at 1.
-
-    Rows count where no time was recorded: they are in the order of reading.
-    """
-    rows = np.arange(1.0, len(campaign.test) + 1.0)
-    if not campaign.has_time:
-        return rows
-    steps = np.diff(np.sort(campaign.time))
-    steps = steps[steps > 0.0]
-    if not steps.size:
-        return rows
-    return np.asarray(1.0 + (campaign.time - campaign.time.min()) / float(np.median(steps)))

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.gap.campaign.campaign import AveragedCell, Fault
+from octmip.gap.campaign.campaign import Cell, Fault
 from octmip.gap.campaign.spectrum import STEPS, WHITE, Serial, inflation_of
 from octmip.twin import Load
 
@@ -55,7 +55,7 @@ class NoisePart:
         """Return the variance of a mean of n readings over that of one."""
         return self.serial.of_mean(n) / self.serial.variance
 
-    def between(self, averages: Sequence[AveragedCell]) -> Floats:
+    def between(self, averages: Sequence[Cell]) -> Floats:
         """Return the covariances (n_averages, n_averages) that `of_mean` leaves out, over the variance of a reading."""
         found = np.zeros((len(averages), len(averages)))
         step, remembers = self.serial.step_variance, self.serial.white_probability < 0.5
@@ -63,12 +63,12 @@ class NoisePart:
             for j in range(i + 1):
                 other = averages[j]
                 shared = step * least_moment(one.moments, other.moments) if step > 0.0 else 0.0
-                if i != j and (remembers or one.cell == other.cell):
+                if i != j and (remembers or one.number == other.number):
                     shared += self._neighbours(other, one)
                 found[i, j] = found[j, i] = shared
         return found / self.serial.variance
 
-    def _neighbours(self, one: AveragedCell, other: AveragedCell) -> float:
+    def _neighbours(self, one: Cell, other: Cell) -> float:
         """Return the covariance of the means of two averages of which one was read after the other, else 0."""
         if one.moments[0] > other.moments[0]:
             one, other = other, one
@@ -181,37 +181,25 @@ class Noise:
         single = sum((n * part.of_mean(n) * part.covariance for part in self.parts), np.zeros(overlap.shape))
         return np.asarray(self.scale.get(load, 1.0) * single * overlap)
 
-    def of_averages(
-        self,
-        averages: Sequence[AveragedCell],
-        loads: Sequence[Load],
-        average: NDArray[np.int64],
-        gauge: NDArray[np.int64],
-    ) -> Floats:
-        """Return the covariance (n, n) of averages at these loads; (n,) indices of average and gauge."""
-        total = self.of_scatter(averages, loads, average, gauge)
+    def of_averages(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
+        """Return the covariance (n, n) of averages; (n,) indices of average and gauge."""
+        total = self.of_scatter(averages, average, gauge)
         for jump in (fault for fault in self.faults if fault.kind == "jump" and fault.gauge in self.gauges):
             k = self.gauges.index(jump.gauge)
             after = np.array([float((part.rows >= jump.first).mean()) for part in averages])[average] * (gauge == k)
             total += JUMP_SD**2 * self.covariance[k, k] * np.outer(after, after)
         return total
 
-    def of_scatter(
-        self,
-        averages: Sequence[AveragedCell],
-        loads: Sequence[Load],
-        average: NDArray[np.int64],
-        gauge: NDArray[np.int64],
-    ) -> Floats:
+    def of_scatter(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
         """Return `of_averages` without the offsets of gauges that jumped, of which nothing is known."""
-        spread = np.sqrt([self.scale.get(load, 1.0) for load in loads])[average]  # shared parts scale with the scatter
-        total = self.across(averages, average, gauge) * np.outer(spread, spread)
-        for k, (part, load) in enumerate(zip(averages, loads, strict=True)):
+        spread = np.sqrt([self.scale.get(part.load, 1.0) for part in averages])[average]
+        total = self.across(averages, average, gauge) * np.outer(spread, spread)  # shared parts scale with the scatter
+        for k, part in enumerate(averages):
             here = np.flatnonzero(average == k)
-            total[np.ix_(here, here)] += self.of_mean(part.count, load)[np.ix_(gauge[here], gauge[here])]
+            total[np.ix_(here, here)] += self.of_mean(part.count, part.load)[np.ix_(gauge[here], gauge[here])]
         return np.asarray(total)
 
-    def across(self, averages: Sequence[AveragedCell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
+    def across(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
         """Return the covariance (n, n) that averages share beyond `of_mean`; (n,) indices of average and gauge."""
         total = np.zeros((len(average), len(average)))
         for part in self.parts:
@@ -248,7 +236,7 @@ SHARED_BY = 2.0
 """Gauges, counted by their variance (sum squared over sum of squares), beyond which a pattern is shared."""
 
 
-def sizes(noise: Noise, averages: Sequence[AveragedCell]) -> tuple[tuple[Noise, float], ...]:
+def sizes(noise: Noise, averages: Sequence[Cell]) -> tuple[tuple[Noise, float], ...]:
     """Return the noise for every size that the repeats leave open, each with its log probability.
 
     The most probable comes first.
@@ -265,7 +253,7 @@ def sizes(noise: Noise, averages: Sequence[AveragedCell]) -> tuple[tuple[Noise, 
     return tuple(sorted(found, key=lambda pair: -pair[1]))
 
 
-def _numbers(serial: Serial, averages: Sequence[AveragedCell]) -> NDArray[np.int64]:
+def _numbers(serial: Serial, averages: Sequence[Cell]) -> NDArray[np.int64]:
     """Return the size of each point of the posterior (n_points,): 1 and more of a walk that shows, else of a mean."""
     ratio = serial.walk / np.maximum(serial.white, 1e-300)
     walk = np.where(serial.walk > 0.0, np.searchsorted(STEPS[::WIDTH], ratio * (1.0 + 1e-9), side="right"), 0)
@@ -278,7 +266,7 @@ def _numbers(serial: Serial, averages: Sequence[AveragedCell]) -> NDArray[np.int
     return np.where(np.isin(walk, shows), walk, memory - memory.max())
 
 
-def moves_together(noise: Noise, averages: Sequence[AveragedCell]) -> float:
+def moves_together(noise: Noise, averages: Sequence[Cell]) -> float:
     """Return the probability that a pattern that gauges share wanders so far that means move by more than they scatter.
 
     A supply, lead wires or a temperature does that: no noise of the gauges, and no effect with a size.
@@ -292,7 +280,7 @@ def moves_together(noise: Noise, averages: Sequence[AveragedCell]) -> float:
     return found
 
 
-def _shows(serial: Serial, averages: Sequence[AveragedCell], least: float = NEGLIGIBLE) -> bool:
+def _shows(serial: Serial, averages: Sequence[Cell], least: float = NEGLIGIBLE) -> bool:
     """Return whether a walk adds so much to the variance of the last mean, over that of its scatter."""
     last = max(averages, key=lambda average: float(average.moments.mean()))
     added = serial.step_variance * least_moment(last.moments, last.moments)

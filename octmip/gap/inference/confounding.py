@@ -129,12 +129,11 @@ def _beyond_errors(covariance: Floats, error: Floats, left: Floats) -> float:
 
 def conditional_gram(model: LinearModel, others: Members, member: int) -> tuple[Floats, Floats]:
     """Return (G_aj, G_jj) (n_candidates,) each, the free candidates `others` projected out."""
-    white = model.whitened
-    cross, diagonal = white.gram_rows([member])[0], white.lengths.copy()
+    cross, diagonal = model.gram_rows([member])[0], model.lengths.copy()
     if others:
         index = list(others)
         sd = model.inputs.priors.sd[index]
-        with_others = white.gram_rows(index)
+        with_others = model.gram_rows(index)
         inverse = np.linalg.inv(with_others[:, index] + np.diag((3.0 * sd) ** -2))
         cross -= with_others.T @ inverse @ with_others[:, member]
         diagonal -= np.einsum("ij,ik,kj->j", with_others, inverse, with_others)
@@ -177,6 +176,6 @@ def ties(model: LinearModel) -> tuple[tuple[str, ...], ...]:
 def detectable(model: LinearModel) -> dict[str, float]:
     """Return for every effect the size that these readings would have shown with 95 % power, at a typical place."""
     sizes: dict[str, list[float]] = {}
-    for candidate, length in zip(model.inputs.candidates, np.sqrt(model.whitened.lengths), strict=True):
+    for candidate, length in zip(model.inputs.candidates, np.sqrt(model.lengths), strict=True):
         sizes.setdefault(candidate.name, []).append(POWER / max(float(length), 1e-12))
     return {name: float(np.median(found)) for name, found in sizes.items()}

@@ -23,9 +23,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 
+from octmip.gap.inference.whitening import log_normal
 from octmip.gap.odds import Differences
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Load
@@ -241,13 +241,6 @@ def log_at_levels(difference: Difference, rows: Rows, residual: Floats, noise: F
     own = difference.covariance(rows, rows)
     levels = [log_normal(noise + level**2 * own, residual) - 0.5 * np.log(level) ** 2 for level in KIND_LEVELS]
     return float(max(levels))
-
-
-def log_normal(covariance: Floats, residual: Floats) -> float:
-    """Return the log density of a normal residual, up to the power of 2 pi."""
-    factor = linalg.cholesky(covariance, lower=True, check_finite=False)
-    white = linalg.solve_triangular(factor, residual, lower=True, check_finite=False)
-    return -0.5 * float(white @ white) - float(np.log(np.diag(factor)).sum())
 
 
 def wander_of(difference: Difference, rows: Rows, residual: Floats, noise: Floats) -> Floats:

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import log_ndtr
 
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.whitening import Whitening
 
 Floats = NDArray[np.float64]
 Members = tuple[int, ...]
@@ -145,22 +145,21 @@ def extensions(model: LinearModel, members: Members) -> tuple[Floats, Floats]:
     scale mixture. What is new is the share of its squared length that B leaves. Good for choosing, not for reporting:
     `Inference.fit` is exact. The log factor is -inf for the members themselves.
     """
-    prior, white, index = model.inputs.priors, model.whitened, list(members)
-    variance, gain, start = white.lengths, white.projection, 0.0
+    prior, index = model.inputs.priors, list(members)
+    variance, gain, start = model.lengths, model.projection, 0.0
     if index:
-        own = white.signatures[:, index]
+        own = model.white[:, index]
         columns = own * prior.sd[index]
-        left = white.residual - own @ prior.mean[index]
-        factor = linalg.cholesky(np.eye(len(index)) + columns.T @ columns, lower=True, check_finite=False)
-        across = columns.T @ np.column_stack([white.signatures, left])
-        solved = linalg.solve_triangular(factor, across, lower=True, check_finite=False)
+        left = model.left - own @ prior.mean[index]
+        beside = Whitening.of(np.eye(len(index)) + columns.T @ columns)
+        solved = beside.of_columns(columns.T @ np.column_stack([model.white, left]))
         variance = variance - np.einsum("ij,ij->j", solved[:, :-1], solved[:, :-1])
-        gain = white.signatures.T @ left - solved[:, :-1].T @ solved[:, -1]
-        fit = float(white.residual @ white.residual) - float(left @ left) + float(solved[:, -1] @ solved[:, -1])
-        start = 0.5 * fit - float(np.log(np.diag(factor)).sum())
+        gain = model.white.T @ left - solved[:, :-1].T @ solved[:, -1]
+        fit = float(model.left @ model.left) - float(left @ left) + float(solved[:, -1] @ solved[:, -1])
+        start = 0.5 * fit - beside.log_volume
     total = start + np.logaddexp.reduce(single_logs(prior, variance, gain), axis=0) - np.log(len(SCALES))
     total[index] = -np.inf
-    return np.asarray(total), np.asarray(variance / np.maximum(white.lengths, 1e-300))
+    return np.asarray(total), np.asarray(variance / np.maximum(model.lengths, 1e-300))
 
 
 def single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:

@@ -21,14 +21,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 
 from octmip.gap.inference.confounding import VISIBLE
 from octmip.gap.inference.difference import along
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
-from octmip.gap.inference.linear_model import LinearModel, with_covariance, with_signatures
+from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import on_readings
+from octmip.gap.inference.whitening import Whitening
 from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
@@ -102,18 +102,17 @@ def between(model: LinearModel, candidate: int) -> Floats:
 
 def neighbours(model: LinearModel, candidate: int) -> list[int]:
     """Return the places of the same effect whose signatures are most like the candidate's, most alike first."""
-    name, white = model.inputs.priors.name, model.whitened
+    name = model.inputs.priors.name
     others = np.flatnonzero((name == name[candidate]) & (np.arange(len(name)) != candidate))
-    common = white.signatures[:, others].T @ white.signatures[:, candidate]
-    share = common * np.abs(common) / np.maximum(white.lengths[others] * white.lengths[candidate], 1e-300)
+    common = model.white[:, others].T @ model.white[:, candidate]
+    share = common * np.abs(common) / np.maximum(model.lengths[others] * model.lengths[candidate], 1e-300)
     near = np.argsort(-share, kind="stable")[: model.inputs.candidates[candidate].n_between]
     return [int(k) for k in others[near[share[near] > ALIKE]]]
 
 
 def scales_of(model: LinearModel, near: Sequence[int], candidate: int) -> Floats:
     """Return c_k (n_near,), the best scale of each neighbour k as an imitation of a candidate."""
-    white = model.whitened
-    return np.asarray(white.signatures[:, near].T @ white.signatures[:, candidate] / white.lengths[near])
+    return np.asarray(model.white[:, near].T @ model.white[:, candidate] / model.lengths[near])
 
 
 def propagated(model: LinearModel, members: Members) -> Floats:
@@ -198,14 +197,11 @@ class Inference:
         model, own = self.model, propagated(self.model, members)
         if error is None:
             white = model.whiten(own)
-            return white.T @ white, white.T @ model.whitened.residual, 0.0
-        factor = linalg.cholesky(model.covariance + error, lower=True, overwrite_a=True, check_finite=False)
-        stacked = np.column_stack([own, model.residual])
-        white = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
+            return white.T @ white, white.T @ model.left, 0.0
+        whitening = Whitening.of(model.covariance + error)
+        white = whitening.of_columns(np.column_stack([own, model.residual]))
         columns, left = white[:, :-1], white[:, -1]
-        before = model.whitened.residual
-        shift = 0.5 * float(before @ before - left @ left)
-        shift -= float(np.log(np.diag(factor)).sum() - np.log(np.diag(model.factor)).sum())
+        shift = 0.5 * float(model.left @ model.left - left @ left) - whitening.log_volume + model.whitening.log_volume
         return columns.T @ columns, columns.T @ left, shift
 
     def _errors(self, members: Members, size: Floats, level: float) -> Floats | None:
@@ -243,8 +239,8 @@ class Inference:
             own, error = self.model, self.errors(members)
             moved = propagated(own, members)
             if not np.array_equal(moved, own.signatures[:, list(members)]):
-                own = with_signatures(own, members, moved)
-            own = own if error is None else with_covariance(own, error)
+                own = own.with_signatures(members, moved)
+            own = own if error is None else own.with_covariance(error)
             self._allowing[members] = self if own is self.model else Inference(own)
         return self._allowing[members]
 

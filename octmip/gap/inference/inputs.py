@@ -3,7 +3,7 @@
 All of them hold whatever the states of the asset are; what depends on the states is the linear model's.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
-from octmip.gap.campaign.campaign import AveragedCell, Campaign, Cell, averages_of
+from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.noise import Noise, sizes
 from octmip.gap.channels.checks import calm, checked, noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
@@ -25,7 +25,7 @@ from octmip.gap.inference.difference import (
     usual_difference,
     wander_of,
 )
-from octmip.gap.inference.rows import Frame, Means
+from octmip.gap.inference.rows import Frame, Means, recorded
 from octmip.gap.odds import Odds
 from octmip.gap.twins import CachedTwin
 from octmip.twin import MIXED, Effect, Load, Twin, amounts_of, load_words, units_of
@@ -40,6 +40,21 @@ NAMED = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class NoiseOfMeans:
+    """A noise that repeats leave open, the covariance (n, n) that it gives their means, and its log probability."""
+
+    noise: Noise
+    covariance: Floats
+    log_share: float
+
+    @classmethod
+    def every(cls, noise: Noise, averages: Sequence[Cell]) -> "tuple[NoiseOfMeans, ...]":
+        """Return that of every size of a walk or memory, the most probable first."""
+        rows = recorded(averages)
+        return tuple(cls(own, own.of_averages(averages, *rows), share) for own, share in sizes(noise, averages))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Run:
     """A commissioning run beside the twin.
 
@@ -48,16 +63,15 @@ class Run:
     campaign, averages, means
         its readings.
     noises
-        covariance (n, n) of the noise of the means for every size of a walk or memory that its repeats leave open, each
-        with its log probability.
+        for every size of a walk or memory that its repeats leave open.
     noise
-        the one that bears its readings best.
+        covariance (n, n) of the one that bears its readings best.
     """
 
     campaign: Campaign
-    averages: tuple[AveragedCell, ...]
+    averages: tuple[Cell, ...]
     means: Means
-    noises: tuple[tuple[Floats, float], ...]
+    noises: tuple[NoiseOfMeans, ...]
     noise: Floats
 
     @property
@@ -72,7 +86,7 @@ class Inputs:
 
     Attributes
     ----------
-    campaign, twin, noise, difference, candidates
+    campaign, twin, difference, candidates
         as named; the difference is that of twin and asset before any effect.
     priors
         of the candidates.
@@ -90,34 +104,34 @@ class Inputs:
         what rows are measured by.
     run
         the commissioning run, if there is one that counts.
-    noises
-        the noise for every size of a walk or memory that repeats leave open, with its log probability; `noise` is one.
+    noises, noise_of_means
+        every noise that the repeats leave open, and the one that is taken.
     """
 
     campaign: Campaign
     twin: CachedTwin
-    noise: Noise
     difference: Difference
     candidates: tuple[Candidate, ...]
     priors: Priors
     order: tuple[int, ...]
-    averages: tuple[AveragedCell, ...]
+    averages: tuple[Cell, ...]
     reference: Load
     groups: Groups
     frame: Frame
+    noises: tuple[NoiseOfMeans, ...]
+    noise_of_means: NoiseOfMeans
     run: Run | None = None
-    noises: tuple[tuple[Noise, float], ...] = ()
     odds: Odds = Odds()  # noqa: RUF009  (frozen)
+
+    @property
+    def noise(self) -> Noise:
+        """The noise of the readings that is taken."""
+        return self.noise_of_means.noise
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the state parameters."""
         return self.twin.parameters
-
-    @property
-    def loads(self) -> tuple[Load, ...]:
-        """(n_averages,) load of every averaged cell."""
-        return tuple(self.cell_of(average).load for average in self.averages)
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -146,6 +160,11 @@ class Inputs:
         sd, units = np.sqrt(np.diag(self.noise.covariance)), np.array(self.units)
         return np.array([float(np.median(sd[units == unit])) for unit in self.units])
 
+    @property
+    def usual(self) -> Difference:
+        """The difference to expect from the twin alone."""
+        return usual_difference(self.twin, self.campaign.gauges, self.reference, self.odds.differences)
+
     def healthy(self, load: Load) -> Floats:
         """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
         return self.twin.predict({}, load)[list(self.order)]
@@ -163,10 +182,6 @@ class Inputs:
         """Return every effect with its places, in the order of `candidates`."""
         grouped = [list(group) for _, group in groupby(self.candidates, key=lambda candidate: candidate.name)]
         return [(group[0].effect, tuple(candidate.place for candidate in group)) for group in grouped]
-
-    def cell_of(self, average: AveragedCell) -> Cell:
-        """Return the campaign's cell of an averaged one."""
-        return self.campaign.cells[average.cell]
 
     def named(self, state: Floats) -> dict[str, float]:
         """Return a state (n_parameters,) as a mapping."""
@@ -205,13 +220,13 @@ def prepare(
     difference = usual_difference(asked, campaign.gauges, reference, odds.differences)
     known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
-    averages = averages_of(campaign, any(getattr(effect, "uses_time", False) for effect in effects.values()))
-    noises = sizes(noise, averages)
+    averages = campaign.averages(any(getattr(effect, "uses_time", False) for effect in effects.values()))
+    noises = NoiseOfMeans.every(noise, averages)
     inputs = Inputs(
         campaign=campaign,
         twin=asked,
-        noise=noises[0][0],
         noises=noises,
+        noise_of_means=noises[0],
         difference=difference,
         candidates=candidates,
         priors=priors_of(candidates),
@@ -230,8 +245,9 @@ def prepare(
 def relearnt(inputs: Inputs, run: Run) -> Inputs:
     """Return the inputs beside a run, the difference with what that alone says of it."""
     rows, residual = run.means.rows, run.residual
-    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-    noise = max(run.noises, key=lambda one: one[1] + log_at_levels(usual, rows, residual, one[0]))[0]
+    usual = inputs.usual
+    best = max(run.noises, key=lambda one: one.log_share + log_at_levels(usual, rows, residual, one.covariance))
+    noise = best.covariance
     run = replace(run, noise=noise)
     wander = wander_of(usual, rows, residual, noise)
     found = learnt(replace(usual, wander=wander), rows, residual, noise)
@@ -282,16 +298,11 @@ def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
         raise DataError(f"the commissioning run holds an unknown state ({unknown[0].name}); give its state columns")
     of_run, notes = noise_of_run(run, noise)
     columns = [run.gauges.index(name) for name in noise.gauges]
-    averages = tuple(part.of_gauges(columns) for part in averages_of(run, split=False))
+    averages = tuple(cell.of_gauges(columns) for cell in run.cells)
     parameters = [run.parameters.index(name) for name in frame.twin.parameters]
     states = np.array([cell.state for cell in run.cells])[:, parameters]
-    means = frame.means(run, averages, states, FIRST_OF_RUN)
-    loads = [run.cells[part.cell].load for part in averages]
-    noises = tuple(
-        (own.of_averages(averages, loads, means.average, means.gauge), log_share)
-        for own, log_share in sizes(of_run, averages)
-    )
-    return Run(run, averages, means, noises, noises[0][0]), notes
+    noises = NoiseOfMeans.every(of_run, averages)
+    return Run(run, averages, frame.means(averages, states, FIRST_OF_RUN), noises, noises[0].covariance), notes
 
 
 WITHOUT_RUN = (

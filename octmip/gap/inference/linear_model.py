@@ -1,9 +1,9 @@
 """The linear Gaussian model of a campaign about one assignment of states.
 
-    y = f(z) + phi d + S theta + J dz + e_damage + eps
+    y = f(z) + delta + S theta + J dz + eps
 
 stacked over averaged cells and gauges. Everything but theta is Gaussian with known covariance
-C0 = V/N + phi K phi' + damage nugget + J D J', so all that hypotheses need is the Gram matrix of the whitened
+C0 = V / N + (delta given the run) + J D J', so all that hypotheses need is the Gram matrix of the whitened
 signatures, their projections on the residual and the evidence of no effect:
 
     G = S' C0^-1 S,    b = S' C0^-1 r,    log p0 = -(r' C0^-1 r + log det 2 pi C0) / 2.
@@ -16,14 +16,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 
-from octmip.gap.campaign.noise import Noise
 from octmip.gap.inference.difference import Rows
-from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.inputs import Inputs, NoiseOfMeans
 from octmip.gap.inference.rows import Means
 from octmip.gap.inference.signatures import signatures_of
+from octmip.gap.inference.whitening import Whitening
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
@@ -38,58 +37,27 @@ STEP = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Whitened:
-    """Signatures and residual in units of C0's Cholesky factor.
+class Given:
+    """The difference at some rows (n,), given the run of m rows.
 
     Attributes
     ----------
-    signatures
-        (n, n_candidates) factor^-1 S.
-    residual
-        (n,) factor^-1 r.
-    log_none
-        log p0.
-    Derived:
-        lengths: (n_candidates,) diagonal of G.
-        projection: (n_candidates,) b.
+    level
+        of the difference of twin and asset.
+    mean, covariance
+        (n,) and (n, n).
+    log_run
+        log evidence of the run; 0 without one.
+    of_run, across
+        whitening L_r of the run's rows, and X' = L_r^-1 K_rc (m, n) of docs/theory/gap.md; None without a run.
     """
 
-    signatures: Floats
-    residual: Floats
-    log_none: float
-    lengths: Floats = field(init=False)
-    projection: Floats = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "lengths", np.einsum("ij,ij->j", self.signatures, self.signatures))
-        object.__setattr__(self, "projection", self.signatures.T @ self.residual)
-
-    def gram_rows(self, members: Sequence[int]) -> Floats:
-        """Return the rows (n_members, n_candidates) of G."""
-        return np.asarray(self.signatures[:, list(members)].T @ self.signatures)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class OpenStates:
-    """Posterior of the unknown states, about the point of linearisation.
-
-    Attributes
-    ----------
-    sensitivity
-        (n_open, n_candidates) how far they move per unit of each candidate's size, sign turned.
-    shift
-        (n_open,) how far they move when no candidate acts.
-    covariance
-        (n_open, n_open) when no candidate acts.
-    """
-
-    sensitivity: Floats
-    shift: Floats
+    level: float
+    mean: Floats
     covariance: Floats
-
-    def moved_by(self, members: Sequence[int], size: Floats) -> Floats:
-        """Return how far the open states move (n_open,) when the candidates `members` have these sizes."""
-        return np.asarray(self.shift - self.sensitivity[:, list(members)] @ size)
+    log_run: float = 0.0
+    of_run: Whitening | None = None
+    across: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,50 +72,78 @@ class LinearModel:
         (n_cells, n_parameters), all known.
     means
         the rows.
-    predicted
-        (n,) twin and discrepancy [microstrain].
-    residual
-        (n,) readings less `predicted` [microstrain].
-    noise
-        (n, n) covariance of the noise alone, whatever the state.
-    covariance
-        (n, n) C0 [microstrain^2].
-    factor
-        (n, n) lower Cholesky factor of C0.
     signatures
         (n, n_candidates) S.
     tangents
         (n, n_open) J of all groups' parameters.
-    whitened
-        signatures and residual in units of `factor`.
-    open_states
-        what the readings say of the unknown states.
-    level
-        of the difference of twin and asset.
-    log_run
-        log evidence of the commissioning run at that level.
+    given
+        the difference given the run.
+    added
+        (n, n) covariance of what is allowed for beside that, or 0.
+    Derived:
+        residual: (n,) readings less twin and difference, in the unit of each.
+        covariance, whitening: (n, n) C0 = L L', and by L.
+        white, left: (n, n_candidates) L^-1 S, and (n,) L^-1 r.
+        lengths, projection: (n_candidates,) diagonal of G, and b.
+        open: (n, n_open) L^-1 J times the variance of an open state.
+        log_none: log p0, that of the commissioning run included.
     """
 
     inputs: Inputs
     states: Floats
     means: Means
-    predicted: Floats
-    residual: Floats
-    noise: Floats
-    covariance: Floats
-    factor: Floats
     signatures: Floats
     tangents: Floats
-    whitened: Whitened
-    open_states: OpenStates
-    level: float
-    log_run: float
+    given: Given
+    added: Floats | float = 0.0
+    residual: Floats = field(init=False)
+    covariance: Floats = field(init=False)
+    whitening: Whitening = field(init=False)
+    white: Floats = field(init=False)
+    left: Floats = field(init=False)
+    lengths: Floats = field(init=False)
+    projection: Floats = field(init=False)
+    open: Floats = field(init=False)
+    log_none: float = field(init=False)
 
     def __post_init__(self) -> None:
-        own = (self.states, self.predicted, self.residual, self.covariance, self.factor)
-        kept = (self.whitened.signatures, self.whitened.residual, self.whitened.lengths, self.whitened.projection)
-        for array in (*own, self.noise, self.signatures, self.tangents, *kept):
+        residual = self.means.measured - self.predicted
+        open_ = OPEN_STATE**2 * self.tangents
+        covariance = self.given.covariance + self.noise + open_ @ self.tangents.T + self.added
+        whitening = Whitening.of(covariance)
+        stacked = whitening.of_columns(np.column_stack([self.signatures, residual, open_]))
+        white, last, tangents = np.split(stacked, [self.signatures.shape[1], self.signatures.shape[1] + 1], axis=1)
+        left = last[:, 0]
+        arrays = {
+            "residual": residual,
+            "covariance": covariance,
+            "white": white,
+            "left": left,
+            "lengths": np.einsum("ij,ij->j", white, white),
+            "projection": white.T @ left,
+            "open": tangents,
+        }
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "whitening", whitening)
+        object.__setattr__(self, "log_none", whitening.log_density(left) + self.given.log_run)
+        for array in (*arrays.values(), self.states, self.signatures, self.tangents):
             array.flags.writeable = False
+
+    @property
+    def noise(self) -> Floats:
+        """(n, n) covariance of the noise alone, whatever the state."""
+        return self.inputs.noise_of_means.covariance
+
+    @property
+    def level(self) -> float:
+        """Level of the difference of twin and asset."""
+        return self.given.level
+
+    @property
+    def predicted(self) -> Floats:
+        """(n,) twin and difference."""
+        return self.means.predicted + self.given.mean
 
     @property
     def average(self) -> Ints:
@@ -165,118 +161,71 @@ class LinearModel:
         return len(self.residual)
 
     @property
-    def log_none(self) -> float:
-        """The log evidence of no effect, that of the commissioning run included."""
-        return self.whitened.log_none + self.log_run
-
-    @property
     def cells(self) -> NDArray[np.int64]:
         """(n,) index of the campaign's cell of every row."""
-        return np.array([average.cell for average in self.inputs.averages])[self.average]
+        return np.array([average.number for average in self.inputs.averages])[self.average]
 
     @property
     def loads(self) -> tuple[Load, ...]:
         """(n,) load of every row."""
-        of_average = self.inputs.loads
-        return tuple(of_average[k] for k in self.average.tolist())
+        return tuple(self.inputs.averages[k].load for k in self.average.tolist())
+
+    def gram_rows(self, members: Sequence[int]) -> Floats:
+        """Return the rows (n_members, n_candidates) of G."""
+        return np.asarray(self.white[:, list(members)].T @ self.white)
 
     def whiten(self, columns: Floats) -> Floats:
-        """Return factor^-1 columns."""
-        return np.asarray(linalg.solve_triangular(self.factor, columns, lower=True, check_finite=False))
+        """Return L^-1 columns."""
+        return self.whitening.of_columns(columns)
 
     def rest(self, members: Sequence[int], size: Floats) -> Floats:
         """Return what the candidates `members` of these sizes leave of the whitened residual (n,)."""
-        return np.asarray(self.whitened.residual - self.whitened.signatures[:, list(members)] @ size)
+        return np.asarray(self.left - self.white[:, list(members)] @ size)
+
+    @property
+    def open_covariance(self) -> Floats:
+        """(n_open, n_open) posterior covariance of the open states when no candidate acts."""
+        return np.asarray(OPEN_STATE**2 * np.eye(self.open.shape[1]) - self.open.T @ self.open)
+
+    def sensitivity(self, members: Sequence[int]) -> Floats:
+        """Return how far open states move (n_open, n_members) per unit of each candidate's size, sign turned."""
+        return np.asarray(self.open.T @ self.white[:, list(members)])
+
+    def moved_by(self, members: Sequence[int], size: Floats) -> Floats:
+        """Return how far the open states move (n_open,) when the candidates `members` have these sizes."""
+        return np.asarray(self.open.T @ self.rest(members, size))
+
+    def under(self, level: float, noise: NoiseOfMeans | None = None) -> "LinearModel":
+        """Return the model at a level of the difference, under another noise if one is given; nothing is added."""
+        inputs = replace(self.inputs, noise_of_means=noise or self.inputs.noise_of_means)
+        return replace(self, inputs=inputs, given=_given_run(inputs, level, self.means.rows), added=0.0)
+
+    def with_signatures(self, members: Sequence[int], columns: Floats) -> "LinearModel":
+        """Return the model with other signatures (n, n_members) of some candidates."""
+        signatures = self.signatures.copy()
+        signatures[:, list(members)] = columns
+        return replace(self, signatures=signatures)
+
+    def with_covariance(self, added: Floats) -> "LinearModel":
+        """Return the model with a covariance (n, n) added to C0."""
+        return replace(self, added=self.added + added)
 
 
-def linearise(inputs: Inputs, states: Floats, level: float = 1.0, like: LinearModel | None = None) -> LinearModel:
+def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
     """Return the linear model about states (n_cells, n_parameters) at a level of the difference.
 
-    With `like` under the noise of that model, which no state changes, and at its level. Signatures go with what the run
-    says at level 1.
+    Signatures go with what the run says at level 1.
     """
     states = np.array(states)
     _ask_together(inputs, states)
-    means = inputs.frame.means(inputs.campaign, inputs.averages, states, 0)
+    means = inputs.frame.means(inputs.averages, states, 0)
     flat = means.average * len(inputs.order) + means.gauge
-    expected = means.expected + _on_grid(_given_run(inputs, 1.0, means.rows).mean, means)
+    usual = _given_run(inputs, 1.0, means.rows)
+    expected = means.expected.copy()
+    expected[means.average, means.gauge] += usual.mean
     signatures, tangents = signatures_of(inputs, states, expected)[:, flat].T, _tangents(inputs, states, flat)
-    if like is not None:
-        known = replace(inputs, noise=like.inputs.noise)
-        return _assembled(known, states, means, signatures, tangents, like.noise, like.level)
-    return _assembled(inputs, states, means, signatures, tangents, _noise_of(inputs, inputs.noise, means), level)
-
-
-def under(model: LinearModel, noise: Noise, level: float) -> LinearModel:
-    """Return the model under another noise, at a level of the difference."""
-    own = _noise_of(model.inputs, noise, model.means)
-    known = replace(model.inputs, noise=noise)
-    return _assembled(known, model.states, model.means, model.signatures, model.tangents, own, level)
-
-
-def again(model: LinearModel, like: LinearModel, level: float | None = None) -> LinearModel:
-    """Return a model under the noise of another one, at that one's level or at the given one."""
-    known, at = replace(model.inputs, noise=like.inputs.noise), like.level if level is None else level
-    return _assembled(known, model.states, model.means, model.signatures, model.tangents, like.noise, at)
-
-
-def _noise_of(inputs: Inputs, noise: Noise, means: Means) -> Floats:
-    return noise.of_averages(inputs.averages, inputs.loads, means.average, means.gauge)
-
-
-def _assembled(
-    inputs: Inputs, states: Floats, means: Means, signatures: Floats, tangents: Floats, own: Floats, level: float
-) -> LinearModel:
-    given = _given_run(inputs, level, means.rows)
-    covariance = given.covariance + own + OPEN_STATE**2 * tangents @ tangents.T
-    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
-    predicted = means.predicted + given.mean
-    residual = means.measured - predicted
-    whitened, open_ = _whitened(factor, signatures, residual, tangents)
-    return LinearModel(
-        inputs=inputs,
-        states=states,
-        means=means,
-        predicted=predicted,
-        residual=residual,
-        noise=own,
-        covariance=covariance,
-        factor=factor,
-        signatures=signatures,
-        tangents=tangents,
-        whitened=whitened,
-        open_states=open_states_of(open_, whitened),
-        level=level,
-        log_run=given.log_run,
-    )
-
-
-def with_signatures(model: LinearModel, members: Sequence[int], columns: Floats) -> LinearModel:
-    """Return the model with other signatures (n, n_members) of some candidates."""
-    signatures = model.signatures.copy()
-    signatures[:, list(members)] = columns
-    return _rewhitened(replace(model, signatures=signatures))
-
-
-def with_covariance(model: LinearModel, added: Floats) -> LinearModel:
-    """Return the model with a covariance (n, n) added to C0."""
-    covariance = model.covariance + added
-    factor = np.asarray(np.linalg.cholesky(covariance), dtype=np.float64)
-    return _rewhitened(replace(model, covariance=covariance, factor=factor))
-
-
-def _rewhitened(model: LinearModel) -> LinearModel:
-    whitened, open_ = _whitened(model.factor, model.signatures, model.residual, model.tangents)
-    return replace(model, whitened=whitened, open_states=open_states_of(open_, whitened))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Given:
-    """The difference at some rows (n,), given the run: mean, covariance, and the log evidence of the run."""
-
-    mean: Floats
-    covariance: Floats
-    log_run: float
+    given = usual if level == 1.0 else _given_run(inputs, level, means.rows)
+    return LinearModel(inputs, states, means, signatures, tangents, given)
 
 
 def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
@@ -284,14 +233,12 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
     difference, run = inputs.difference.at(level), inputs.run
     own = difference.covariance(rows, rows)
     if run is None:
-        return Given(np.zeros(len(own)), own, 0.0)
-    of_run = run.means.rows
-    factor = linalg.cholesky(run.noise + difference.covariance(of_run, of_run), lower=True, check_finite=False)
-    stacked = np.column_stack([difference.covariance(of_run, rows), run.residual])
-    white = linalg.solve_triangular(factor, stacked, lower=True, check_finite=False)
-    across, left = white[:, :-1], white[:, -1]
+        return Given(level, np.zeros(len(own)), own)
+    whitening = Whitening.of(run.noise + difference.covariance(run.means.rows, run.means.rows))
+    across = whitening.of_columns(difference.covariance(run.means.rows, rows))
+    left = whitening.of_columns(run.residual)
     covariance = own - across.T @ across + np.diag(ROUNDING * np.diag(own))  # what is left may be far below what it was
-    return Given(across.T @ left, covariance, _log_density(factor, left))
+    return Given(level, across.T @ left, covariance, whitening.log_density(left), whitening, across)
 
 
 def difference_at(inputs: Inputs, load: Load, state: Mapping[str, float], level: float = 1.0) -> tuple[Floats, Floats]:
@@ -305,33 +252,6 @@ def whole_difference(inputs: Inputs, level: float, state: Mapping[str, float], l
     found = np.zeros(len(inputs.twin.gauges))
     found[list(inputs.order)] = difference_at(inputs, load, state, level)[0]
     return found
-
-
-def _on_grid(values: Floats, means: Means) -> Floats:
-    found = np.zeros(means.expected.shape)
-    found[means.average, means.gauge] = values
-    return found
-
-
-def open_states_of(open_: Floats, whitened: Whitened) -> OpenStates:
-    """Return what readings say of the open states whose whitened tangents, times their variance, are (n, n_open)."""
-    covariance = OPEN_STATE**2 * np.eye(open_.shape[1]) - open_.T @ open_
-    return OpenStates(open_.T @ whitened.signatures, open_.T @ whitened.residual, covariance)
-
-
-def _whitened(factor: Floats, signatures: Floats, residual: Floats, tangents: Floats) -> tuple[Whitened, Floats]:
-    """Return signatures and residual whitened, and the open states' tangents whitened, times their variance."""
-    stacked = np.column_stack([signatures, residual, OPEN_STATE**2 * tangents])
-    stacked = linalg.solve_triangular(factor, stacked, lower=True, overwrite_b=True, check_finite=False)
-    white, last, open_ = np.split(stacked, [signatures.shape[1], signatures.shape[1] + 1], axis=1)
-    left = last[:, 0]
-    return Whitened(white, left, _log_density(factor, left)), open_
-
-
-def _log_density(factor: Floats, white: Floats) -> float:
-    """Return the log density of a normal residual, whitened (n,) by the Cholesky factor of its covariance."""
-    log_det = float(np.log(np.diag(factor)).sum())
-    return -0.5 * float(white @ white) - log_det - 0.5 * len(white) * float(np.log(2 * np.pi))
 
 
 def _ask_together(inputs: Inputs, states: Floats) -> None:
@@ -350,8 +270,8 @@ def _tangents(inputs: Inputs, states: Floats, flat: NDArray[np.int64]) -> Floats
         for p in range(len(inputs.names)):
             rows = np.zeros((len(inputs.averages), len(inputs.order)))
             for k, part in enumerate(inputs.averages):
-                if part.cell in group:
-                    rows[k] = _tangent(inputs, states[part.cell], p, inputs.cell_of(part).load)
+                if part.number in group:
+                    rows[k] = _tangent(inputs, states[part.number], p, part.load)
             columns.append(rows.ravel()[flat])
     return np.array(columns).reshape(len(columns), len(flat)).T
 

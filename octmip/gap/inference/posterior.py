@@ -25,7 +25,7 @@ from scipy.special import logsumexp
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, again, linearise, under
+from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
@@ -90,7 +90,7 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     lead, first = variants[0]
     inferences = [Inference(first if inputs.groups else _with_secants(first))]
     for assignment in states[1:]:
-        model = linearise(inputs, assignment, like=first)
+        model = linearise(first.inputs, assignment, first.level)
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
             inferences.append(Inference(model))
     found: dict[Members, float] = {}
@@ -101,7 +101,8 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     inferences, weighed = _settled(inferences, exact)
     result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
     for log_share, model in variants[1:]:
-        own = _weigh([Inference(again(one.model, model)) for one in inferences], exact)
+        noise = model.inputs.noise_of_means
+        own = _weigh([Inference(one.model.under(model.level, noise)) for one in inferences], exact)
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
 
@@ -111,23 +112,36 @@ def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
 
     That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
     """
-    inputs = start.inputs
-    every = [(noise, share) for noise, share in inputs.noises if noise is not inputs.noise]
-    own = next((share for noise, share in inputs.noises if noise is inputs.noise), 0.0)
-    noises = [(own, start), *((share, under(start, noise, 1.0)) for noise, share in every)]
-    noises.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
-    still = [pair for pair in noises if not pair[1].inputs.noise.walk_sd > 0.0][:1]
-    least = still[0][0] + _best_single(still[0][1]) if still else -inf
-    walks = [pair for pair in noises if pair[1].inputs.noise.walk_sd > 0.0 and pair[0] + _best_single(pair[1]) >= least]
-    open_ = list(_levels(start).items())
-    found: list[tuple[float, LinearModel]] = []
-    for share, usual in [*still, *walks[:1]]:
-        scored = [(log(share), usual if level == 1.0 else again(start, usual, level)) for level, share in open_]
-        scored.sort(key=lambda pair: -pair[0] - _best_single(pair[1]))
-        best = scored[0][0] + _best_single(scored[0][1])
-        near = [pair for pair in scored if pair[0] + _best_single(pair[1]) > best - VARIANT_BEHIND]
-        found += [(share + log_level, model) for log_level, model in near[:MOST_LEVELS]]
-    return sorted(found, key=lambda pair: -pair[0] - _best_single(pair[1]))
+    first, *others = start.inputs.noises
+    noises = [_Variant.of(one.log_share, start if one is first else start.under(1.0, one)) for one in (first, *others)]
+    noises.sort(key=lambda one: -one.weight)
+    still = [one for one in noises if not one.wanders][:1]
+    least = still[0].weight if still else -inf
+    walks = [one for one in noises if one.wanders and one.weight >= least]
+    found: list[_Variant] = []
+    for usual in [*still, *walks[:1]]:
+        at = {level: usual.model if level == 1.0 else usual.model.under(level) for level in _levels(start)}
+        own = [_Variant.of(usual.log_share + log(p), at[level]) for level, p in _levels(start).items()]
+        own.sort(key=lambda one: -one.weight)
+        found += [one for one in own if one.weight > own[0].weight - VARIANT_BEHIND][:MOST_LEVELS]
+    return [(one.log_share, one.model) for one in sorted(found, key=lambda one: -one.weight)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Variant:
+    """A model under a noise and a level, their log prior probability, and its weight beside the best single effect."""
+
+    log_share: float
+    model: LinearModel
+    weight: float
+
+    @classmethod
+    def of(cls, log_share: float, model: LinearModel) -> "_Variant":
+        return cls(log_share, model, log_share + _best_single(model))
+
+    @property
+    def wanders(self) -> bool:
+        return self.model.inputs.noise.walk_sd > 0.0
 
 
 def _levels(model: LinearModel) -> Mapping[float, float]:
@@ -158,7 +172,7 @@ def _with_secants(model: LinearModel) -> LinearModel:
         secant = change[model.average, model.gauge] / size
         if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
             signatures[:, j] = secant
-    return again(replace(model, signatures=signatures), model)
+    return replace(model, signatures=signatures)
 
 
 def likely_sets(inference: Inference) -> dict[Members, float]:
@@ -188,7 +202,7 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     inputs, prior = model.inputs, model.inputs.priors
     under = inference.allowing(members).model
     logs, new = extensions(under, members)
-    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.whitened.lengths) > UNSEEN
+    can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.lengths) > UNSEEN
     keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
         keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:N_LONGER]]
@@ -235,7 +249,7 @@ def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inf
         if not new:
             break
         like = inferences[0].model
-        inferences = [*inferences, *(Inference(linearise(like.inputs, states, like=like)) for states in new)]
+        inferences = [*inferences, *(Inference(linearise(like.inputs, states, like.level)) for states in new)]
         weighed = _weigh(inferences, sets)
     return inferences, weighed
 

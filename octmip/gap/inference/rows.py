@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.campaign.campaign import AveragedCell, Campaign
+from octmip.gap.campaign.campaign import Cell
 from octmip.gap.inference.difference import Rows
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Load
@@ -77,21 +77,19 @@ class Frame:
         squares = np.bincount(self.kind, relative**2)
         return np.asarray((np.bincount(self.kind, relative * own) / np.maximum(squares, 1e-300))[self.kind])
 
-    def means(self, campaign: Campaign, averages: Sequence[AveragedCell], states: Floats, first_test: int) -> Means:
+    def means(self, averages: Sequence[Cell], states: Floats, first_test: int) -> Means:
         """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
         order = list(self.order)
-        cells = [campaign.cells[part.cell] for part in averages]
-        named = [dict(zip(self.twin.parameters, states[part.cell].tolist(), strict=True)) for part in averages]
-        pairs = list(zip(named, cells, strict=True))
-        now = np.array([self.twin.predict(state, cell.load) for state, cell in pairs])[:, order]
-        healthy = np.array([self.twin.predict({}, cell.load) for cell in cells])[:, order]
-        average, gauge = (k.astype(np.int64) for k in np.nonzero([part.count > 0 for part in averages]))
-        tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(cell.test for cell in cells))}
+        named = [dict(zip(self.twin.parameters, states[part.number].tolist(), strict=True)) for part in averages]
+        now = np.array([self.twin.predict(state, part.load) for state, part in zip(named, averages, strict=True)])
+        healthy = np.array([self.twin.predict({}, part.load) for part in averages])[:, order]
+        now, (average, gauge) = now[:, order], recorded(averages)
+        tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(part.test for part in averages))}
         rows = Rows(
             gauge=gauge,
-            load=np.array([self.loads[cell.load] for cell in cells])[average],
-            test=np.array([tests[cell.test] for cell in cells])[average],
-            state=np.array([_number(states[part.cell]) for part in averages])[average],
+            load=np.array([self.loads[part.load] for part in averages])[average],
+            test=np.array([tests[part.test] for part in averages])[average],
+            state=np.array([_number(states[part.number]) for part in averages])[average],
             healthy=healthy[average, gauge],
             change=(now - healthy)[average, gauge],
             share=np.array([self.shares(row) for row in healthy])[average, gauge],
@@ -114,6 +112,12 @@ class Frame:
             change=now - healthy,
             share=self.shares(healthy),
         )
+
+
+def recorded(averages: Sequence[Cell]) -> tuple[Ints, Ints]:
+    """Return average and gauge (n,) of every mean that was recorded, a row of the model each."""
+    average, gauge = np.nonzero([part.count > 0 for part in averages])
+    return average.astype(np.int64), gauge.astype(np.int64)
 
 
 def _number(state: Floats) -> int:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.campaign.campaign import AveragedCell, Campaign
+from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
 from octmip.twin import Effect, Load, State, state_limits_of
@@ -61,7 +61,7 @@ def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     Where a twin reads a share too little, what an effect changes is mostly that share too little as well.
     """
     order, scale = list(inputs.order), SMALL * inputs.difference.scale
-    pairs = [(inputs.named(states[part.cell]), inputs.cell_of(part).load) for part in inputs.averages]
+    pairs = [(inputs.named(states[part.number]), part.load) for part in inputs.averages]
     twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
     found = (expected * twins + scale**2) / (twins**2 + scale**2)
     return np.asarray(np.clip(found, 1.0 / MOST_RATIO, MOST_RATIO))
@@ -77,7 +77,7 @@ def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: flo
     known: dict[tuple[bytes, Load, float], Floats] = {}
     rows = []
     for average in inputs.averages:
-        state, load = states[average.cell], inputs.cell_of(average).load
+        state, load = states[average.number], average.load
         time = average.time if uses_time else 0.0
         key = (state.tobytes(), load, time)
         if key not in known:
@@ -110,11 +110,11 @@ def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings:
 def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:
     """Return the state at which each average's signatures are asked: its own, on the lattice where it is unknown."""
     limits = np.array(state_limits_of(inputs.twin))
-    on = [np.round(np.clip(states[part.cell], 0.0, None) / LATTICE) * LATTICE for part in inputs.averages]
+    on = [np.round(np.clip(states[part.number], 0.0, None) / LATTICE) * LATTICE for part in inputs.averages]
     near = [np.minimum(place, limits) for place in on]
     is_open = {cell for group in inputs.groups for cell in group}
     return [
-        inputs.named(place if part.cell in is_open else states[part.cell])
+        inputs.named(place if part.number in is_open else states[part.number])
         for part, place in zip(inputs.averages, near, strict=True)
     ]
 
@@ -123,18 +123,18 @@ def _of_readings(inputs: Inputs, effect: Effect, places: tuple[str, ...], expect
     """Return the signatures (n_places, n_gauges) by average; halves of one cell have the same."""
     rows: list[Floats] = []
     for k, part in enumerate(inputs.averages):
-        same = k > 0 and inputs.averages[k - 1].cell == part.cell
+        same = k > 0 and inputs.averages[k - 1].number == part.number
         rows.append(rows[-1] if same else on_readings(inputs, effect, places, expected[k]))
     return rows
 
 
 def _of_twin(
-    inputs: Inputs, effect: Effect, places: tuple[str, ...], part: AveragedCell, state: State, history: Steps
+    inputs: Inputs, effect: Effect, places: tuple[str, ...], part: Cell, state: State, history: Steps
 ) -> Floats:
     """Return the signatures (n_places, n_gauges) of one average, summed over the steps of the load where they add."""
     steps: list[tuple[Load, float]] = [(change, part.time - start) for change, start in history if start <= part.time]
     if not getattr(effect, "superposes", False) or not steps:
-        steps = [(inputs.cell_of(part).load, part.time)]
+        steps = [(part.load, part.time)]
     parts = [inputs.twin.signatures(effect, places, state, load, time) for load, time in steps]
     return np.asarray(np.sum(parts, axis=0)[:, list(inputs.order)])
 

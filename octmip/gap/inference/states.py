@@ -9,7 +9,6 @@ share of a hypothesis's Gaussian within the box multiplies its evidence.
 from itertools import combinations
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
@@ -17,6 +16,7 @@ from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import OPEN_STATE, STEP, LinearModel, linearise
+from octmip.gap.inference.whitening import log_normal
 from octmip.twin import state_limits_of
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def starting_states(inputs: Inputs) -> list[Floats]:
 def moved_states(model: LinearModel, fit: Fit) -> Floats:
     """Return the assignment that a hypothesis itself prefers, inside the box."""
     states = model.states.copy()
-    moved = model.open_states.moved_by(fit.members, fit.size).reshape(len(model.inputs.groups), -1)
+    moved = model.moved_by(fit.members, fit.size).reshape(len(model.inputs.groups), -1)
     for group, step in zip(model.inputs.groups, moved, strict=True):
         states[list(group)] = np.clip(states[list(group)] + step, 0.0, highest(model.inputs))
     return states
@@ -101,14 +101,14 @@ def log_box(model: LinearModel, fit: Fit) -> float:
 def state_posterior(model: LinearModel, fit: Fit) -> tuple[Floats, Floats]:
     """Return mean (n_open,) and covariance (n_open, n_open) of the open states under a hypothesis."""
     centre = np.array([model.states[group[0]] for group in model.inputs.groups]).ravel()
-    mean = centre + model.open_states.moved_by(fit.members, fit.size)
+    mean = centre + model.moved_by(fit.members, fit.size)
     covariance = joint_covariance(model, fit)[: len(centre), : len(centre)]
     return mean, covariance
 
 
 def joint_covariance(model: LinearModel, fit: Fit) -> Floats:
     """Return the posterior covariance of (open states, sizes): what damage and effects share."""
-    own, cross = model.open_states.covariance, model.open_states.sensitivity[:, list(fit.members)]
+    own, cross = model.open_covariance, model.sensitivity(fit.members)
     return np.block(
         [[own + cross @ fit.covariance @ cross.T, -cross @ fit.covariance], [-fit.covariance @ cross.T, fit.covariance]]
     )
@@ -143,9 +143,7 @@ def _node_logs(inputs: Inputs, group: tuple[int, ...], nodes: Floats) -> Floats:
     for row in _changes(model, rows, nodes):
         covariance = noise + same * np.outer(row, row)
         covariance[diagonal] += (NODE_ERROR * row) ** 2
-        factor = linalg.cholesky(covariance, lower=True, overwrite_a=True, check_finite=False)
-        left = linalg.solve_triangular(factor, y - healthy - row, lower=True, check_finite=False)
-        logs.append(-0.5 * float(left @ left) - float(np.log(factor[diagonal]).sum()))
+        logs.append(log_normal(covariance, y - healthy - row))
     return np.array(logs)
 
 

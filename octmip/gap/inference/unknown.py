@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.inference.difference import along
-from octmip.gap.inference.linear_model import LinearModel, with_covariance
+from octmip.gap.inference.linear_model import LinearModel
 from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
@@ -90,7 +90,7 @@ def weigh_unknown(model: LinearModel) -> Unknown:
     every = np.concatenate(list(logs.values()))
     log_kinds = float(np.log(len(every)))
     said = f"{words}, of about {100 * size:g} % of the readings"
-    allowing = with_covariance(model, size**2 * roots[words] @ roots[words].T)
+    allowing = model.with_covariance(size**2 * roots[words] @ roots[words].T)
     return Unknown(float(logsumexp(every)) - log_kinds, log_kinds, said, allowing)
 
 
@@ -98,7 +98,7 @@ def _logs(model: LinearModel, root: Floats) -> Floats:
     """Return the log evidence (n_sizes,) of a field with a root (n, r) of its covariance over that of no effect."""
     u, s, _ = np.linalg.svd(model.whiten(root), full_matrices=False)
     gain = np.square(np.outer(SIZES, s))
-    return np.asarray(0.5 * np.sum((u.T @ model.whitened.residual) ** 2 * gain / (1.0 + gain) - np.log1p(gain), axis=1))
+    return np.asarray(0.5 * np.sum((u.T @ model.left) ** 2 * gain / (1.0 + gain) - np.log1p(gain), axis=1))
 
 
 def _roots(model: LinearModel) -> dict[str, Floats]:

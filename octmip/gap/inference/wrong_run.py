@@ -7,23 +7,23 @@ covariance and of the campaign's given the run, the column of the stack of both 
 that of any candidate. Another asset differs by `OTHER_LEVELS`, while the campaign is as the twin says.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg as linalg
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.campaign.campaign import Cell
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
-from octmip.gap.inference.difference import log_normal, usual_difference
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import LinearModel, again, linearise
+from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.posterior import LEVELS
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
+from octmip.gap.inference.whitening import log_normal
 from octmip.twin import Effect
 
 Floats = NDArray[np.float64]
@@ -65,11 +65,10 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
     inputs, run = model.inputs, model.inputs.run
     assert run is not None
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
-    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-    good = replace(inputs, difference=usual)  # beside a wrong run the twin may well be good
-    models = [model, *(again(replace(model, inputs=good), model, level) for level in (1.0, 2.0))]
+    good = replace(inputs, difference=inputs.usual)  # beside a wrong run the twin may well be good
+    models = [model, *(replace(model, inputs=good).under(level) for level in (1.0, 2.0))]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
-    found = [part(one, _Stack.of(one, run), columns[part]) for part in columns for one in models]
+    found = [part(one, columns[part]) for part in columns for one in models]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
     found.append(_by_asset(model, run))
     shares.append(SHARES["asset"])
@@ -83,37 +82,24 @@ def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
     """Return the inputs with what was wrong taken off the run, or without the run where it is of another asset."""
     run = inputs.run
     if wrong.correction is None or wrong.spread is None or run is None:
-        usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-        return replace(inputs, run=None, difference=usual)
+        return replace(inputs, run=None, difference=inputs.usual)
     means = replace(run.means, measured=run.means.measured - wrong.correction)
     added = np.outer(wrong.spread, wrong.spread)
-    noises = tuple((noise + added, share) for noise, share in run.noises)  # what was wrong may have looked like a walk
+    # what was wrong may have looked like a walk: every noise stays open
+    noises = tuple(replace(one, covariance=one.covariance + added) for one in run.noises)
     return relearnt(inputs, replace(run, means=means, noises=noises))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Stack:
-    """The run's residual whitened, and what turns a column over the run's rows into one of run and campaign."""
-
-    factor: Floats
-    across: Floats
-    model: LinearModel
-    run: Run
-
-    @classmethod
-    def of(cls, model: LinearModel, run: Run) -> "_Stack":
-        difference, rows = model.inputs.difference.at(model.level), run.means.rows
-        factor = linalg.cholesky(run.noise + difference.covariance(rows, rows), lower=True, check_finite=False)
-        across = linalg.solve_triangular(factor, difference.covariance(rows, model.means.rows), lower=True)
-        return cls(factor, across, model, run)
-
-    def weighed(self, columns: Floats) -> tuple[Floats, Floats]:
-        """Return squared lengths and projections (k,) of columns (n_run, k) in run and campaign together."""
-        white = linalg.solve_triangular(self.factor, np.column_stack([columns, self.run.residual]), lower=True)
-        a, left = white[:, :-1], white[:, -1]
-        b = -self.model.whiten(self.across.T @ a)
-        lengths = np.einsum("ij,ij->j", a, a) + np.einsum("ij,ij->j", b, b)
-        return lengths, a.T @ left + b.T @ self.model.whitened.residual
+def _weighed(model: LinearModel, columns: Floats) -> tuple[Floats, Floats]:
+    """Return squared lengths and projections (k,) of columns (n_run, k) in run and campaign together."""
+    given, run = model.given, model.inputs.run
+    assert given.of_run is not None
+    assert given.across is not None
+    assert run is not None
+    a = given.of_run.of_columns(columns)
+    b = -model.whiten(given.across.T @ a)
+    lengths = np.einsum("ij,ij->j", a, a) + np.einsum("ij,ij->j", b, b)
+    return lengths, a.T @ given.of_run.of_columns(run.residual) + b.T @ model.left
 
 
 def _of_effects(inputs: Inputs, run: Run) -> Floats:
@@ -125,8 +111,7 @@ def _of_effects(inputs: Inputs, run: Run) -> Floats:
 
 def _of_states(inputs: Inputs, run: Run) -> Floats:
     """Return what another state than the stated one changes in the run's readings (n_run, n_nodes), by node."""
-    cells = [run.campaign.cells[part.cell] for part in run.averages]
-    columns = np.array([_changed(inputs, cells, node) - run.means.expected for node in _nodes(inputs)])
+    columns = np.array([_changed(inputs, run.averages, node) - run.means.expected for node in _nodes(inputs)])
     return columns[:, run.means.average, run.means.gauge].T if len(columns) else np.zeros((len(run.residual), 0))
 
 
@@ -138,10 +123,10 @@ def _nodes(inputs: Inputs) -> Floats:
     return np.asarray(nodes[(nodes <= highest(inputs)).all(axis=1) & (nodes > 0.0).any(axis=1)])
 
 
-def _by_effect(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun:
+def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
     """Return the run with an effect of the library in it."""
     inputs = model.inputs
-    lengths, projection = stack.weighed(columns)
+    lengths, projection = _weighed(model, columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
     logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
@@ -159,12 +144,12 @@ def _by_effect(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun
     return WrongRun(total, words, size * columns[:, best], precision**-0.5 * columns[:, best])
 
 
-def _by_state(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun:
+def _by_state(model: LinearModel, columns: Floats) -> WrongRun:
     """Return the run with another state than it says, the same in all its cells."""
     inputs, nodes = model.inputs, _nodes(model.inputs)
     if not len(nodes):
         return WrongRun(-np.inf, "", None, None)
-    lengths, projection = stack.weighed(columns)
+    lengths, projection = _weighed(model, columns)
     precision = lengths + NODE_SPREAD**-2
     sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter
     logs = 0.5 * (sizes**2 * precision - NODE_SPREAD**-2 - np.log(precision * NODE_SPREAD**2)) - np.log(len(nodes))
@@ -177,21 +162,20 @@ def _by_state(model: LinearModel, stack: "_Stack", columns: Floats) -> WrongRun:
     return WrongRun(total, f"its readings are those of the state {shown}", correction, spread)
 
 
-def _changed(inputs: Inputs, cells: list[Cell], node: Floats) -> Floats:
+def _changed(inputs: Inputs, cells: Sequence[Cell], node: Floats) -> Floats:
     named = inputs.named(node)
     return np.array([inputs.twin.predict(named, cell.load)[list(inputs.order)] for cell in cells])
 
 
 def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     """Return the run of another asset, beside a campaign that is judged without it."""
-    inputs = model.inputs
-    usual = usual_difference(inputs.twin, inputs.campaign.gauges, inputs.reference, inputs.odds.differences)
-    rows = run.means.rows
+    inputs, usual, rows = model.inputs, model.inputs.usual, run.means.rows
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
-    log_run = float(logsumexp(logs)) - float(np.log(len(logs))) - 0.5 * len(run.residual) * float(np.log(2 * np.pi))
+    log_run = float(logsumexp(logs)) - float(np.log(len(logs)))
     alone = linearise(replace(inputs, run=None, difference=usual), model.states)
-    log_alone = float(logsumexp([again(alone, alone, level).log_none + np.log(p) for level, p in LEVELS.items()]))
-    return WrongRun(log_alone + log_run, "it differs from the asset of today as another asset would", None, None)
+    of_levels = [alone.under(level).log_none + np.log(p) for level, p in LEVELS.items()]
+    total = float(logsumexp(of_levels)) + log_run
+    return WrongRun(total, "it differs from the asset of today as another asset would", None, None)
 
 
 def _states(run: Run, inputs: Inputs) -> Floats:

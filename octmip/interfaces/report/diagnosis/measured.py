@@ -93,7 +93,7 @@ def _after_first_cause(diagnosis: Diagnosis) -> tuple[LinearModel, Floats]:
         return model, model.residual
     judged = diagnosis.which[0].judged
     model, own = judged.model, judged.fit
-    moved = model.tangents @ model.open_states.moved_by(own.members, own.size)
+    moved = model.tangents @ model.moved_by(own.members, own.size)
     return model, np.asarray(model.residual - model.signatures[:, list(own.members)] @ own.size - moved)
 
 
