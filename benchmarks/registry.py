@@ -24,6 +24,7 @@ FAMILIES = {
     "held_out_numbers": "benchmarks.cases.held_out_numbers",
     "leaf_calibration": "benchmarks.cases.leaf_calibration",
     "calibration_beside": "benchmarks.cases.calibration_beside",
+    "estimator_checks": "benchmarks.cases.estimator_checks",
     "near_strains": "benchmarks.cases.near.strains",
     "regression_speed": "benchmarks.cases.regression.speed",
     "search_hits": "benchmarks.cases.search.hits",

@@ -275,6 +275,16 @@ def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_
         assert judged.best(Nearness(just * 0.999, is_paired=True)) == 0
 
 
+def test_a_class_that_weighs_a_million_times_more_is_not_given_up_for_rows_of_the_other():
+    # Rows of the dear class that were held out are all right by both trees; the deeper one saves a few cheap ones.
+    X = np.random.default_rng(0).normal(size=(60, 2))
+    y = (X[:, 0] + X[:, 1] > 0).astype(int)
+    weights = np.where(y == 0, 1e6, 1.0)
+    chosen = answer_of(Problem(X, y, depth=1, weights=weights)).solution.tree
+    new = np.random.default_rng(1).normal(size=(2000, 2))
+    assert (predict(chosen, new)[new.sum(axis=1) < 0] == 0).all()
+
+
 def test_prunings_by_impurity_are_those_of_scikit_learn():
     X, y = load_iris(return_X_y=True)
     problem = Problem(X, y, depth=30)

@@ -137,6 +137,14 @@ class ClassCosts(Loss):
         costs: Floats = weights * self.matrix[codes, predicted]
         return costs
 
+    def contrasts(self, weights: Floats, codes: NDArray[Any]) -> Floats:
+        """Return the most by which two predicted classes differ in cost on one row of any class of mean weight."""
+        k = len(self.matrix)
+        mean = np.bincount(codes, weights, k) / np.maximum(np.bincount(codes, minlength=k), 1)
+        paid = mean[:, None] * self.matrix
+        most: Floats = np.abs(paid[:, :, None] - paid[:, None, :]).max(axis=0)
+        return most
+
     def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
         """Return the cost as a rational number."""
         whole, unit = whole_numbers(weights)

@@ -62,6 +62,14 @@ class Loss(ABC):
     def row_costs(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Floats:
         """Return weight times cost of each prediction, rounded, shape (n_samples,)."""
 
+    def contrasts(self, weights: Floats, codes: NDArray[Any]) -> Floats | None:
+        """Return the most by which two predicted classes differ in cost on one row, (n_classes, n_classes).
+
+        The row has the class at which they differ most and the mean weight of that class. None for numbers: there is
+        no such most.
+        """
+        return None
+
     @abstractmethod
     def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
         """Return the cost of predictions as a rational number: nothing is rounded."""

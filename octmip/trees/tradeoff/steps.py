@@ -10,6 +10,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +73,8 @@ def judged_steps(
     """Return the steps of one family, neighbours of equal validation cost as one, and what they were judged by."""
     held = [rows for _, rows in pairs]
     weights = [problem.weights[rows] for rows in held]
-    losses = [_held_losses(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
+    predicted = [_predictions(problem, fold, rows) for fold, rows in zip(of_folds, held, strict=True)]
+    losses = [_losses(problem, rows, values) for rows, values in zip(held, predicted, strict=True)]
     costs = [np.array([math.fsum(column) for column in fold.T]) for fold in losses]
     baseline, baselines = problem.baseline, [f.problem.baseline for f in of_folds]  # each is a pass over the samples
     ends = sorted({c.penalty_low / base for f, base in zip(of_folds, baselines, strict=True) for c in f.trees})
@@ -83,7 +85,9 @@ def judged_steps(
         cost = np.array([fold[k] for fold, k in zip(costs, at, strict=True)])
         if not known or (cost != known[-1][2]).any():
             known.append((low, at, cost))
-    judged = Judged(losses, weights, np.array([at for _, at, _ in known]), np.arange(len(known)))
+    contrasts = problem.loss.contrasts(problem.weights, problem.codes)
+    trees = np.array([at for _, at, _ in known])
+    judged = Judged(losses, weights, trees, np.arange(len(known)), predicted, contrasts)
     sums, steps = judged.sums(), []
     ends_of = [*(low for low, _, _ in known[1:]), math.inf]
     means, errors = sums.means().tolist(), sums.standard_errors().tolist()
@@ -95,7 +99,10 @@ def judged_steps(
 
 def all_together(judged: Sequence[Judged], steps: Sequence[Step]) -> Judged:
     """Return the steps of all families as one, ranked from the simplest; among equals by cost, proven before CART."""
-    losses = [np.concatenate(fold, axis=1) for fold in zip(*(one.losses for one in judged), strict=True)]
+    losses, predicted = (
+        [np.concatenate(fold, axis=1) for fold in zip(*of_families, strict=True)]
+        for of_families in ([one.losses for one in judged], [one.predicted for one in judged])
+    )
     before = np.cumsum([[0] * len(losses), *([fold.shape[1] for fold in one.losses] for one in judged[:-1])], axis=0)
     trees = np.concatenate([one.trees + first for one, first in zip(judged, before, strict=True)])
     keys = [
@@ -104,15 +111,19 @@ def all_together(judged: Sequence[Judged], steps: Sequence[Step]) -> Judged:
     ]
     rank = np.empty(len(steps), dtype=np.int64)
     rank[sorted(range(len(steps)), key=keys.__getitem__)] = np.arange(len(steps))
-    return Judged(losses, judged[0].weights, trees, rank)
+    return Judged(losses, judged[0].weights, trees, rank, predicted, judged[0].contrasts)
 
 
-def _held_losses(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[np.float64]:
+def _predictions(problem: Problem, path: PenaltyPath, rows: Rows) -> NDArray[Any]:
+    """Return what every tree of a path predicts for the held-out rows, shape (n_rows, n_trees)."""
+    how = predict if problem.loss.predicts == "class" else predict_values
+    return np.stack([how(best.tree, problem.features[rows]) for best in path.trees], axis=1)
+
+
+def _losses(problem: Problem, rows: Rows, predicted: NDArray[Any]) -> NDArray[np.float64]:
     """Return weight times cost of the held-out rows by every tree of a path, shape (n_rows, n_trees)."""
     part = problem.weights[rows], problem.codes[rows]
-    how = predict if problem.loss.predicts == "class" else predict_values
-    features = problem.features[rows]
-    return np.stack([problem.loss.row_costs(*part, how(best.tree, features)) for best in path.trees], axis=1)
+    return np.stack([problem.loss.row_costs(*part, values) for values in predicted.T], axis=1)
 
 
 def _index_at(path: PenaltyPath, penalty: float) -> int:

@@ -129,12 +129,18 @@ class Judged:
         (n_steps, n_folds) which tree of each fold a step stands for.
     simplicity
         (n_steps,) the rank of each step from the simplest, 0.
+    predicted
+        for each fold (n_held, n_trees) the predicted class, the column of `contrasts`; unused where that is None.
+    contrasts
+        of the loss: the most by which two predicted classes differ in cost on one row of any class.
     """
 
     losses: Sequence[Floats]
     weights: Sequence[Floats]
     trees: NDArray[np.int64]
     simplicity: NDArray[np.int64]
+    predicted: Sequence[NDArray[Any]] = ()
+    contrasts: Floats | None = None
 
     def sums(self) -> Sums:
         """Return the sums of every step over all rows held out, shape (n_steps,)."""
@@ -150,11 +156,18 @@ class Judged:
         return (Sums(*parts) for parts in zip(*total, strict=True))
 
     def _farthest(self, least: int) -> Floats:
-        """Return the most by which each step's loss on one row differs from that of one step, shape (n_steps,)."""
+        """Return the most by which each step's loss on one row differs from that of one step, shape (n_steps,).
+
+        Where two trees predict different classes the row may be of any class: new rows of the dearest class may come
+        where none was held out.
+        """
         most = np.zeros(len(self.trees))
         for k, losses in enumerate(self.losses):
-            apart = np.abs(losses - losses[:, [self.trees[least, k]]]).max(axis=0, initial=0.0)
-            most = np.maximum(most, apart[self.trees[:, k]])
+            at = self.trees[least, k]
+            apart = np.abs(losses - losses[:, [at]])
+            if self.contrasts is not None:
+                apart = np.maximum(apart, self.contrasts[self.predicted[k], self.predicted[k][:, [at]]])
+            most = np.maximum(most, apart.max(axis=0, initial=0.0)[self.trees[:, k]])
         return most
 
     def best(self, nearness: Nearness) -> int:
@@ -185,7 +198,7 @@ class Judged:
     def _paired_errors(self, times: Sequence[Floats], sums: Sums, least: int, farthest: Floats) -> Floats:
         """Return the standard error of each step's mean less that of one step, shape (n_steps,).
 
-        One row is added on which both differ as far as on any: few rows may lack the difference that costs most.
+        One row is added on which both differ as far as they can: few rows may lack the difference that costs most.
         """
         both: Any = 0.0  # sums of L L_least
         for k, (count, losses) in enumerate(zip(times, self.losses, strict=True)):
