@@ -5,6 +5,7 @@ The table is `benchmarks/source_map/levels.py`; the map in docs/developing.md is
 
 import ast
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,17 @@ def test_every_module_is_in_the_table_of_levels(package):
 def test_imports_go_only_to_lower_levels(package):
     wrong = [line for part, file in parts(package) for line in complaints(package, part, file.read_text())]
     assert not wrong, "\n".join(wrong)
+
+
+def test_folders_of_octmip_stand_on_each_other_without_a_circle():
+    used: dict[str, set[str]] = {}
+    for file in sources("octmip"):
+        folder = file.relative_to(ROOT / "octmip").with_suffix("").parts[0]
+        names = {name.split(".")[1] for name in imports(file.read_text()) if name.startswith("octmip.")}
+        used.setdefault(folder, set()).update(names - {folder})
+    del used["__init__"]
+    order = list(TopologicalSorter(used).static_order())  # raises CycleError
+    assert order.index("input") < order.index("trees") < order.index("formats") < order.index("interfaces")
 
 
 @pytest.mark.parametrize(

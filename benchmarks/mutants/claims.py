@@ -148,13 +148,13 @@ CLAIMS = (
         ("if found.columns.feature_names != features:", "if len(found.columns.feature_names) != len(features):"),
     ),
     *mutants_of(
-        "octmip/formats/tree_nodes.py",
+        "octmip/trees/tree_nodes.py",
         TREE_FILE,
         ("terms = sorted(zip(read, coefficients, strict=True))", "terms = list(zip(read, coefficients, strict=True))"),
         ("if len(set(names)) < len(names):", "if not names:"),
     ),
     *mutants_of(
-        "octmip/formats/checked.py",
+        "octmip/input/checked.py",
         ("test_octmip/test_checked.py", *TREE_FILE),
         (
             "if type(value) in (int, float) and self.low <= value <= self.high:",
@@ -162,7 +162,7 @@ CLAIMS = (
         ),
     ),
     *mutants_of(
-        "octmip/formats/solves_file.py",
+        "octmip/trees/solves_file.py",
         ("test_octmip/test_solves_file.py",),
         ("run.method, run.seed, limits, options]", "run.method, limits, options]"),
         ("hexdigest()[:N_DIGITS].encode() != digits:", "hexdigest()[:N_DIGITS].encode() == b'':"),

@@ -136,7 +136,7 @@ PROOFS = (
         ("rounded_down(min(at))", "rounded_down(max(at))"),
     ),
     *mutants_of(
-        "octmip/formats/solves_file.py",
+        "octmip/trees/solves_file.py",
         ("test_octmip/cli/test_cli_signals.py",),
         (
             "if solution.stop is not Stop.INTERRUPTED:\n        kept.keep",

@@ -18,10 +18,9 @@ import numpy as np
 from PIL import Image
 
 from benchmarks.oracles.export_runs import EXACT
-from octmip.formats.names import END_ISOLATE, ISOLATE, shown
 from octmip.formats.tree_file import TreeFile
-from octmip.formats.tree_nodes import decode_tree, encode_tree
 from octmip.formats.tree_schema import SETTINGS
+from octmip.input.names import END_ISOLATE, ISOLATE, shown
 from octmip.interfaces.plot import counted_tree_figure
 from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.html import tree_page
@@ -30,6 +29,7 @@ from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.tree_nodes import decode_tree, encode_tree
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Dialog

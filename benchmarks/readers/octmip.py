@@ -18,10 +18,10 @@ from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, m
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from benchmarks.readers.regression import make_regression, regression_command
 from octmip.errors import OctmipError
-from octmip.formats.files import read_json_object
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.formats.tree_schema import CONTENT, FORMAT, VERSION
+from octmip.input.files import read_json_object
 from octmip.interfaces.cli.samples.training import targets_of
 from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts

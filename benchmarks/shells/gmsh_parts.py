@@ -28,7 +28,7 @@ from femlib.material import isotropic_plate
 from femlib.sensors import StrainGauge
 from femlib.structure import Structure, read
 from femlib.structure.calculix import read_gauges, write_deck
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 SECTION = isotropic_plate(70e9, 0.33, 0.004, 2700.0)

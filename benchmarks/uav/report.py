@@ -17,7 +17,7 @@ from benchmarks.uav.study import LABELS, Outcome, pick, problem_of
 from benchmarks.uav.tables import answers, text_of
 from femlib.dataset import Dataset, MeanStrains
 from femlib.wing import Wing
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.plot import partition_figure, tree_figure
 
 PACKAGES = ("octmip", "numpy", "scipy", "pandas", "scikit-learn", "highspy", "pyfe3d", "matplotlib")

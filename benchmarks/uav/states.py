@@ -19,8 +19,8 @@ from benchmarks.uav.bayes import class_posterior
 from femlib.dataset import Dataset, Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import uav_wing
 from octmip import Limits, Problem, Solution, certify, solve
-from octmip.formats.files import write_bytes
 from octmip.formats.tree_file import record_tree, write_tree_file
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.monitor import Library, ModelSelector, ParameterTree
 from octmip.monitor.export import c_source

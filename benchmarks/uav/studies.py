@@ -12,7 +12,7 @@ from benchmarks.main_program import run_main
 from benchmarks.uav.complexity import report as complexity
 from benchmarks.uav.risk import decisions
 from benchmarks.uav.sensing import budget, failure, placement
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 
 STUDIES = {
     "placement": placement.report,

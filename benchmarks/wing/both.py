@@ -19,7 +19,7 @@ from benchmarks.wing.calculix import WINGS
 from femlib.assembly import matrix_modes, point_masses
 from femlib.dataset import MeanStrains, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Floats = NDArray[np.float64]

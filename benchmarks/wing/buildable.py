@@ -40,7 +40,7 @@ from femlib.dataset import MeanStrains, published_strains
 from femlib.wing import buckle, uav_wing
 from femlib.wing.built import ROOT, built_materials
 from femlib.wing.structure import WingMaterials
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Row = dict[str, object]

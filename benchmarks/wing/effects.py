@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from benchmarks.main_program import run_main
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 LOAD_FACTOR, HOUR = 3.0, 3600.0

@@ -27,7 +27,7 @@ from femlib.wing.built import BUILT_MASS, built_library, built_wing
 from femlib.wing.strength import full_capability, wing_capability, wing_stresses
 from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
 from femlib.wing.trim import trim_wing
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Floats = NDArray[np.float64]

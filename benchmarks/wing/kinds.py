@@ -22,7 +22,7 @@ from femlib.dataset.samples import study_states_percent
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing import Wing, uav_wing, vibrate
 from octmip import ClassCosts, Limits, Problem, certify
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_tree, place_sensors
 from octmip.trees.prediction import predict

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from benchmarks.main_program import run_main
 from femlib.wing import Wing, WingTwin, reduce_wing, saved_twin, uav_wing
 from femlib.wing.damage import damage_library
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.cli import main as octmip_command
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.monitor import Watch, grid_states, library_of, state_candidates

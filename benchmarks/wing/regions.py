@@ -23,7 +23,7 @@ from benchmarks.main_program import run_main
 from femlib.wing import Wing, uav_wing
 from femlib.wing.damage import damage_library
 from octmip import ClassCosts, Limits, Problem, certify, solve
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_information
 from octmip.trees.solution import Solution

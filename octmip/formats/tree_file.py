@@ -30,11 +30,10 @@ from numpy.typing import NDArray
 
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.columns import Columns
-from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.formats.messages import several, shown
 from octmip.formats.table.preparation import Preparation
-from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
+from octmip.input.files import PathLike, read_json_object, write_bytes
+from octmip.input.messages import several, shown
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
 from octmip.trees.parts import address, words_of_rules
 from octmip.trees.problem import Problem
@@ -42,6 +41,7 @@ from octmip.trees.problem_values import SIGNS
 from octmip.trees.shape import without_predictions
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
+from octmip.trees.tree_nodes import decode_tree, different, encode_tree
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ How names and sizes of a file belong together is no matter of a single value: `o
 from dataclasses import dataclass
 from typing import Any
 
-from octmip.formats.checked import (
+from octmip.formats.columns.columns import COLUMNS
+from octmip.input.checked import (
     Anything,
     AsItIs,
     Choice,
@@ -23,8 +24,7 @@ from octmip.formats.checked import (
     Whole,
     maybe,
 )
-from octmip.formats.columns.columns import COLUMNS
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, ClassCosts
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Stop

@@ -18,16 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, OctmipError, TreeError
-from octmip.formats.checked import ListOf, MapOf, Number, Record, Text, maybe
-from octmip.formats.files import PathLike, read_json_object, write_bytes
-from octmip.formats.messages import several, shown
 from octmip.formats.tree_file import TreeFile
-from octmip.formats.tree_nodes import decode_tree, different, encode_tree
 from octmip.formats.tree_schema import NODE
+from octmip.input.checked import ListOf, MapOf, Number, Record, Text, maybe
+from octmip.input.files import PathLike, read_json_object, write_bytes
+from octmip.input.messages import several, shown
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Applied, Library
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
+from octmip.trees.tree_nodes import decode_tree, different, encode_tree
 from octmip.trees.uncertainty import posterior
 from octmip.twin import Loads
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.formats.messages import several
+from octmip.input.messages import several
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.order import disorder
 from octmip.trees.part_check import broken_rule, missing_part, n_changes

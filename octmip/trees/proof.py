@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.formats.files import read_bytes
-from octmip.formats.problem_file import data_digest, question_digest
+from octmip.input.files import read_bytes
 from octmip.trees import _native
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import data_digest, question_digest
 from octmip.trees.problem_values import refuse_missing
 from octmip.trees.regression import proof_log
 

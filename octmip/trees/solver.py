@@ -27,7 +27,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from octmip.errors import ProblemError
-from octmip.formats.solves_file import kept_solve
 from octmip.trees.certificate import checked_incumbent, checked_solution
 from octmip.trees.cluster import opened
 from octmip.trees.methods import interruption
@@ -46,6 +45,7 @@ from octmip.trees.registry import EXACT, TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.trees.solves_file import kept_solve
 from octmip.trees.tree import Node
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.

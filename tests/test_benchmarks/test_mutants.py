@@ -6,7 +6,7 @@ from benchmarks.mutants.mutant import Mutant
 from benchmarks.mutants.rows import MUTANTS
 from benchmarks.mutants.study import ROOT, changed_texts, results, summary
 
-QUICK = "octmip/formats/checked.py"
+QUICK = "octmip/input/checked.py"
 
 
 def test_every_row_fits_the_sources_and_names_tests_that_exist():

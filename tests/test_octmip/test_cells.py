@@ -5,9 +5,9 @@ import csv
 import pytest
 
 from octmip.errors import DataError
-from octmip.formats.cells import CsvRows, plain_number
 from octmip.formats.table import read_table
 from octmip.gap import read_campaign
+from octmip.input.cells import CsvRows, plain_number
 from tests.test_octmip.beam_twin import Beam, measured
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell
 

@@ -5,10 +5,10 @@ import shutil
 import pytest
 
 from benchmarks.cases.fuzz.check_command import built, corrupted, run
-from octmip.formats.problem_file import write_problem_file
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import write_problem_file
 
 pytestmark = pytest.mark.skipif(shutil.which("cargo") is None, reason="cargo, which builds octmip-check, is missing")
 

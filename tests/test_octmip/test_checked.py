@@ -5,7 +5,7 @@ import math
 import jsonschema
 import pytest
 
-from octmip.formats.checked import (
+from octmip.input.checked import (
     Anything,
     AsItIs,
     Choice,
@@ -20,7 +20,7 @@ from octmip.formats.checked import (
     Whole,
     maybe,
 )
-from octmip.formats.messages import several, shown
+from octmip.input.messages import several, shown
 
 VALUES = [
     *(0, 1, -1, 2**63 - 1, 2**63, 10**29, 10**400, 0.0, -0.0, 1.0, 0.5, 1e308, 5e-324, math.inf, -math.inf, math.nan),

@@ -5,10 +5,10 @@ import pytest
 
 from octmip import Leaf, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.formats.problem_file import encode, question_digest
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
 from octmip.trees.near_sets import near_optimal
+from octmip.trees.problem_file import encode, question_digest
 from octmip.trees.tree import n_splits
 
 RNG = np.random.default_rng(3)

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, read_json_object, read_text, write_bytes
+from octmip.input.files import check_writable, read_json_object, read_text, write_bytes
 
 
 def test_a_file_is_written_as_given(tmp_path):

@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.oracles.hostile_names import hostile_names
 from benchmarks.oracles.page_check import check_page
-from octmip.formats.names import shown
 from octmip.gap import diagnose
+from octmip.input.names import shown
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.measured import measured_cells
 from octmip.interfaces.report.diagnosis.page import report_page

@@ -11,13 +11,13 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, OptimalTreeRegressor, Problem, Split, predict, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
-from octmip.formats.problem_file import data_digest, encode, question_digest
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.export import sql
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, MipOptions
+from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_missing, without_empty_sides

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from benchmarks.oracles.hostile_names import hostile_names
-from octmip.formats.names import html_text, shown, visible, visible_lines
+from octmip.input.names import html_text, shown, visible, visible_lines
 from octmip.interfaces.cli import main
 
 NAMES = [name for _, name in hostile_names(500)]

@@ -9,10 +9,10 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict
 from octmip.errors import ProblemError
-from octmip.formats.problem_file import data_digest
 from octmip.trees import problem_values
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
+from octmip.trees.problem_file import data_digest
 from octmip.trees.tree import splits
 
 FEATURES = np.arange(12.0).reshape(4, 3)

@@ -12,8 +12,8 @@ import pytest
 
 from octmip import Limits, Problem, solve
 from octmip.errors import DataError
-from octmip.formats import solves_file
 from octmip.interfaces.cli import main
+from octmip.trees import solves_file
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.solution import Stop
 from octmip.trees.tradeoff.choice import choose_tree

@@ -259,7 +259,7 @@ def test_a_format_says_what_another_ending_holds(tmp_path):
     ],
 )
 def test_a_packed_file_is_refused_when_broken_or_too_long_unpacked(tmp_path, monkeypatch, content, sentence):
-    monkeypatch.setattr("octmip.formats.files.MOST_BYTES", 10_000)
+    monkeypatch.setattr("octmip.input.files.MOST_BYTES", 10_000)
     (tmp_path / "t.csv.gz").write_bytes(content)
     with pytest.raises(DataError, match=sentence):
         read_table(tmp_path / "t.csv.gz")

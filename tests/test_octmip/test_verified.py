@@ -14,7 +14,7 @@ import pytest
 from benchmarks.cases.fuzz.verified import PROGRAM, agree, compared, summary, verdict
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.formats.problem_file import write_problem_file
+from octmip.trees.problem_file import write_problem_file
 from octmip.trees.proof import check_proof, proof_header
 
 ROOT = Path(__file__).parents[2]

@@ -30,12 +30,12 @@ from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
-from octmip.formats.problem_file import write_problem_file
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import write_problem_file
 
 STREAM = 80  # of seeds: corruption i is drawn from default_rng([STREAM, i])
 N_CORRUPTIONS, CHUNK = 10_000, 100

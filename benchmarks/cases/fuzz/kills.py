@@ -25,9 +25,9 @@ from benchmarks.data import uci
 from benchmarks.readers.femlib import make_stream
 from benchmarks.tables import Line
 from femlib.files import whole_file
-from octmip.formats.files import write_bytes
 from octmip.formats.table import read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.input.files import write_bytes
 from octmip.interfaces.cli import main
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.methods.cart import greedy_tree

@@ -20,10 +20,10 @@ from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.wide_problems import wide_problem
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
-from octmip.formats.problem_file import write_problem_file
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import write_problem_file
 from octmip.trees.proof import check_proof
 
 __all__ = ["PROGRAM", "Verdict", "agree", "compared", "results", "summary", "verdict"]

@@ -20,7 +20,7 @@ from benchmarks.uav.complexity.tables import Lines, complexity_table, overfittin
 from benchmarks.uav.report import write_figure
 from benchmarks.uav.study import strains_of
 from femlib.dataset import MeanStrains, Recipe
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 
 RESTARTS = 4
 """Of hyperplanes for mu2; others have five times as many."""

@@ -13,7 +13,7 @@ from benchmarks.uav.mission.histories import KINDS
 from benchmarks.uav.mission.page import flight_page
 from benchmarks.uav.mission.policy_table import policy_rows
 from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, search_limit, told_limit
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 TABLES = ("watch", "policies")

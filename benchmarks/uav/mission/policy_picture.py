@@ -14,7 +14,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from benchmarks.main_program import run_main
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 
 LEAST = 0.01
 """Loss that is drawn for none of 10,000 [%]."""

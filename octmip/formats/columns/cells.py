@@ -15,9 +15,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.cells import plain_number
 from octmip.formats.columns.written import DAY, DAYS, ISO, form_of, read_texts, read_times, unit_of, words_of
-from octmip.formats.messages import MOST_NAME, shown
+from octmip.input.cells import plain_number
+from octmip.input.messages import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"

@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.cells import plain_number
-from octmip.formats.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.formats.columns.cells import Cells
 from octmip.formats.columns.written import FORMS, number_words
-from octmip.formats.messages import shown
+from octmip.input.cells import plain_number
+from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
+from octmip.input.messages import shown
 from octmip.trees.tree import Leaf, Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]

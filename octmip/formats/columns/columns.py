@@ -13,11 +13,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.checked import ListOf, Record
 from octmip.formats.columns.cells import Cells, read_cells
 from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
 from octmip.formats.columns.written import words_of
-from octmip.formats.messages import MOST_NAME, shown
+from octmip.input.checked import ListOf, Record
+from octmip.input.messages import MOST_NAME, shown
 from octmip.trees.tree import Split
 
 Categories = Literal["yes-no", "subsets", "order", "refuse"]

@@ -23,7 +23,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
 ISO, DAYS = "%Y-%m-%d", "days"

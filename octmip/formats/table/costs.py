@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.files import PathLike
-from octmip.formats.messages import several
 from octmip.formats.table.samples import read_table
+from octmip.input.files import PathLike
+from octmip.input.messages import several
 
 
 def read_costs(path: PathLike, class_names: Sequence[Any]) -> NDArray[np.float64]:

@@ -11,9 +11,9 @@ from typing import Any
 import pandas as pd
 
 from octmip.errors import DataError
-from octmip.formats.cells import CsvRows
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
+from octmip.input.cells import CsvRows
 
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 from octmip.errors import DataError
-from octmip.formats.messages import MOST_NAME, shown
+from octmip.input.messages import MOST_NAME, shown
 
 
 def check_names(source: str, header: Sequence[str]) -> None:

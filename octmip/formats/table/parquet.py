@@ -6,9 +6,9 @@ import io
 import pandas as pd
 
 from octmip.errors import DataError, needed_by
-from octmip.formats.files import check_readable
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
+from octmip.input.files import check_readable
 
 MOST_CELLS = 2**28  # two gigabytes as float64
 

@@ -14,13 +14,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.cells import plain_number
 from octmip.formats.columns.written import form_of, is_date, read_texts
-from octmip.formats.files import PathLike
-from octmip.formats.messages import MOST_NAME, several, shown
 from octmip.formats.table.delimited import line_of_row, read_delimited
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
+from octmip.input.cells import plain_number
+from octmip.input.files import PathLike
+from octmip.input.messages import MOST_NAME, several, shown
 
 MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from octmip.errors import DataError
-from octmip.formats.files import PathLike
-from octmip.formats.messages import shown
 from octmip.formats.table.samples import read_table
+from octmip.input.files import PathLike
+from octmip.input.messages import shown
 
 
 @dataclass(frozen=True, slots=True)

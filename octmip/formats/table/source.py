@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from octmip.errors import DataError
-from octmip.formats import files
-from octmip.formats.files import PathLike, decoded, read_bytes
-from octmip.formats.messages import shown
+from octmip.input import files
+from octmip.input.files import PathLike, decoded, read_bytes
+from octmip.input.messages import shown
 
 FORMATS = ("csv", "tsv", "parquet")
 STANDARD_INPUT = "-"

@@ -19,12 +19,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
-from octmip.formats.cells import CsvRows, plain_number
 from octmip.formats.table.delimited import Marks, marks_of, ragged
 from octmip.formats.table.source import ENDINGS, open_source
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.twins import CachedTwin
+from octmip.input.cells import CsvRows, plain_number
 from octmip.twin import Twin, loads_of, sign_of, state_parameters, units_of
 
 

@@ -21,9 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.checked import Either, Kind, ListOf, MapOf, Number, Record, Text, Truth
-from octmip.formats.files import read_json_object
-from octmip.formats.messages import shown
+from octmip.input.checked import Either, Kind, ListOf, MapOf, Number, Record, Text, Truth
+from octmip.input.files import read_json_object
+from octmip.input.messages import shown
 from octmip.twin import ONE_LOAD
 
 ENTRIES: dict[str, Kind] = {

@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
-from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
-from octmip.formats.tree_nodes import encode_tree
+from octmip.input.names import visible
 from octmip.interfaces.report.text import narrow_scope, number, percent
 from octmip.trees.certificate import Certificate
 from octmip.trees.losses import ClassCosts
@@ -20,6 +19,7 @@ from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Progress, Solution, relative_gap
 from octmip.trees.tradeoff import Comparison, Score
+from octmip.trees.tree_nodes import encode_tree
 
 INTERVAL = 0.1  # seconds between two progress lines
 FIRST_SHOWN = 0.5  # seconds until a step without figures of its own is shown, and between its lines

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import NoReturn
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 from octmip.interfaces.cli.samples.file_arguments import reads
 from octmip.interfaces.cli.samples.options import (
     add_column_arguments,

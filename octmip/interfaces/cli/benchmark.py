@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 
 from octmip.errors import DataError, OctmipError
-from octmip.formats.files import make_folder, write_bytes
-from octmip.formats.names import visible
 from octmip.formats.table import read_table
 from octmip.formats.table.source import form_by_ending
+from octmip.input.files import make_folder, write_bytes
+from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.compare import compared, methods_of, reasons, table_of

@@ -4,8 +4,8 @@ import argparse
 import dataclasses
 
 from octmip.errors import CertificateError, DataError
-from octmip.formats.messages import shown
 from octmip.formats.tree_file import TreeFile, read_tree_file
+from octmip.input.messages import shown
 from octmip.interfaces.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
 from octmip.interfaces.cli.arguments import MOST_THREADS
 from octmip.interfaces.cli.samples.training import Training, read_test, read_training

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from octmip.errors import DataError, ProblemError, SolverError
-from octmip.formats.names import visible
 from octmip.formats.tree_file import finite_or_none
+from octmip.input.names import visible
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
 from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from octmip.formats.files import read_bytes, write_bytes
-from octmip.formats.names import visible
+from octmip.input.files import read_bytes, write_bytes
+from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.stages import StageLine

@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 from typing import Any
 
-from octmip.formats.names import visible
+from octmip.input.names import visible
 from octmip.trees.methods.interruption import is_heard
 
 NEEDED: Mapping[str, str] = MappingProxyType(

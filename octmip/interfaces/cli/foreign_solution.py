@@ -4,7 +4,7 @@ import argparse
 import math
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 from octmip.trees.methods.options import MipOptions, Options
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Solution

@@ -8,7 +8,7 @@ from typing import Any
 from joblib import parallel_config
 
 from octmip.errors import DataError
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.interfaces.cli.answer import (
     ElapsedLine,
     ProgressLine,

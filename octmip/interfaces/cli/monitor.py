@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.files import whole_folder
 from octmip.gap.doors import open_twin
 from octmip.gap.twins import CachedTwin
+from octmip.input.files import whole_folder
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
 from octmip.interfaces.cli.monitor_folder import summary_of, words_of, write_monitor
 from octmip.interfaces.cli.monitor_loop import run_loop

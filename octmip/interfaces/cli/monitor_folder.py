@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import DataError
-from octmip.formats.files import make_folder, write_bytes
-from octmip.formats.names import visible
 from octmip.formats.tree_file import record_tree, write_tree_file
+from octmip.input.files import make_folder, write_bytes
+from octmip.input.names import visible
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.text import number, tree_text
 from octmip.interfaces.report.tree.evidence import gather, judged_by

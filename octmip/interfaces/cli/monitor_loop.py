@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, OctmipError
-from octmip.formats.files import whole_folder, write_bytes
-from octmip.formats.names import visible
 from octmip.formats.tree_file import read_tree_file
-from octmip.formats.tree_nodes import encode_tree
 from octmip.gap.campaign.reader import read_campaign
+from octmip.input.files import whole_folder, write_bytes
+from octmip.input.names import visible
 from octmip.interfaces.cli.answer import ElapsedLine, print_json
 from octmip.interfaces.cli.monitor_folder import write_monitor
 from octmip.interfaces.report.change import change_page
@@ -24,6 +23,7 @@ from octmip.monitor import ModelSelector, ParameterTree
 from octmip.monitor.library import Applied
 from octmip.sensing.enrichment import SIGNIFICANT, Enriched, PartOf, Seen, TreeChange, enrich, watched
 from octmip.trees.tree import depth
+from octmip.trees.tree_nodes import encode_tree
 from octmip.twin import Twin, amounts_of, loads_of
 
 MOST_PLACES = 5

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from octmip.errors import DataError
-from octmip.formats.files import PathLike, write_bytes
+from octmip.input.files import PathLike, write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.column import Column
-from octmip.formats.files import write_bytes
-from octmip.formats.names import visible, visible_lines
 from octmip.formats.table import Table, read_table
 from octmip.formats.tree_file import TreeFile, columns_read, read_tree_file
+from octmip.input.files import write_bytes
+from octmip.input.names import visible, visible_lines
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.samples.names import one_name
 from octmip.interfaces.cli.samples.training import targets_of

@@ -17,7 +17,7 @@ from importlib.metadata import version
 from types import ModuleType
 
 from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError
-from octmip.formats.names import visible
+from octmip.input.names import visible
 from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import check_files
 from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt

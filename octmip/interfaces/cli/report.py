@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
-from octmip.formats.files import write_bytes
-from octmip.formats.names import visible
 from octmip.formats.tree_file import TreeFile, read_tree_file
+from octmip.input.files import write_bytes
+from octmip.input.names import visible
 from octmip.interfaces.cli.answer import ElapsedLine, printable, verdict
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import KINDS

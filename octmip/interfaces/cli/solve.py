@@ -7,7 +7,6 @@ from functools import partial
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
-from octmip.formats.problem_file import write_problem_file
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
     ElapsedLine,
@@ -39,6 +38,7 @@ from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.methods.options import Options
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import write_problem_file
 from octmip.trees.proof import check_provable
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, ProofError, Solution

@@ -24,7 +24,7 @@ from collections.abc import Iterator
 from types import FrameType, TracebackType
 from typing import NoReturn
 
-from octmip.formats.names import visible
+from octmip.input.names import visible
 from octmip.trees.methods import interruption
 
 INTERRUPTED, TERMINATED = 130, 143

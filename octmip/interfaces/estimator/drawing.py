@@ -4,8 +4,8 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from octmip.formats.columns import Columns
-from octmip.formats.files import PathLike, check_writable, write_bytes
 from octmip.formats.tree_file import TreeFile, leaf_counts
+from octmip.input.files import PathLike, check_writable, write_bytes
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.seen import Seen

@@ -11,10 +11,10 @@ from sklearn.utils.validation import check_is_fitted
 
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.columns import Columns
-from octmip.formats.files import PathLike
-from octmip.formats.messages import several
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import record_tree
+from octmip.input.files import PathLike
+from octmip.input.messages import several
 from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, words_of, write_page
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import leaf_nodes, node_indicator

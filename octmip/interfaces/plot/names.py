@@ -8,7 +8,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from octmip.formats.names import END_ISOLATE, ISOLATE, shown
+from octmip.input.names import END_ISOLATE, ISOLATE, shown
 
 LONGEST = 60
 """Characters of a name in a drawing: a longer one keeps its beginning and its end."""

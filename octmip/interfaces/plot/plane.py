@@ -9,7 +9,7 @@ from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.interfaces.plot.names import drawn, name_entries, plain
 from octmip.interfaces.plot.style import INK, PAPER, check_names, class_colours, quiet_frame, titled
 from octmip.trees.problem import Problem

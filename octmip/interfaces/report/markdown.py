@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from octmip.formats.names import visible
+from octmip.input.names import visible
 
 ACTIVE = re.compile(
     r"""[\\`*\[\]|~$]            # escapes, code, emphasis, links, cells, struck text, mathematics

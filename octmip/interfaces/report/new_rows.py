@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from octmip.formats.names import visible
+from octmip.input.names import visible
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution

@@ -1,7 +1,7 @@
 """Pages from templates: one HTML text, whole in itself, that asks for nothing from elsewhere.
 
 Every page extends `templates/base.html`, which says what its blocks are. Text is escaped wherever it stands, and
-characters that act instead of being seen are shown as escapes (`octmip.formats.names`). A browser runs only the
+characters that act instead of being seen are shown as escapes (`octmip.input.names`). A browser runs only the
 scripts that were written for the page: their digests stand in its security policy.
 """
 
@@ -19,7 +19,7 @@ import jinja2
 from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup
 
-from octmip.formats.names import shown, visible, visible_lines
+from octmip.input.names import shown, visible, visible_lines
 from octmip.interfaces.report.text import number, percent
 
 POLICY = (

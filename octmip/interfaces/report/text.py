@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from octmip.formats.columns import Columns
-from octmip.formats.names import shown, visible
+from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution

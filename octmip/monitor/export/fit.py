@@ -9,7 +9,7 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature
 from octmip.formats.columns.column import Column, set_words
 from octmip.formats.columns.written import words_of
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tree import Leaf, Node, leaves, splits
 

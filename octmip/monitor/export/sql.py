@@ -20,7 +20,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from octmip.errors import TreeError
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.monitor.export.fit import check_column, check_fit
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import NoTreeError, ProblemError
-from octmip.formats.files import check_writable
+from octmip.input.files import check_writable
 from octmip.trees import _native
 from octmip.trees.cluster import Cluster, Future, opened
 from octmip.trees.encoding import (

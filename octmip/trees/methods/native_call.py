@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, DataError, ProblemError, SolverError
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.methods.interruption import is_heard, note

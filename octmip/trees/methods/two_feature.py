@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.formats.files import check_writable
+from octmip.input.files import check_writable
 from octmip.trees import _native
 from octmip.trees.encoding import (
     IntegerCosts,

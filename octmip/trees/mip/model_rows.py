@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError
-from octmip.formats.files import PathLike
+from octmip.input.files import PathLike
 from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct, oct_h

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, SolverError
-from octmip.formats.files import PathLike, read_bytes, read_text, write_bytes
-from octmip.formats.messages import shown
+from octmip.input.files import PathLike, read_bytes, read_text, write_bytes
+from octmip.input.messages import shown
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.highs import VERSION, arrays
 from octmip.trees.mip.rows import Rows

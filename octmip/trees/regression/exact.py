@@ -15,7 +15,7 @@ from fractions import Fraction
 from itertools import count
 
 from octmip.errors import ProblemError
-from octmip.formats.files import check_writable
+from octmip.input.files import check_writable
 from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.encoding import Ranks, tree_from_rows

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from octmip.errors import SolverError
-from octmip.formats.files import write_bytes
+from octmip.input.files import write_bytes
 from octmip.trees import _native
 from octmip.trees.encoding.numbers import power_of_two, whole_exponent
 from octmip.trees.problem import Problem

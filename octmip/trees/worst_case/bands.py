@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.formats.messages import several
+from octmip.input.messages import several
 from octmip.trees.problem import Problem
 
 Amount = float | tuple[float, float]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from octmip import Problem, solve
-from octmip.formats.files import is_same_file
+from octmip.input.files import is_same_file
 from octmip.interfaces.cli.samples.file_arguments import use_of
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.solution import ProofError

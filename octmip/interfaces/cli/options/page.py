@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 from octmip.interfaces.cli.arguments import rarely
 
 if TYPE_CHECKING:

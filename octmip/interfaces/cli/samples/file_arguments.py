@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.files import check_writable, is_same_file
+from octmip.input.files import check_writable, is_same_file
 
 READS, WRITES = "reads", "writes"
 STANDARD_INPUT = "-"

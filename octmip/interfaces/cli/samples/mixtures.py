@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from octmip.errors import DataError
-from octmip.formats.cells import plain_number
 from octmip.formats.columns.written import form_of
-from octmip.formats.messages import shown
 from octmip.formats.table import Table
 from octmip.formats.table.samples import MISSING_WORDS
+from octmip.input.cells import plain_number
+from octmip.input.messages import shown
 
 MANY_NUMBERS, FEW_WORDS = 20, 0.1
 

@@ -4,8 +4,8 @@ import csv
 from collections.abc import Sequence
 
 from octmip.errors import DataError
-from octmip.formats.messages import several, shown
 from octmip.formats.table import Table
+from octmip.input.messages import several, shown
 
 
 def listed_names(table: Table, option: str, values: Sequence[str] | None) -> list[str]:

@@ -20,10 +20,10 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, ProblemError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.written import words_of
-from octmip.formats.messages import several, shown
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
+from octmip.input.messages import several, shown
 from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.parts import parts_of

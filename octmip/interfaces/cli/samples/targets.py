@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
 from octmip.formats.table import Table
+from octmip.input.messages import shown
 
 FEW, MANY, ROWS_EACH = 10, 30, 5
 

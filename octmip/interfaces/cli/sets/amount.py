@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 
 MOST = Fraction(10) ** 300
 

@@ -4,8 +4,7 @@ import argparse
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.names import shown
-from octmip.formats.tree_nodes import encode_tree
+from octmip.input.names import shown
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
@@ -14,6 +13,7 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.near_sets import NearOptimalSet, NearTree, RootInterval, near_optimal
+from octmip.trees.tree_nodes import encode_tree
 
 FORMAT = "octmip near-optimal set"
 VERSION = 1

@@ -5,9 +5,8 @@ import math
 from functools import partial
 from typing import Any
 
-from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none
-from octmip.formats.tree_nodes import encode_tree
+from octmip.input.names import shown
 from octmip.interfaces.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.picture import check_picture, write_picture
@@ -17,6 +16,7 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number
 from octmip.trees.near_sets import Role, SensorRole, SensorRoles, Without, sensor_roles
 from octmip.trees.solver import solve
+from octmip.trees.tree_nodes import encode_tree
 
 FORMAT = "octmip sensor roles"
 VERSION = 1

@@ -6,10 +6,9 @@ from functools import partial
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.messages import shown as quoted
-from octmip.formats.names import shown
 from octmip.formats.tree_file import finite_or_none, record_tree, write_tree_file
-from octmip.formats.tree_nodes import encode_tree
+from octmip.input.messages import shown as quoted
+from octmip.input.names import shown
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
@@ -18,6 +17,7 @@ from octmip.interfaces.report.text import number, tree_text
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
+from octmip.trees.tree_nodes import encode_tree
 from octmip.trees.worst_case.bands import Amount
 from octmip.trees.worst_case.least_worst import WorstCaseSolution, solve
 

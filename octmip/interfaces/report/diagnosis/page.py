@@ -7,11 +7,11 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from octmip.formats.names import shown
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.causes import Cause
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.inputs import Inputs
+from octmip.input.names import shown
 from octmip.interfaces.report.diagnosis.measured import MeasuredCell, has_repair, measured_cells
 from octmip.interfaces.report.diagnosis.phrases import (
     about,

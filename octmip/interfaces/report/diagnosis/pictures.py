@@ -7,8 +7,8 @@ from math import floor, log10
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.formats.names import html_text as escape
-from octmip.formats.names import shown
+from octmip.input.names import html_text as escape
+from octmip.input.names import shown
 from octmip.interfaces.report.diagnosis.measured import MeasuredCell
 from octmip.interfaces.report.diagnosis.phrases import amount, digits_of, with_unit
 from octmip.twin import MICROSTRAIN, MIXED, amounts_of

@@ -14,9 +14,9 @@ Channels that are stuck or clipped are named in the same sentence whatever the v
 
 from enum import StrEnum
 
-from octmip.formats.names import visible
 from octmip.gap.causes import ENOUGH, MISFIT, UNKNOWN, Cause, Certainty, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
+from octmip.input.names import visible
 from octmip.interfaces.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
 
 RIVAL = 0.05

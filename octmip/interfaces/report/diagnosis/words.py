@@ -4,11 +4,11 @@ import math
 import textwrap
 from collections.abc import Sequence
 
-from octmip.formats.names import shown, visible_lines
 from octmip.gap.causes import MISFIT, UNKNOWN, Cause, ConfoundedEffects
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.location import Flip, Place
 from octmip.gap.sizes import Parameter
+from octmip.input.names import shown, visible_lines
 from octmip.interfaces.report.diagnosis.measured import noise_sds
 from octmip.interfaces.report.diagnosis.phrases import (
     FINDINGS,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.names import shown, visible
+from octmip.input.names import shown, visible
 from octmip.interfaces.report.mission.record import Course, MissionStep, Region
 from octmip.interfaces.report.text import condition
 from octmip.monitor import Belief, CompiledTree, Library, ParameterTree, Refusal

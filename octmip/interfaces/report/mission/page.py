@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from octmip.errors import DataError
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.interfaces.report.mission.data import Asset, fixed_data, steps_data, traced_gauges
 from octmip.interfaces.report.mission.record import Course, MissionStep, Region, check_steps
 from octmip.interfaces.report.page import page_facts, render

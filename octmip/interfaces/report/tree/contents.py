@@ -4,8 +4,8 @@ import math
 import shlex
 from typing import Any
 
-from octmip.formats.names import shown, visible
 from octmip.formats.tree_file import TreeFile, leaf_counts
+from octmip.input.names import shown, visible
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.curve import depth_curve
 from octmip.interfaces.report.tree.drawing import draw_tree

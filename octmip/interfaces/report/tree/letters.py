@@ -5,7 +5,7 @@ Measured over the letters of DejaVu Sans at 12.5 px, in which matplotlib writes,
 
 import unicodedata
 
-from octmip.formats.names import END_ISOLATE, ISOLATE
+from octmip.input.names import END_ISOLATE, ISOLATE
 
 CHARACTER, BROAD, WIDER, WIDE = 8.0, 10.5, 12.8, 16.0
 """Width of a small letter or a digit, of a capital or a sign, of an m, and of one as wide as it is high [px]."""

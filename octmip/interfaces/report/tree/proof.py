@@ -2,8 +2,8 @@
 
 import math
 
-from octmip.formats.names import shown
 from octmip.formats.tree_file import TreeFile
+from octmip.input.names import shown
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.summary import trees_meant

@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from octmip.formats.names import shown
 from octmip.formats.tree_file import TreeFile
+from octmip.input.names import shown
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure

@@ -4,7 +4,7 @@ The attributes hold by themselves and follow the colour of the text around; a pa
 classes of the elements.
 """
 
-from octmip.formats.names import html_text
+from octmip.input.names import html_text
 from octmip.interfaces.report.tree.drawing import TEXT, Box, Drawing
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31", "#7f7f7f")

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from octmip.formats.columns import Columns, Feature
-from octmip.formats.names import shown
+from octmip.input.names import shown
 from octmip.trees.tree import HyperplaneSplit, Split
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from octmip.errors import DataError, ProblemError
-from octmip.formats.files import PathLike, check_writable, keep_bytes, read_bytes
-from octmip.formats.problem_file import question_digest
+from octmip.input.files import PathLike, check_writable, keep_bytes, read_bytes
 from octmip.trees import _native
 from octmip.trees.encoding import IntegerCosts, NodeRow, Ranks, integer_costs, rows_from_tree, tree_from_rows
 from octmip.trees.methods.native_call import feasible_incumbent
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import question_digest
 from octmip.trees.tree import Node
 
 T = TypeVar("T")

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import SolverError
-from octmip.formats.files import PathLike
+from octmip.input.files import PathLike
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.process import START, Worker, lent_worker, resident_bytes
 from octmip.trees.mip.rows import Rows

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.formats.files import PathLike, write_bytes
+from octmip.input.files import PathLike, write_bytes
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import in_blocks
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from octmip.errors import TreeError
-from octmip.formats.messages import shown
+from octmip.input.messages import shown
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
 
 

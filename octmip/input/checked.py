@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from octmip.errors import DataError
-from octmip.formats.messages import MOST_NAME, place, shown
+from octmip.input.messages import MOST_NAME, place, shown
 
 MOST = sys.float_info.max
 MOST_WHOLE = 2**63 - 1

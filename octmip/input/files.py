@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from octmip.errors import DataError, WriteError
-from octmip.formats.messages import MOST_NAME, shown
+from octmip.input.messages import MOST_NAME, shown
 
 PathLike = str | os.PathLike[str]
 T = TypeVar("T")

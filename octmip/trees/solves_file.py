@@ -17,14 +17,14 @@ from pathlib import Path
 from typing import Any
 
 from octmip.errors import DataError, OctmipError, WriteError
-from octmip.formats.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
-from octmip.formats.problem_file import question_digest
-from octmip.formats.tree_nodes import decode_tree, encode_tree
+from octmip.input.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
 from octmip.trees.certificate import checked_solution
 from octmip.trees.problem import Problem
+from octmip.trees.problem_file import question_digest
 from octmip.trees.run import Run
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node
+from octmip.trees.tree_nodes import decode_tree, encode_tree
 
 FORMAT = "octmip-solves 1"
 N_DIGITS = 16
