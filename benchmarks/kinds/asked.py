@@ -65,15 +65,24 @@ KINDS: dict[str, Kind] = {
 }
 
 
-def questions(seed: int, kinds: Sequence[str] = tuple(KINDS)) -> Iterator[tuple[Question, Any, Any]]:
-    """Yield the calls of a seed, each with its problem and what enumeration says of it."""
+def questions(
+    seed: int, kinds: Sequence[str] = tuple(KINDS), free: float | None = None
+) -> Iterator[tuple[Question, Any, Any]]:
+    """Yield the calls of a seed, each with its problem and what enumeration says of it.
+
+    `free`: one call of each kind, whatever its share, without any limit but these seconds.
+    """
     for name in kinds:
         kind = KINDS[name]
         rng = np.random.default_rng([STREAM, seed, kind.stream])
-        if kind.share < 1 and rng.random() >= kind.share:
+        if kind.share < 1 and rng.random() >= kind.share and free is None:
             continue
         problem = kind.draw(rng)
         truth = kind.truth(problem)
+        if free is not None:
+            method = "exact" if "exact" in kind.methods else next(iter(kind.methods))
+            yield Question(seed, name, method, Limits(seconds=free), proof=False), problem, truth
+            continue
         for method, share in kind.methods.items():
             if rng.random() < share:
                 proof = kind.has_log(problem, method) and rng.random() < 0.2

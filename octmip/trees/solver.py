@@ -39,7 +39,7 @@ from octmip.trees.methods.options import (
     Options,
     SearchOptions,
 )
-from octmip.trees.methods.pruning import ordered, pruned
+from octmip.trees.methods.pruning import fitting
 from octmip.trees.problem import Problem
 from octmip.trees.registry import EXACT, TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
@@ -290,7 +290,7 @@ class _Call:
             options=options_for(self.problem, name, options),
             **study,
         )
-        return _fitting(self.problem, solution)
+        return fitting(self.problem, solution)
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         progress = self.run.progress
@@ -299,22 +299,11 @@ class _Call:
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
 
 
-def _fitting(problem: Problem, solution: Solution) -> Solution:
-    """Return a solution whose tree has the shape that is asked for: pruned where it has not."""
-    if solution.tree is None or not problem.is_shaped:
-        return solution
-    tree = ordered(problem, pruned(problem, solution.tree, problem.max_splits))
-    if tree is solution.tree:
-        return solution
-    stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
-    return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
-
-
 def _result(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
-        first = _first_tree(call, name)
-        if first.stop is Stop.INTERRUPTED:
+        first = _in_no_order(call, name) or _first_tree(call, name)
+        if first.stop is Stop.INTERRUPTED or first.is_optimal:
             return first
     is_alone = first is None and solvers_of(call.problem)[name] is EXACT
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
@@ -345,6 +334,17 @@ def _first_tree(call: _Call, name: str, share: float = SEARCH_SHARE) -> Solution
     restarts = 1 if share < 1.0 and call.problem.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
     options = SearchOptions(restarts=restarts, cluster=call.run.options.cluster)
     return call.solve("search", None, share=share, options=options)
+
+
+def _in_no_order(call: _Call, name: str) -> Solution | None:
+    """Return the best tree in no order where it keeps the order asked for; None where it does not, or none is asked."""
+    problem = call.problem
+    if problem.monotone is None or name != "exact" or problem.depth > EXACT.alone_to_depth:
+        return None
+    free = replace(call, problem=replace(problem, monotone=None), run=replace(call.run, progress=None))
+    found = fitting(problem, free.solve(name, None, share=SEARCH_SHARE))
+    is_last = found.is_optimal or found.stop is Stop.INTERRUPTED
+    return checked_solution(problem, replace(found, details={**found.details, "tree_by": name})) if is_last else None
 
 
 def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.everything import summary, watched
+from benchmarks.cases.fuzz.everything import results, summary, watched
 from benchmarks.kinds.asked import KINDS, STREAM, answer, questions
 from benchmarks.kinds.classes import complaint
 from benchmarks.oracles.enumeration import optimum
@@ -105,6 +105,10 @@ def test_every_kind_of_wrong_answer_is_found():
 
 
 def test_a_chunk_of_its_own_process_is_counted():
+    (line,) = results(5.0, [1], only="^(sparse|near)", seeds=3)
+    assert line["n_problems"] == 9  # three kinds, whatever the share of the seeds that each has
+    assert set(line["counts"]) == {"sparse exact optimal", "sparse_parts exact optimal", "near near_optimal finished"}
+    assert not line["wrong"]
     line = watched(range(FIRST, FIRST + 2))
     assert line["n_problems"] >= 2
     assert sum(line["counts"].values()) >= 2

@@ -2,7 +2,8 @@
 
 `python -m benchmarks.run fuzz_everything --limit 3600 --threads 2`: so many seconds in so many processes, one line per
 chunk of seeds; the table of docs/reliability.md at the end. `--only near` asks the kinds that a regular expression
-finds. What counts as wrong, for any problem and any limit:
+finds. `--seeds 3000` asks one question about each of the first 3,000 problems of a kind, of `exact` where it can
+answer, and the limit is that of a call. What counts as wrong, for any problem and any limit:
 
     optimal     the answer says optimal, and a tree that costs less (by more than the stated tolerance) exists
     bound       the bound lies above the least cost
@@ -22,6 +23,7 @@ lie beyond: docs/reliability.md, "Sizes".
 import json
 import multiprocessing
 import re
+import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -35,25 +37,26 @@ CHUNK = 100
 PATIENCE = 60.0  # seconds without a word from a chunk's process before its problem is called a hang
 
 
-def results(limit: float, threads: Sequence[int], only: str = "") -> Iterator[Line]:
-    """Yield a line per chunk of seeds until the time is up."""
+def results(limit: float, threads: Sequence[int], only: str = "", seeds: int = 0) -> Iterator[Line]:
+    """Yield a line per chunk of seeds until the time is up, or the seeds are."""
     start, kinds = time.perf_counter(), [name for name in KINDS if re.search(only, name)]
+    stop, free = (seeds, limit) if seeds else (sys.maxsize, None)
     with ThreadPoolExecutor(max(threads)) as pool:
         first = 0
-        while time.perf_counter() - start < limit:
-            firsts = range(first, first + CHUNK * max(threads), CHUNK)
-            yield from pool.map(lambda seed: watched(range(seed, seed + CHUNK), kinds), firsts)
+        while first < stop and (seeds or time.perf_counter() - start < limit):
+            firsts = range(first, min(first + CHUNK * max(threads), stop), CHUNK)
+            yield from pool.map(lambda seed: watched(range(seed, min(seed + CHUNK, stop)), kinds, free), firsts)
             first = firsts.stop
 
 
-def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS)) -> Line:
+def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS), free: float | None = None) -> Line:
     """Return the line of a chunk, answered in a process of its own that is ended where it no longer moves."""
     context = multiprocessing.get_context("spawn")
     answers: list[Line] = []
     rest = seeds
     while rest:
         ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(target=_answer_all, args=(rest, kinds, theirs))
+        process = context.Process(target=_answer_all, args=(rest, kinds, free, theirs))
         process.start()
         theirs.close()
         asked = ""
@@ -96,9 +99,9 @@ def _line(seeds: range, answers: Sequence[Line]) -> Line:
     }
 
 
-def _answer_all(seeds: range, kinds: Sequence[str], pipe: Connection) -> None:
+def _answer_all(seeds: range, kinds: Sequence[str], free: float | None, pipe: Connection) -> None:
     for seed in seeds:
-        for question, problem, truth in questions(seed, kinds):
+        for question, problem, truth in questions(seed, kinds, free):
             pipe.send(("asked", str(question)))
             pipe.send(("answer", answer(question, problem, truth)))
         pipe.send(("done", seed + 1))

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, simplify
 
 SMALL = 24
@@ -194,6 +195,17 @@ def ordered(problem: Problem, tree: Node) -> Node:
         predicted = [pooled if joins else leaf for leaf, joins in zip(predicted, together.tolist(), strict=True)]
         tree = _with_leaves(tree, iter(predicted))
     return simplify(tree)
+
+
+def fitting(problem: Problem, solution: Solution) -> Solution:
+    """Return a solution whose tree has the shape that is asked for: pruned and put in order where it has not."""
+    if solution.tree is None or not problem.is_shaped:
+        return solution
+    tree = ordered(problem, pruned(problem, solution.tree, problem.max_splits))
+    if tree is solution.tree:
+        return solution
+    stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
+    return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
 
 
 def _with_leaves(tree: Node, predicted: Iterator[Leaf]) -> Node:
