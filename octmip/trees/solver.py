@@ -293,8 +293,7 @@ class _Call:
         return fitting(self.problem, solution)
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
-        progress = self.run.progress
-        if progress is None:
+        if (progress := self.run.progress) is None:
             return None
         return lambda state: progress(replace(state, seconds=state.seconds + spent))
 
@@ -302,8 +301,9 @@ class _Call:
 def _result(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
-        first = _in_no_order(call, name) or _first_tree(call, name)
-        if first.stop is Stop.INTERRUPTED or first.is_optimal:
+        free = _in_no_order(call, name)
+        first = free or _first_tree(call, name)
+        if free or first.stop is Stop.INTERRUPTED:
             return first
     is_alone = first is None and solvers_of(call.problem)[name] is EXACT
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
