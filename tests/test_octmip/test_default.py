@@ -177,6 +177,7 @@ def test_rows_too_few_to_choose_by_get_one_split_and_the_reason():
 def test_a_time_limit_leaves_out_families_but_not_cart():
     choice = choose_default(IRIS, seconds=0.0)
     assert {step.family.method for step in choice.steps} == {"cart"}
+    assert choice.paths[0].is_whole  # cut short, its steps would not stand for the trees of the folds
     assert choice.chosen.validation_cost < 0.1
 
 
@@ -190,7 +191,7 @@ def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitte
     assert found.solution.details["choice"]["n_rows"] == found.choice.problem.n_samples == FEWEST_ROWS
     assert found.solution.tree == found.problem.with_best_leaves(found.solution.tree)
     assert found.solution.bound == -math.inf
-    assert "20,000 rows drawn at random" in choice_text(found.problem, found.solution)
+    assert "5,000 rows drawn at random" in choice_text(found.problem, found.solution)
     assert sampled(problem, 10.0, 0) is None
 
 

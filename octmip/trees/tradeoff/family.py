@@ -101,7 +101,8 @@ def trace_families(
     Parameters
     ----------
     seconds
-        families that have not begun by then, and of all but the first those that have not ended, have no path [s].
+        families that have not begun by then, and those that have not ended, have no path [s]; the first always ends,
+        as steps of paths that were cut short would not stand for equal trees.
 
     Raises
     ------
@@ -121,7 +122,8 @@ def trace_families(
         if n_cuts is not None and n_cuts not in grids:
             grids[n_cuts] = Coarse.of(problem, n_cuts)
         cut = free if n_cuts is None else replace(grids[n_cuts].problem, depth=family.depth)
-        limits = replace(run.limits, seconds=max(0.0, min(run.limits.seconds, left)))
+        own_seconds = max(0.0, min(run.limits.seconds, left)) if paths else run.limits.seconds
+        limits = replace(run.limits, seconds=own_seconds)
         if family.method == "cart":
             limits = replace(limits, nodes=SPLITS_OF_CART * limits.nodes)
         limited = family.run(replace(run, limits=limits))

@@ -1,27 +1,28 @@
 """The rows that a default tree is chosen and grown on where the seconds do not suffice for all of them.
 
 The first family of trees is always finished (octmip.trees.tradeoff.family), so its work must fit the time: one tree of
-CART for all rows and one for each fold. A tree takes so many seconds for n rows of p features:
+CART for all rows and one for each fold. How long a tree takes is measured on few rows, as it depends on the machine,
+on what else runs there, on the loss and on the columns. For n rows it is taken to rise as n log n, since CART sorts
+every column at every level.
 
-    n * (PER_ROW + growth * p * log2 n)      growth of the loss: CART sorts every feature at every level
-
-The rows are drawn at random, of each class its share, so that one seed and one limit give the same rows anywhere.
+The rows are drawn at random, of each class its share. Their number is that of all rows, halved until the time
+suffices, so that times which differ a little seldom make another tree.
 """
 
 import math
+import time
 from dataclasses import replace
 
 import numpy as np
 
 from octmip.trees.problem import Problem
+from octmip.trees.run import Run
+from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
+from octmip.trees.tradeoff.path import trace_run
 
-PER_ROW = 8e-6
-"""Seconds of pruning and judging; measured with growth on 20,000 to 200,000 rows of 4 to 16 features."""
-GROWTH, GROWTH_BY_MEDIAN = 1e-7, 5e-7
-"""Seconds by row, feature and doubling of rows: Gini and squared error 0.7e-7 on an idle core; absolute error."""
-FEWEST_ROWS = 20_000
-"""They are always used."""
+FEWEST_ROWS = 5000
+"""They are always used, and measured."""
 
 
 def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
@@ -36,12 +37,32 @@ def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
     seed
         of the draw.
     """
-    growth = GROWTH if problem.loss.predicts == "class" or problem.number_loss.slopes is None else GROWTH_BY_MEDIAN
-    by_row = PER_ROW + growth * problem.n_features * math.log2(max(2, problem.n_samples))
-    n_rows = max(FEWEST_ROWS, math.floor(min(seconds / by_row, problem.n_samples)))
-    if n_rows >= problem.n_samples:
+    n = problem.n_samples
+    if n <= FEWEST_ROWS or math.isinf(seconds):
         return None
-    rows = np.flatnonzero(held_out_rows(strata_of(problem.loss, problem.targets), n_rows / problem.n_samples, seed))
+    few = _drawn(problem, FEWEST_ROWS / n, seed)
+    # Twice: the first tree of a process also waits for what it imports.
+    by_work = min(_seconds_of_path(few) for _ in range(2)) / _work(FEWEST_ROWS)
+    halvings = 0
+    while n / 2**halvings > FEWEST_ROWS and by_work * _work(n / 2**halvings) > seconds:
+        halvings += 1
+    if halvings == 0:
+        return None
+    return few if n / 2**halvings <= FEWEST_ROWS else _drawn(problem, 1 / 2**halvings, seed)
+
+
+def _seconds_of_path(problem: Problem) -> float:
+    start = time.perf_counter()
+    trace_run(replace(problem, depth=MAX_DEPTH), Run("cart"))
+    return time.perf_counter() - start
+
+
+def _work(n_rows: float) -> float:
+    return n_rows * math.log2(n_rows)
+
+
+def _drawn(problem: Problem, share: float, seed: int) -> Problem:
+    rows = np.flatnonzero(held_out_rows(strata_of(problem.loss, problem.targets), share, seed))
     return replace(
         problem, features=problem.features[rows], targets=problem.targets[rows], weights=problem.weights[rows]
     )
