@@ -191,7 +191,10 @@ def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitte
     assert found.solution.details["choice"]["n_rows"] == found.choice.problem.n_samples == FEWEST_ROWS
     assert found.solution.tree == found.problem.with_best_leaves(found.solution.tree)
     assert found.solution.bound == -math.inf
-    assert "5,000 rows drawn at random" in choice_text(found.problem, found.solution)
+    said = choice_text(found.problem, found.solution)
+    assert "1 kind of trees" in said
+    assert "the time left out 7 more" in said
+    assert "5,000 rows drawn at random" in said
     assert sampled(problem, 10.0, 0) is None
 
 

@@ -29,10 +29,14 @@ def choice_text(problem: Problem, solution: Solution) -> str:
         return ""
     if "reason" in choice:
         return f"not chosen: {visible(str(choice['reason']))}; depth {problem.depth} instead"
+    n_kinds = len(choice["families"])
+    kinds = f"{n_kinds} kind{'' if n_kinds == 1 else 's'} of trees"
     lines = [
-        f"chosen by cross-validation ({choice['n_folds']} folds, {len(choice['families'])} kinds of trees): "
-        f"{visible(choice['kind'])}; leaf penalty {problem.leaf_penalty:.4g}"
+        f"chosen by cross-validation ({choice['n_folds']} folds, {kinds}): {visible(choice['kind'])}; "
+        f"leaf penalty {problem.leaf_penalty:.4g}"
     ]
+    if choice["families_left_out"]:
+        lines.append(f"the time left out {choice['families_left_out']} more of them; more --seconds try these too")
     if "n_rows" in choice:
         lines.append(
             f"chosen and grown on {choice['n_rows']:,} rows drawn at random, for the time given, and fitted to all; "

@@ -81,6 +81,8 @@ class Choice:
         how it was chosen.
     expectation
         what the tree and CART, pruned by the same folds, cost on new rows; None where no rows are left to say.
+    n_left_out
+        how many families had no time.
     """
 
     problem: Problem
@@ -91,6 +93,7 @@ class Choice:
     fold: NDArray[np.int64]
     rule: Rule
     expectation: Expectation | None
+    n_left_out: int
 
     @property
     def tree(self) -> Node:
@@ -139,6 +142,7 @@ class Choice:
             "n_folds": int(self.fold.max()) + 1,
             "validation_cost": step.validation_cost,
             "families": list(dict.fromkeys(step.kind for step in self.steps)),
+            "families_left_out": self.n_left_out,
             "expected": self.expectation and self.expectation.to_json(),
         }
 
@@ -238,7 +242,8 @@ def choose_tree(
         solution = solve_in_family(final, chosen.family, Run(method, left, seed, options=shared), known)
     is_cart = np.array([step.family.method == "cart" for step in steps])
     expectation = together.expectation(RULES[rule], is_cart, seed)
-    choice = Choice(final, solution, chosen, steps, tuple(paths), fold_numbers(problem, pairs), rule, expectation)
+    fold, n_left_out = fold_numbers(problem, pairs), len(kinds) - n_kinds
+    choice = Choice(final, solution, chosen, steps, tuple(paths), fold, rule, expectation, n_left_out)
     stop = Stop.INTERRUPTED if is_interrupted else solution.stop
     details = {**solution.details, "choice": choice.to_json()}
     return replace(choice, solution=replace(solution, stop=stop, details=details))
