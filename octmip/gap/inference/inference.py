@@ -142,6 +142,10 @@ USUAL_LEVEL = float(np.sqrt(sum(share * level**2 for level, share in LEVELS.item
 """Root mean square of the levels of errors before any reading."""
 
 
+Reduced = tuple[Floats, Floats, float]
+"""Of a set of candidates: Gram matrix (m, m), projections (m,), and the log of p0 under their errors over p0."""
+
+
 class Inference:
     """Fits of sets of a linear model's candidates; each is made once and kept.
 
@@ -154,7 +158,7 @@ class Inference:
     def __init__(self, model: LinearModel) -> None:
         self.model = model
         self._fits: dict[Members, Fit] = {}
-        self._between: dict[int, Floats] = {}
+        self._traces: dict[int, tuple[Floats, Floats]] = {}
         self._allowing: dict[Members, Inference] = {}
         self._identifiable: dict[Members, Members] = {}
 
@@ -170,29 +174,26 @@ class Inference:
         """Return `fit` of every set: one by one they cost several times as much."""
         new = [members for members in dict.fromkeys(sets) if members not in self._fits]
         for group in alike(self.model.inputs.priors, new):
-            self._fits.update(zip(group, self._under(group, [None] * len(group))[0], strict=True))
+            self._fits.update(zip(group, self._fitted(group, [self._reduced(m, None) for m in group]), strict=True))
         uncertain = [members for members in new if is_uncertain(self.model, members)]
         for group in alike(self.model.inputs.priors, uncertain):
-            self._fits.update(zip(group, self._at_level(group, 1.0)[0], strict=True))
+            in_full = [self._reduced(m, self._errors(m, self._fits[m].size, 1.0)[0]) for m in group]
+            self._fits.update(zip(group, self._fitted(group, in_full), strict=True))
             self._fits.update(zip(group, self._over_levels(group), strict=True))
         return [self._fits[members] for members in sets]
 
     def _over_levels(self, group: Sequence[Members]) -> list[Fit]:
         """Return the fits of sets summed over the levels of their errors, which are as large as their last sizes."""
-        by_level = [(*self._at_level(group, level), np.log(share)) for level, share in LEVELS.items()]
-        logs = np.array([shifts + log_share for _, shifts, log_share in by_level]).T
-        return [mixed([fits[k] for fits, _, _ in by_level], own, list(LEVELS)) for k, own in enumerate(logs)]
+        by_set = [[self._reduced(m, e) for e in self._errors(m, self._fits[m].size, *LEVELS)] for m in group]
+        fits = [self._fitted(group, at_level) for at_level in zip(*by_set, strict=True)]
+        logs = np.array([[shift for _, _, shift in levels] for levels in by_set]) + np.log([*LEVELS.values()])
+        return [mixed(own, log, list(LEVELS)) for own, log in zip(zip(*fits, strict=True), logs, strict=True)]
 
-    def _at_level(self, group: Sequence[Members], level: float) -> tuple[list[Fit], Floats]:
-        return self._under(group, [self._errors(m, self._fits[m].size, level) for m in group])
+    def _fitted(self, group: Sequence[Members], reduced: Sequence[Reduced]) -> list[Fit]:
+        gram, projection = np.array([part[0] for part in reduced]), np.array([part[1] for part in reduced])
+        return fits_of(self.model.inputs.priors, group, gram, projection)
 
-    def _under(self, group: Sequence[Members], errors: Sequence[Floats | None]) -> tuple[list[Fit], Floats]:
-        """Return the fits of sets under added covariances, and what these change of the log of no effect."""
-        parts = [self._reduced(members, error) for members, error in zip(group, errors, strict=True)]
-        gram, projection = np.array([part[0] for part in parts]), np.array([part[1] for part in parts])
-        return fits_of(self.model.inputs.priors, group, gram, projection), np.array([part[2] for part in parts])
-
-    def _reduced(self, members: Members, error: Floats | None) -> tuple[Floats, Floats, float]:
+    def _reduced(self, members: Members, error: Floats | None) -> Reduced:
         """Return the Gram matrix (m, m) and projections (m,) of a set under an added covariance, and log p0' / p0."""
         model, own = self.model, propagated(self.model, members)
         if error is None:
@@ -204,31 +205,30 @@ class Inference:
         shift = 0.5 * float(model.left @ model.left - left @ left) - whitening.log_volume + model.whitening.log_volume
         return columns.T @ columns, columns.T @ left, shift
 
-    def _errors(self, members: Members, size: Floats, level: float) -> Floats | None:
-        """Return the covariance (n, n) of the errors of some signatures at these sizes; None of none."""
-        model, n = self.model, self.model.n
-        if not is_uncertain(model, members):
-            return None
-        sized = list(zip(members, size.tolist(), strict=True))
-        root = np.hstack([np.zeros((n, 0)), *(theta * self._beside(j) for j, theta in sized)])
-        if not level and not root.shape[1]:
-            return None
-        parts = np.array([theta * own_error(model, j) for j, theta in sized]).reshape(-1, n).T
-        return np.asarray(level**2 * (parts @ parts.T) * self._correlation + root @ root.T)
+    def _errors(self, members: Members, size: Floats, *levels: float) -> list[Floats | None]:
+        """Return the covariance (n, n) of the errors of some signatures at these sizes by level; None of none."""
+        if not is_uncertain(self.model, members):
+            return [None] * len(levels)
+        own, beside = zip(*(self._errors_of(j) for j in members), strict=True)
+        wrong = np.array(own).T * size
+        root = np.hstack([theta * columns for columns, theta in zip(beside, size, strict=True)])
+        of_gauges, of_places = (wrong @ wrong.T) * self._correlation, root @ root.T
+        return [level**2 * of_gauges + of_places if level or root.size else None for level in levels]
 
-    def _beside(self, candidate: int) -> Floats:
-        if candidate not in self._between:
-            self._between[candidate] = between(self.model, candidate)
-        return self._between[candidate]
+    def _errors_of(self, candidate: int) -> tuple[Floats, Floats]:
+        """Return what one signature may be wrong by at each reading, and what lies between it and its neighbours."""
+        if candidate not in self._traces:
+            self._traces[candidate] = own_error(self.model, candidate), between(self.model, candidate)
+        return self._traces[candidate]
 
     def errors(self, members: Members) -> Floats | None:
         """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none."""
         own = self.fit(members)
-        return self._errors(members, own.size, own.level)
+        return self._errors(members, own.size, own.level)[0]
 
     def error_of(self, candidate: int, size: float) -> Floats | None:
         """Return the covariance (n, n) of the errors of one signature at a size, in full; None of none."""
-        return self._errors((candidate,), np.array([size]), max(LEVELS))
+        return self._errors((candidate,), np.array([size]), max(LEVELS))[0]
 
     def allowing(self, members: Members) -> "Inference":
         """Return the inference under the errors of a set's signatures, which are propagated through its members.
@@ -258,7 +258,7 @@ class Inference:
         for k in range(len(members)):
             others = np.arange(len(members)) != k
             beside = tuple(members[i] for i in np.flatnonzero(others))
-            gram = self._reduced(members, self._errors(beside, size[others], level))[0]
+            gram = self._reduced(members, self._errors(beside, size[others], level)[0])[0]
             cross = gram[others, k]
             within = (gram + precision)[np.ix_(others, others)]
             left.append(gram[k, k] - cross @ np.linalg.solve(within, cross))
