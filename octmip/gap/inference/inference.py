@@ -28,6 +28,7 @@ from octmip.gap.inference.difference import along
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import on_readings
+from octmip.gap.inference.states import distance, log_box, moved_states
 from octmip.gap.inference.whitening import Whitening
 from octmip.twin import amounts_of
 
@@ -161,6 +162,7 @@ class Inference:
         self._traces: dict[int, tuple[Floats, Floats]] = {}
         self._allowing: dict[Members, Inference] = {}
         self._identifiable: dict[Members, Members] = {}
+        self._stands: dict[Members, tuple[float, float]] = {}
 
     @cached_property
     def _correlation(self) -> Floats:
@@ -220,6 +222,14 @@ class Inference:
         if candidate not in self._traces:
             self._traces[candidate] = own_error(self.model, candidate), between(self.model, candidate)
         return self._traces[candidate]
+
+    def stand(self, members: Members) -> tuple[float, float]:
+        """Return how far the states that a set prefers lie from the model's, and its log evidence inside the box."""
+        if members not in self._stands:
+            model, fit = self.model, self.fit(members)
+            away = distance(moved_states(model, fit), model.states) if model.inputs.groups else 0.0
+            self._stands[members] = away, model.log_none + fit.log_factor + log_box(model, fit)
+        return self._stands[members]
 
     def errors(self, members: Members) -> Floats | None:
         """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none."""

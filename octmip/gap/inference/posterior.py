@@ -262,12 +262,7 @@ def _weigh(inferences: Sequence[Inference], sets: list[Members]) -> list[Judged]
 
 
 def _exact(inferences: Sequence[Inference], members: Members) -> Judged:
-    tried = []
-    for inference in inferences:
-        model, fit = inference.model, inference.fit(members)
-        value = model.log_none + fit.log_factor + log_box(model, fit)
-        away = distance(moved_states(model, fit), model.states) if model.inputs.groups else 0.0
-        tried.append((away, value, inference))
+    tried = [(*inference.stand(members), inference) for inference in inferences]
     near = [t for t in tried if t[0] < FAR] or [min(tried, key=lambda t: t[0])]
     _, value, nearest = max(near, key=lambda t: t[1])
     return Judged(members, False, value + log_prior(nearest.model.inputs, members), nearest)
