@@ -25,10 +25,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.gap.inference.rows import Frame, Rows
 from octmip.gap.inference.whitening import log_normal
 from octmip.gap.odds import Differences
-from octmip.gap.twins import CachedTwin
-from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,38 +43,8 @@ ALL_GAUGES, ALL_STATES = 0.3, 0.5
 """Shares of the variance of a change by damage that all gauges, and all states of a gauge, have in common."""
 LENGTH = 0.3
 """Length over which the smooth part varies, as a share of the structure's extent."""
-HALF = 0.5
-"""Damage of the states over which a reading of unknown unit is measured."""
 POOR = 3.0
 """Times the usual difference from which a reading is called poor in the twin."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Rows:
-    """Mean readings as the difference sees them, (n,) each.
-
-    Attributes
-    ----------
-    gauge, load, test, state
-        numbers of each; those of loads, tests and states are common to run and campaign.
-    healthy, change
-        what the twin predicts of the sound asset, and what the state changes in it.
-    share
-        phi.
-    """
-
-    gauge: Ints
-    load: Ints
-    test: Ints
-    state: Ints
-    healthy: Floats
-    change: Floats
-    share: Floats
-
-    def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
-        """Return some of the rows."""
-        numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
-        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,10 +55,8 @@ class Difference:
     ----------
     usual
         relative standard deviations at level 1.
-    scale
-        (n_gauges,) size against which readings are small.
-    kind
-        (n_gauges,) number of each reading's kind.
+    frame
+        sizes and kinds of the readings.
     smooth
         (n_gauges, n_gauges) correlation along the structure.
     factor, tail
@@ -103,8 +70,7 @@ class Difference:
     """
 
     usual: Differences
-    scale: Floats
-    kind: Ints
+    frame: Frame
     smooth: Floats
     factor: Floats
     tail: Floats
@@ -118,12 +84,12 @@ class Difference:
         same = g == h
         f = self.factor
         healthy = np.outer(f[a.gauge] * a.healthy, f[b.gauge] * b.healthy)
-        alike = self.kind[g] == self.kind[h]
+        alike = self.frame.kind[g] == self.frame.kind[h]
         found = np.where(alike, (u.common**2 + u.smooth**2 * self.smooth[g, h]) * healthy, 0.0)
         own = f * self.tail
-        part = [own[x.gauge] * self.scale[x.gauge] * x.share for x in (a, b)]
-        bend = [own[x.gauge] * self.scale[x.gauge] * x.share * np.abs(x.share) for x in (a, b)]
-        flat = [own[x.gauge] * self.scale[x.gauge] for x in (a, b)]
+        part = [own[x.gauge] * self.frame.scale[x.gauge] * x.share for x in (a, b)]
+        bend = [own[x.gauge] * self.frame.scale[x.gauge] * x.share * np.abs(x.share) for x in (a, b)]
+        flat = [own[x.gauge] * self.frame.scale[x.gauge] for x in (a, b)]
         free = np.where(a.load[:, None] == b.load[None, :], u.floor**2 + u.cell**2, u.floor**2)
         single = free * np.outer(*part) + u.constant**2 * np.outer(*flat) + u.bend**2 * np.outer(*bend)
         single += u.own**2 * np.outer(self.tail[a.gauge], self.tail[b.gauge]) * healthy
@@ -138,7 +104,7 @@ class Difference:
     def _wander(self, a: Rows, b: Rows) -> Floats:
         g, h = a.gauge[:, None], b.gauge[None, :]
         both = self.wander[0][g, h] + self.wander[1][g, h] * np.outer(a.share, b.share)
-        scale = np.outer(self.scale[a.gauge], self.scale[b.gauge])
+        scale = np.outer(self.frame.scale[a.gauge], self.frame.scale[b.gauge])
         return np.asarray(np.where(a.test[:, None] == b.test[None, :], both * scale, 0.0))
 
     def at(self, level: float) -> "Difference":
@@ -146,51 +112,10 @@ class Difference:
         return replace(self, level=level)
 
 
-def usual_difference(twin: CachedTwin, gauges: Sequence[str], load: Load, usual: Differences) -> Difference:
-    """Return the difference to expect at the reference load from the twin alone."""
-    n = len(gauges)
-    return Difference(
-        usual=usual,
-        scale=scale_of(twin, gauges, load),
-        kind=kinds_of(twin, gauges),
-        smooth=along(twin, gauges, LENGTH),
-        factor=np.ones(n),
-        tail=np.ones(n),
-        wander=np.zeros((2, n, n)),
-    )
-
-
-def kinds_of(twin: CachedTwin, gauges: Sequence[str]) -> Ints:
-    """Return the number (n_gauges,) of each reading's kind: its unit, one for all where the twin does not say."""
-    kinds = list(twin.units) if twin.units is not None else [""] * len(twin.gauges)
-    named = list(dict.fromkeys(kinds))
-    return np.array([named.index(kinds[twin.gauges.index(name)]) for name in gauges], dtype=np.int64)
-
-
-def scale_of(twin: CachedTwin, gauges: Sequence[str], load: Load) -> Floats:
-    """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
-
-    A twin that announces no units may mix several, so each reading is then measured by itself, over the sound state
-    and states with half of each damage: a strain that is near zero in the sound state need not be in others.
-    """
-    columns = [twin.gauges.index(name) for name in gauges]
-    healthy = twin.predict({}, load)[columns]
-    if twin.units is None:
-        states = np.vstack([np.zeros(len(twin.parameters)), HALF * np.eye(len(twin.parameters))])
-        squares = np.mean(twin.predict_states(states, load)[:, columns] ** 2, axis=0)
-        return np.asarray(np.maximum(np.sqrt(squares), 1e-300))
-    units = np.array([twin.units[k] for k in columns])
-    scale = [np.sqrt(np.mean(healthy[units == unit] ** 2)) for unit in units]
-    return np.asarray(np.maximum(np.array(scale), 1e-300))
-
-
-def along(twin: CachedTwin, gauges: Sequence[str], length: float) -> Floats:
-    """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
-    positions, columns = twin.gauge_positions, [twin.gauges.index(name) for name in gauges]
-    points = np.arange(len(columns), dtype=np.float64)[:, None] if positions is None else positions[columns]
-    extent = float(np.linalg.norm(np.ptp(points, axis=0)))
-    distance = np.linalg.norm(points[:, None, :] - points[None, :, :], axis=2) / max(length * extent, 1e-12)
-    return np.asarray(np.exp(-0.5 * distance**2))
+def usual_difference(frame: Frame, usual: Differences) -> Difference:
+    """Return the difference to expect from the twin alone."""
+    n = len(frame.order)
+    return Difference(usual, frame, frame.along(LENGTH), np.ones(n), np.ones(n), np.zeros((2, n, n)))
 
 
 def learnt(difference: Difference, rows: Rows, residual: Floats, noise: Floats) -> Difference:
@@ -209,8 +134,8 @@ def learnt(difference: Difference, rows: Rows, residual: Floats, noise: Floats) 
 
 def _with_levels(known: Difference, rows: Rows, residual: Floats, noise: Floats) -> Difference:
     factor = known.factor.copy()
-    for kind in np.unique(known.kind[rows.gauge]).tolist():
-        here = np.flatnonzero(known.kind[rows.gauge] == kind)
+    for kind in np.unique(known.frame.kind[rows.gauge]).tolist():
+        here = np.flatnonzero(known.frame.kind[rows.gauge] == kind)
         own = noise[np.ix_(here, here)]
         unit = replace(known, factor=np.ones_like(factor), wander=np.zeros_like(known.wander))
         part = unit.covariance(rows.at(here), rows.at(here))
@@ -218,7 +143,7 @@ def _with_levels(known: Difference, rows: Rows, residual: Floats, noise: Floats)
         tried = [log_normal(own + wander + level**2 * part, residual[here]) for level in KIND_LEVELS]
         logs = np.array(tried) - 0.5 * (np.log(KIND_LEVELS) / KIND_SPREAD) ** 2
         share = np.exp(logs - logs.max())
-        factor[known.kind == kind] = np.exp(share @ np.log(KIND_LEVELS) / share.sum())
+        factor[known.frame.kind == kind] = np.exp(share @ np.log(KIND_LEVELS) / share.sum())
     return replace(known, factor=factor)
 
 
@@ -251,11 +176,11 @@ def wander_of(difference: Difference, rows: Rows, residual: Floats, noise: Float
     covariance of these over the tests less that of the noise is what tests wander by; covariances between readings are
     shrunk the more, the fewer the tests.
     """
-    n = len(difference.scale)
+    n = len(difference.frame.scale)
     tests = np.unique(rows.test)
     if len(tests) < 2:
         return np.zeros((2, n, n))
-    left = _about_mean(rows, residual / difference.scale[rows.gauge])
+    left = _about_mean(rows, residual / difference.frame.scale[rows.gauge])
     n_parts = 2 if len(np.unique(rows.load)) > 1 and np.ptp(rows.share) > 0.0 else 1
     coefficients, spread = np.full((n_parts, len(tests), n), np.nan), np.zeros((n_parts, n))
     for t, test in enumerate(tests.tolist()):
@@ -265,7 +190,7 @@ def wander_of(difference: Difference, rows: Rows, residual: Floats, noise: Float
                 continue
             design = np.column_stack([np.ones(len(here)), rows.share[here]])[:, :n_parts]
             inverse = np.linalg.pinv(design)
-            own = noise[np.ix_(here, here)] / difference.scale[g] ** 2
+            own = noise[np.ix_(here, here)] / difference.frame.scale[g] ** 2
             coefficients[:, t, g] = inverse @ left[here]
             spread[:, g] += np.diag(inverse @ own @ inverse.T) / len(tests)
     found = np.zeros((2, n, n))

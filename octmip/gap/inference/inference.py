@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.inference.confounding import VISIBLE
-from octmip.gap.inference.difference import along
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import on_readings
@@ -86,7 +85,7 @@ def own_error(model: LinearModel, candidate: int) -> Floats:
     if inputs.twin.gauge_positions is None or not wrong.any():
         return np.asarray(wrong * own)
     kind = inputs.frame.kind
-    near = along(inputs.twin, inputs.campaign.gauges, NEARBY) * (kind[:, None] == kind)
+    near = inputs.frame.along(NEARBY) * (kind[:, None] == kind)
     squares = np.zeros((len(inputs.averages), len(inputs.order)))
     squares[model.average, gauge] = own**2
     about = np.sqrt(squares @ near / near.sum(axis=0))[model.average, gauge]

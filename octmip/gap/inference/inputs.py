@@ -17,11 +17,9 @@ from octmip.gap.channels.checks import calm, checked, noise_of, noise_of_run
 from octmip.gap.inference.candidates import Candidate, Priors, candidates_of, priors_of
 from octmip.gap.inference.difference import (
     Difference,
-    kinds_of,
     learnt,
     log_at_levels,
     poor_readings,
-    scale_of,
     usual_difference,
     wander_of,
 )
@@ -86,12 +84,10 @@ class Inputs:
 
     Attributes
     ----------
-    campaign, twin, difference, candidates
+    campaign, difference, candidates
         as named; the difference is that of twin and asset before any effect.
     priors
         of the candidates.
-    order
-        position in the twin's gauges of each of the campaign's.
     averages
         the campaign's repeats, averaged.
     reference
@@ -109,11 +105,9 @@ class Inputs:
     """
 
     campaign: Campaign
-    twin: CachedTwin
     difference: Difference
     candidates: tuple[Candidate, ...]
     priors: Priors
-    order: tuple[int, ...]
     averages: tuple[Cell, ...]
     reference: Load
     groups: Groups
@@ -163,7 +157,17 @@ class Inputs:
     @property
     def usual(self) -> Difference:
         """The difference to expect from the twin alone."""
-        return usual_difference(self.twin, self.campaign.gauges, self.reference, self.odds.differences)
+        return usual_difference(self.frame, self.odds.differences)
+
+    @property
+    def twin(self) -> CachedTwin:
+        """The model."""
+        return self.frame.twin
+
+    @property
+    def order(self) -> tuple[int, ...]:
+        """(n_gauges,) position in the twin's gauges of each of the campaign's."""
+        return self.frame.order
 
     def healthy(self, load: Load) -> Floats:
         """Return what the twin predicts (n_gauges,) of the healthy state at a load, for the campaign's gauges."""
@@ -216,21 +220,18 @@ def prepare(
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     _refuse_nothing_predicted(campaign, asked, reference)
-    frame = _frame(campaign, run, asked, reference)
-    difference = usual_difference(asked, campaign.gauges, reference, odds.differences)
+    frame = Frame.of(asked, campaign.gauges, reference, [*campaign.loads, *(run.loads if run is not None else ())])
     known, of_run = (None, [WITHOUT_RUN]) if run is None else _read(run, frame, noise)
     candidates = candidates_of(effects, asked, campaign.gauges, odds)
     averages = campaign.averages(any(getattr(effect, "uses_time", False) for effect in effects.values()))
     noises = NoiseOfMeans.every(noise, averages)
     inputs = Inputs(
         campaign=campaign,
-        twin=asked,
         noises=noises,
         noise_of_means=noises[0],
-        difference=difference,
+        difference=usual_difference(frame, odds.differences),
         candidates=candidates,
         priors=priors_of(candidates),
-        order=frame.order,
         averages=averages,
         reference=reference,
         groups=_open_groups(campaign),
@@ -270,19 +271,6 @@ def _of_difference(inputs: Inputs) -> list[str]:
             "by as much."
         )
     return notes
-
-
-def _frame(campaign: Campaign, run: Campaign | None, twin: CachedTwin, reference: Load) -> Frame:
-    order = tuple(twin.gauges.index(name) for name in campaign.gauges)
-    every = dict.fromkeys([*campaign.loads, *(run.loads if run is not None else ())])
-    return Frame(
-        twin=twin,
-        order=order,
-        scale=scale_of(twin, campaign.gauges, reference),
-        reference=twin.predict({}, reference)[list(order)],
-        kind=kinds_of(twin, campaign.gauges),
-        loads={load: k for k, load in enumerate(every)},
-    )
 
 
 def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:

@@ -18,9 +18,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.inference.difference import Rows
 from octmip.gap.inference.inputs import Inputs, NoiseOfMeans
-from octmip.gap.inference.rows import Means
+from octmip.gap.inference.rows import Means, Rows
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.whitening import Whitening
 from octmip.twin import Load

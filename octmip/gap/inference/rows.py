@@ -1,18 +1,49 @@
 """Mean readings as rows: what a campaign or a commissioning run says, gauge by gauge, beside what the twin predicts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Cell
-from octmip.gap.inference.difference import Rows
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+HALF = 0.5
+"""Damage of the states over which a reading of unknown unit is measured."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """Mean readings as the difference sees them, (n,) each.
+
+    Attributes
+    ----------
+    gauge, load, test, state
+        numbers of each; those of loads, tests and states are common to run and campaign.
+    healthy, change
+        what the twin predicts of the sound asset, and what the state changes in it.
+    share
+        phi.
+    """
+
+    gauge: Ints
+    load: Ints
+    test: Ints
+    state: Ints
+    healthy: Floats
+    change: Floats
+    share: Floats
+
+    def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
+        """Return some of the rows."""
+        numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
+        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,11 +81,11 @@ class Frame:
     order
         position in the twin's gauges of each of the campaign's.
     scale
-        (n_gauges,) size of a reading.
+        (n_gauges,) size against which readings are small.
     reference
         (n_gauges,) healthy prediction at the reference load.
     kind
-        (n_gauges,) number of each reading's kind.
+        (n_gauges,) number of each reading's kind: its unit, one for all where the twin does not say.
     loads
         number of each load.
     """
@@ -65,6 +96,25 @@ class Frame:
     reference: Floats
     kind: Ints
     loads: Mapping[Load, int]
+
+    @classmethod
+    def of(cls, twin: CachedTwin, gauges: Sequence[str], reference: Load, loads: Iterable[Load]) -> "Frame":
+        """Return that of the readings of some gauges of a twin."""
+        order = tuple(twin.gauges.index(name) for name in gauges)
+        kinds = twin.units or ("",) * len(twin.gauges)
+        named = list(dict.fromkeys(kinds))
+        healthy = twin.predict({}, reference)[list(order)]
+        kind = np.array([named.index(kinds[k]) for k in order], dtype=np.int64)
+        numbers = {load: k for k, load in enumerate(dict.fromkeys(loads))}
+        return cls(twin, order, _scale(twin, order, kind, reference), healthy, kind, numbers)
+
+    def along(self, length: float) -> Floats:
+        """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
+        positions, n = self.twin.gauge_positions, len(self.order)
+        points = np.arange(n, dtype=np.float64)[:, None] if positions is None else positions[list(self.order)]
+        extent = float(np.linalg.norm(np.ptp(points, axis=0)))
+        distance = np.linalg.norm(points[:, None, :] - points[None, :, :], axis=2) / max(length * extent, 1e-12)
+        return np.asarray(np.exp(-0.5 * distance**2))
 
     def share(self, healthy: Floats) -> float:
         """Return phi: the signed size of a healthy prediction (n_gauges,) beside that at the reference load."""
@@ -112,6 +162,21 @@ class Frame:
             change=now - healthy,
             share=self.shares(healthy),
         )
+
+
+def _scale(twin: CachedTwin, order: Sequence[int], kind: Ints, load: Load) -> Floats:
+    """Return the size (n_gauges,) against which readings are small: the rms prediction over those of the same unit.
+
+    A twin that announces no units may mix several, so each reading is then measured by itself, over the sound state
+    and states with half of each damage: a strain that is near zero in the sound state need not be in others.
+    """
+    if twin.units is None:
+        states = np.vstack([np.zeros(len(twin.parameters)), HALF * np.eye(len(twin.parameters))])
+        squares = np.mean(twin.predict_states(states, load)[:, list(order)] ** 2, axis=0)
+    else:
+        own = twin.predict({}, load)[list(order)] ** 2
+        squares = np.array([np.mean(own[kind == k]) for k in kind])
+    return np.asarray(np.maximum(np.sqrt(squares), 1e-300))
 
 
 def recorded(averages: Sequence[Cell]) -> tuple[Ints, Ints]:

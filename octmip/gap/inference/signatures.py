@@ -60,7 +60,7 @@ def ratios(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
 
     Where a twin reads a share too little, what an effect changes is mostly that share too little as well.
     """
-    order, scale = list(inputs.order), SMALL * inputs.difference.scale
+    order, scale = list(inputs.order), SMALL * inputs.frame.scale
     pairs = [(inputs.named(states[part.number]), part.load) for part in inputs.averages]
     twins = np.array([inputs.twin.predict(state, load)[order] for state, load in pairs])
     found = (expected * twins + scale**2) / (twins**2 + scale**2)

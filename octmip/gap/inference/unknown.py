@@ -1,6 +1,6 @@
 """The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
-The asset shows an extra field tau s c u over the gauges: s their scales (`Difference.scale`), c a course over the load
+The asset shows an extra field tau s c u over the gauges: s their scales (`Frame.scale`), c a course over the load
 or over the time of reading, u ~ N(0, kernel). The kernel is white over the gauges or smooth along the structure, one
 field in all tests, or white with a field of its own in each test. With the whitened field's singular values s and the
 residual's components c,
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.inference.difference import along
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.twin import amounts_of
 
@@ -104,9 +103,9 @@ def _logs(model: LinearModel, root: Floats) -> Floats:
 def _roots(model: LinearModel) -> dict[str, Floats]:
     """Return by words for each kind of field a root (n, r) of its covariance over all rows, at unit size."""
     inputs, gauge, share = model.inputs, model.gauge, model.means.rows.share[:, None]
-    scale = inputs.difference.scale[gauge][:, None]
+    scale = inputs.frame.scale[gauge][:, None]
     rough = scale * np.eye(len(inputs.order))[gauge]
-    smooth = along(inputs.twin, inputs.campaign.gauges, SMOOTH) + 1e-6 * np.eye(len(inputs.order))
+    smooth = inputs.frame.along(SMOOTH) + 1e-6 * np.eye(len(inputs.order))
     fields = {"rough": rough, "smooth": scale * np.linalg.cholesky(smooth)[gauge]}
     tests = np.array([cell.test for cell in inputs.campaign.cells])[model.cells]
     names = list(dict.fromkeys(tests.tolist()))
