@@ -12,16 +12,19 @@ from enum import StrEnum
 from itertools import permutations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from octmip.gap.campaign.noise import moves_together
 from octmip.gap.effects.words import words_at
-from octmip.gap.inference.confounding import VISIBLE, confounded_with, confounders
+from octmip.gap.inference.confounding import EXACT, SEPARABLE, VISIBLE, distances_from
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.inference import Judged, neighbours
 from octmip.gap.inference.posterior import Posterior, fit_together
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
+
+Floats = NDArray[np.float64]
 
 UNKNOWN = "unknown"
 """Name of the cause that no effect of the library describes."""
@@ -40,6 +43,8 @@ CLEAR = 5.0
 """d' of an effect from which its name is clear; below it a set of causes is said, not a name."""
 ENOUGH = 0.8
 """Probability from which a clear cause is acted on."""
+DIGITS = 3
+"""Of d' by which effects that look the same are ordered; those that are one are in the library's order."""
 IDLE = 1e-4
 """Probability below which a hypothesis is not searched for members that are not identifiable."""
 MOST_SEPARATIONS = 3
@@ -237,10 +242,13 @@ def _parts(head: Judged) -> list[set[int]]:
     found: dict[object, set[int]] = {}
     for j in head.members:
         near = {j, *neighbours(head.model, j)} if head.model.inputs.candidates[j].n_between else {j}
-        found.setdefault(_part(head, j), set()).update(
-            near | confounded_with(head.allowing, head.fit, j, head.inference.error_of)
-        )
+        alike = np.flatnonzero(_distances(head, j) < SEPARABLE).tolist()
+        found.setdefault(_part(head, j), set()).update(near, alike)
     return list(found.values())
+
+
+def _distances(head: Judged, member: int) -> Floats:
+    return distances_from(head.allowing, head.fit, member, head.inference.error_of)
 
 
 def _part(head: Judged, member: int) -> object:
@@ -275,20 +283,23 @@ def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
 
 
 def _confounded(head: Judged, same: Sequence[Judged], member: int) -> ConfoundedEffects | None:
-    found = confounders(head.allowing, head.fit, member, head.inference.error_of)
+    inputs, d_prime = head.model.inputs, _distances(head, member)
+    found: dict[str, int] = {}
+    for j in np.argsort(np.round(d_prime, DIGITS), kind="stable").tolist():
+        if d_prime[j] < SEPARABLE and inputs.candidates[j].name != inputs.candidates[member].name:
+            found.setdefault(inputs.candidates[j].name, j)
     if not found:
         return None
-    inputs = head.model.inputs
-    alike = [inputs.candidates[j] for j in (member, *(c.candidate for c in found))]
-    exact = all(c.d_prime < 0.5 for c in found)
+    alike, apart = [inputs.candidates[j] for j in (member, *found.values())], d_prime[list(found.values())].tolist()
+    exact = max(apart) < EXACT
     way = "change these readings in the same way" if exact else "have signatures in these readings that are too alike"
     return ConfoundedEffects(
         effects=tuple(candidate.name for candidate in alike),
         places=tuple(candidate.place for candidate in alike),
-        d_prime=(0.0, *(c.d_prime for c in found)),
+        d_prime=(0.0, *apart),
         shares=tuple(_share(candidate.name, same) for candidate in alike),
         words=tuple(words_at(candidate.effect, inputs.twin, candidate.place).name for candidate in alike),
-        reason=f"they {way} (d' {', '.join(f'{c.d_prime:.1f}' for c in found)}, 3 is needed)",
+        reason=f"they {way} (d' {', '.join(f'{d:.1f}' for d in apart)}, 3 is needed)",
         separated_by=tuple(candidate.effect.separated_by for candidate in alike[:MOST_SEPARATIONS]),
     )
 

@@ -13,7 +13,6 @@ of E (C + E)^-1.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg as linalg
@@ -47,27 +46,11 @@ POWER = 3.3 + 1.645
 """d' that a size needs to be seen with 95 % power past a threshold corrected for some hundred places."""
 
 
-@dataclass(frozen=True, slots=True)
-class Confounder:
-    """A candidate that imitates another one.
+def distances_from(model: LinearModel, own: Fit, member: int, errors: Errors) -> Floats:
+    """Return d' (n_candidates,) of every candidate from a member of a fitted set.
 
-    Attributes
-    ----------
-    candidate
-        the confounder.
-    d_prime
-        what it leaves, in standard deviations.
-    size
-        the size that it would need, in its unit.
-    """
-
-    candidate: int
-    d_prime: float
-    size: float
-
-
-def confounders(model: LinearModel, own: Fit, member: int, errors: Errors) -> list[Confounder]:
-    """Return the best confounder of every other effect with d' below `SEPARABLE` from a fitted member, closest first.
+    It is infinite where a candidate leaves most of what the member does. The errors of a signature count at the place
+    of each other effect that leaves least.
 
     Parameters
     ----------
@@ -75,32 +58,8 @@ def confounders(model: LinearModel, own: Fit, member: int, errors: Errors) -> li
         under the errors of the set's signatures.
     own
         the fit of the set.
-    member
-        one of its candidates.
     errors
         of the others.
-    """
-    candidates = model.inputs.candidates
-    d_prime, needed = _from_member(model, own, member, errors)
-    best: dict[str, Confounder] = {}
-    for j in np.argsort(d_prime, kind="stable").tolist():
-        name = candidates[j].name
-        if d_prime[j] < SEPARABLE and name != candidates[member].name and name not in best:
-            best[name] = Confounder(j, float(d_prime[j]), float(needed[j]))
-    return list(best.values())
-
-
-def confounded_with(model: LinearModel, own: Fit, member: int, errors: Errors) -> set[int]:
-    """Return all candidates with d' below `SEPARABLE` from a fitted member, other places of its effect included."""
-    d_prime, _ = _from_member(model, own, member, errors)
-    return {int(j) for j in np.flatnonzero(d_prime < SEPARABLE)}
-
-
-def _from_member(model: LinearModel, own: Fit, member: int, errors: Errors) -> tuple[Floats, Floats]:
-    """Return d' (n_candidates,) of every candidate from a fitted member, and the size that each needs for it.
-
-    It is infinite where a candidate leaves most of what the member does. The errors of a signature count at the place
-    of each other effect that leaves least.
     """
     size = float(own.size[own.members.index(member)])
     gram = conditional_gram(model, tuple(j for j in own.members if j != member), member)
@@ -116,7 +75,7 @@ def _from_member(model: LinearModel, own: Fit, member: int, errors: Errors) -> t
             others = 3.0 * model.inputs.priors.sd[list(own.members)] * model.signatures[:, list(own.members)]
             beside = others[:, [k for k, m in enumerate(own.members) if m != member]]
             d_prime[j] = min(d_prime[j], _beyond_errors(model.covariance + beside @ beside.T, error, left))
-    return d_prime, needed
+    return np.asarray(d_prime)
 
 
 def _beyond_errors(covariance: Floats, error: Floats, left: Floats) -> float:
