@@ -21,6 +21,8 @@ ByStratum = Mapping[str, Sequence[Pair]]
 CLEAR = 5.0
 """d' from which an effect ought to be named."""
 SEEN = 3.0
+STATED = 0.95
+"""Probability of a cause that a user acts on."""
 OWN = 0.01
 """Without a commissioning run: what two models of one wing differ by per gauge."""
 LARGE = 4.0
@@ -121,6 +123,12 @@ def _naming(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     ]
 
 
+def _is_named(found: Found) -> bool:
+    """Return whether the first cause names effects of the library, at 0.95 or more."""
+    first = found["which"][0]
+    return first["probability"] >= STATED and bool(first["effects"]) and first["effects"] != ["unknown"]
+
+
 def _rightly_silent(found: Found, answer: Key) -> bool:
     return d_prime(found, answer) < SEEN and not found["which"][0]["effects"]
 
@@ -158,6 +166,7 @@ def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
     told = [(f, a) for s in PRIOR for f, a in by[s]]
     stated = [f["which"][0]["probability"] for f, _ in told]
     seen = [not names_of(a) or least_part(f, a) >= SEEN for f, a in told]
+    named = [(f, a) for s in by if s != "channel" for f, a in by[s] if _is_named(f)]
     return [
         area("outside the library, AUROC (d' > 3)", outside, usual, (0.95, INFINITY)),
         area(
@@ -171,6 +180,11 @@ def _beliefs(by: ByStratum, clear: Sequence[Pair]) -> list[Figure]:
             "mean probability on the true group, d' >= 5",
             [right_probability(f, names_of(a)) for f, a in clear],
             must=(0.90, INFINITY),
+        ),
+        share("causes stated at 0.95 and more, wrong", [not top(f, a) for f, a in named]),
+        share(
+            "of those with each part at d' >= 5, wrong",
+            [not top(f, a) for f, a in named if not names_of(a) or least_part(f, a) >= CLEAR],
         ),
         share("90 % interval coverage of the size", [size_held(f, a) for f, a in by["single"]], (0.86, 0.94)),
         calibration(

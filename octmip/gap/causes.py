@@ -17,6 +17,7 @@ from scipy.special import ndtr
 
 from octmip.gap.campaign.noise import moves_together
 from octmip.gap.effects.words import words_at
+from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.confounding import EXACT, SEPARABLE, VISIBLE, distances_from
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.inference import Judged, neighbours
@@ -35,10 +36,11 @@ MISFIT = 1e-3
 """Chance of the remaining chi-squared below which the best cause does not explain the readings."""
 EXPLAINED = 0.8
 """Share of the held-out gap up to which a misfit counts in full; it counts the less, the more of the gap closes."""
-CLOSES_WITHIN, PER_SQUARE, PER_D_PRIME = 0.04, 4.0, 1.5
+CLOSES_WITHIN, COURSE, PER_D_PRIME = 0.04, 4.0, 1.5
 """Standard deviation of the share of a held-out gap that a right cause closes, about 1.
 
-At least; for each square of the relative error of its signature; of noise, for a gap that stands d' = 1 above it."""
+At least; over the square of its signature's error where the course over the load is a model's; of noise, for a gap that
+stands d' = 1 above it."""
 CLEAR = 5.0
 """d' of an effect from which its name is clear; below it a set of causes is said, not a name."""
 ENOUGH = 0.8
@@ -193,8 +195,8 @@ def with_misfit(
     chance = closing.p_after if closing is not None else chance_of_rest(best.judged.model, best.judged.fit)
     closed = closing.closed if closing is not None and np.isfinite(closing.closed) else 0.0
     kept = min(1.0, chance / MISFIT) ** float(np.clip((1.0 - closed) / (1.0 - EXPLAINED), 0.0, 1.0))
-    errors = [best.judged.model.inputs.candidates[j].signature_error for j in best.judged.members]
-    kept *= _closes(closing, best.judged.model.n, max(errors, default=0.0))
+    left = [_left_by(best.judged.model.inputs.candidates[j]) for j in best.judged.members]
+    kept *= _closes(closing, best.judged.model.n, max(left, default=0.0))
     inputs = best.judged.model.inputs
     kept *= 1.0 - moves_together(inputs.noise, inputs.averages)
     unknown = 1.0 - (1.0 - unknown_probability) * kept
@@ -207,17 +209,26 @@ def with_misfit(
     return tuple(sorted([*known, outside], key=lambda cause: -cause.probability)), unknown
 
 
-def _closes(closing: Shrinkage | None, n: int, error: float = 0.0) -> float:
+def _left_by(candidate: Candidate) -> float:
+    """Return the share of a gap that a right cause may leave open: the square of the error of its signature.
+
+    More where its course over the load is a model's as well, and not that of a linear structure.
+    """
+    known = candidate.effect.load_power in (0, 1)
+    return (1.0 if known else COURSE) * candidate.signature_error**2
+
+
+def _closes(closing: Shrinkage | None, n: int, left: float = 0.0) -> float:
     """Return how much less probable a cause is that closes too little of the gap on held-out readings, at most 1.
 
-    A right cause closes all of it but for noise and the relative error of its signature, another one any share between
-    none and all. What twin and asset differ by is known to a factor: it blurs both.
+    A right cause closes all of it but for noise and the share `left` that its signature may leave, another one any
+    share between none and all. What twin and asset differ by is known to a factor: it blurs both.
     """
     if closing is None or not np.isfinite(closing.closed):
         return 1.0
     d_prime = np.sqrt(max(1.0, n * (closing.chi2_before - closing.chi2_after)))
     blur = closing.floor**2 / (closing.before**2 - closing.floor**2) + 1e-6
-    spread = float(np.linalg.norm([max(CLOSES_WITHIN, PER_SQUARE * error**2), PER_D_PRIME / d_prime, blur]))
+    spread = float(np.linalg.norm([max(CLOSES_WITHIN, left), PER_D_PRIME / d_prime, blur]))
     missing = max(0.0, 1.0 - closing.closed)
     of_another = float(ndtr(missing / blur) - ndtr((min(missing, 1.0) - 1.0) / blur))
     of_right = float(np.exp(-0.5 * (missing / spread) ** 2)) / (spread * float(np.sqrt(2.0 * np.pi)))

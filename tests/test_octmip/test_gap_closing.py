@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from octmip.gap import CHAIN, diagnose
-from octmip.gap.causes import _closes
+from octmip.gap.causes import _closes, _left_by
+from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
@@ -30,9 +31,23 @@ def test_a_cause_that_closes_all_of_a_gap_loses_nothing_and_one_that_closes_half
     expected = math.exp(-0.5 * (0.3 / spread) ** 2) / (spread * math.sqrt(2.0 * math.pi))
     assert _closes(closing(0.7, clear), 80) == pytest.approx(expected)
     assert expected < 1e-4
-    assert _closes(closing(0.7, clear), 80, error=0.1) == pytest.approx(expected)
+    assert _closes(closing(0.7, clear), 80, left=0.04) == pytest.approx(expected)
     # a large deflection: the wing's other models differ so far
-    assert _closes(closing(0.7, clear), 80, error=0.3) > 0.5
+    assert _closes(closing(0.7, clear), 80, left=0.36) > 0.5
+    # a flaw whose trace is known to 40 %: some panel that buckles closes two thirds
+    assert _closes(closing(0.92, clear), 80, left=0.16) == 1.0
+    assert _closes(closing(0.63, clear), 80, left=0.16) < 0.2
+
+
+@pytest.mark.parametrize(("power", "left"), [(1, 0.16), (0, 0.16), (2, 0.64), (None, 0.64)])
+def test_an_effect_of_a_linear_structure_leaves_no_more_than_the_square_of_its_error(power, left):
+    assert _left_by(Candidate(Traced("flaw", SHAPE, power, 1.0), "", 1.0)) == pytest.approx(left)
+
+
+class Traced(Field):
+    """A field whose trace is known to 40 %."""
+
+    signature_error = 0.4
 
 
 def test_a_gap_that_twin_and_asset_differ_by_says_little_of_how_far_a_cause_closes_it():
@@ -95,6 +110,6 @@ def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
     inputs, _ = prepare(campaign, Beam(), {**CHAIN, "soak": effect}, RUN)
     inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
     j = next(k for k, c in enumerate(inputs.candidates) if c.name == "soak")
-    error = np.diag(inference._errors((j,), np.array([12.0]), 1.0))
+    error = np.diag(inference._errors((j,), np.array([12.0]), 1.0)[0])
     assert not error[inference.model.gauge < 10].any()
     assert (error[(inference.model.gauge >= 10) & (np.array(inference.model.loads) > 0.0)] > 0.0).all()
