@@ -177,15 +177,9 @@ def whole_means(model: LinearModel) -> tuple[NDArray[np.int64], Floats]:
 def _means(model: LinearModel) -> _Means:
     places, mix = whole_means(model)
     covariance = mix @ model.covariance @ mix.T
-    noise = np.einsum("ij,jk,ik->i", mix, noise_covariance(model), mix)
+    noise = np.einsum("ij,jk,ik->i", mix, model.scatter, mix)
     units, scale = tuple(model.inputs.units[g] for g in places[1]), model.inputs.scale[places[1]]
     return _Means(places[0], places[1], mix @ model.residual, covariance, noise, units, scale)
-
-
-def noise_covariance(model: LinearModel) -> Floats:
-    """Return the covariance (n, n) that noise alone gives the averaged readings: what wanders is in it, no jump."""
-    inputs = model.inputs
-    return inputs.noise.of_scatter(inputs.averages, model.average, model.gauge)
 
 
 def _entries(means: _Means, names: Sequence[str], share: Floats) -> tuple[Place, ...]:

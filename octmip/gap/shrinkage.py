@@ -17,12 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from octmip.gap.inference.candidates import bounds_of
 from octmip.gap.inference.confounding import ABSURD
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
-from octmip.gap.location import noise_covariance
 from octmip.twin import MICROSTRAIN, amounts_of
 
 Floats = NDArray[np.float64]
@@ -113,7 +111,7 @@ def measure_shrinkage(inference: Inference, members: Sequence[int], seed: int = 
     """Return how far the candidates `members` close the gap, the interval by a parametric bootstrap of the noise."""
     model, chosen = inference.model, tuple(members)
     allowing, own = inference.allowing(chosen).model, inference.fit(chosen)
-    scale, shared = model.inputs.scale[model.gauge], noise_covariance(model)
+    scale, shared = model.inputs.scale[model.gauge], model.scatter
     floor = np.diag(model.covariance) - np.diag(shared) - OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
     names, held = _folds(model, chosen)
     rows = np.concatenate([np.zeros(0, dtype=np.int64), *held])
@@ -188,15 +186,11 @@ def _residuals(model: LinearModel, members: Sequence[int], held: NDArray[np.int6
 
 def _size(model: LinearModel, members: Sequence[int], columns: Floats, solved: Floats) -> Floats:
     """Return the sizes (n_members,) fitted to some rows; `solved` is C0^-1 (columns, residual) of these."""
-    if not members:
-        return np.zeros(0)
-    effects = [model.inputs.candidates[j].effect for j in members]
-    precision = np.diag([(3.0 * e.prior_sd if e.prior_mean == 0.0 else e.prior_sd) ** -2 for e in effects])
-    mean = np.array([e.prior_mean for e in effects])
+    prior, index = model.inputs.priors, list(members)
+    precision = np.diag(np.where(prior.is_discrete, prior.sd, 3.0 * prior.sd)[index] ** -2)
     gram = columns.T @ solved[:, :-1] + precision
-    size = np.linalg.solve(gram, columns.T @ solved[:, -1] + precision @ mean)
-    low, high = np.array([bounds_of(e) for e in effects]).T
-    return np.asarray(np.clip(size, low, high))
+    size = np.linalg.solve(gram, columns.T @ solved[:, -1] + precision @ prior.mean[index])
+    return np.asarray(np.clip(size, *prior.bounds[:, index]))
 
 
 def _square(left: Floats, noise: Floats) -> float:

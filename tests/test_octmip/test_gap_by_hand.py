@@ -95,8 +95,7 @@ def test_the_offset_of_a_jump_acts_from_its_first_row_on():
     zero = np.zeros(2)
     cells = [Cell("T", 1.0, zero, r, zero, np.full(2, len(r)), 0.0, r + 1.0, k) for k, r in enumerate(rows)]
     at = [cells, np.array([0, 1, 2, 2]), np.array([1, 1, 1, 0])]
-    found = noise.of_averages(*at) - noise.of_scatter(*at)
-    assert found == pytest.approx(JUMP_SD**2 * 9.0 * np.outer([0.0, 0.5, 1.0, 0.0], [0.0, 0.5, 1.0, 0.0]))
+    assert noise.of_jumps(*at) == pytest.approx(JUMP_SD**2 * 9.0 * np.outer([0.0, 0.5, 1.0, 0.0], [0.0, 0.5, 1.0, 0.0]))
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ from benchmarks.cases.gap.noise import drawn
 from octmip.gap import diagnose
 from octmip.gap.campaign.noise import least_moment, moves_together, sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.location import noise_covariance
 from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured
 
@@ -46,7 +45,7 @@ def test_a_walk_too_slow_for_the_repeats_accuses_no_sound_asset_and_is_named(sou
 
 def test_error_bars_know_the_walk(sound):
     model = sound.posterior.model
-    variance = [np.diag(noise_covariance(model))[model.cells == k].mean() for k in (0, 3)]
+    variance = [np.diag(model.scatter)[model.cells == k].mean() for k in (0, 3)]
     assert variance[1] - variance[0] == pytest.approx(150 * (STEP * SD) ** 2, rel=0.6)
     assert variance[1] > 2.0 * variance[0]
 

@@ -7,7 +7,7 @@ gauges have, and what gauges share (see `noise_estimate`). Means of N repeats ha
 
 with the inflation of the part's serial correlation (see `spectrum`) and scale(L), the ratio of the scatter at load L to
 the pooled one. Halves of one cell share a little more; a part that wanders is carried from cell to cell, and a gauge
-that jumped has an unknown offset from then on: `Noise.of_averages`.
+that jumped has an unknown offset from then on: `Noise.of_averages` and `Noise.of_jumps`.
 
 How far readings wander from cell to cell, and how long they remember, is a hypothesis with a few sizes. A random walk
 of all gauges that is too slow to stand out of the repeats of one cell still moves the means of later cells by more than
@@ -181,17 +181,17 @@ class Noise:
         single = sum((n * part.of_mean(n) * part.covariance for part in self.parts), np.zeros(overlap.shape))
         return np.asarray(self.scale.get(load, 1.0) * single * overlap)
 
-    def of_averages(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
-        """Return the covariance (n, n) of averages; (n,) indices of average and gauge."""
-        total = self.of_scatter(averages, average, gauge)
+    def of_jumps(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
+        """Return the covariance (n, n) that the offsets of gauges that jumped add to `of_averages`."""
+        total = np.zeros((len(average), len(average)))
         for jump in (fault for fault in self.faults if fault.kind == "jump" and fault.gauge in self.gauges):
             k = self.gauges.index(jump.gauge)
             after = np.array([float((part.rows >= jump.first).mean()) for part in averages])[average] * (gauge == k)
             total += JUMP_SD**2 * self.covariance[k, k] * np.outer(after, after)
         return total
 
-    def of_scatter(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
-        """Return `of_averages` without the offsets of gauges that jumped, of which nothing is known."""
+    def of_averages(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
+        """Return the covariance (n, n) of averages; (n,) indices of average and gauge."""
         spread = np.sqrt([self.scale.get(part.load, 1.0) for part in averages])[average]
         total = self.across(averages, average, gauge) * np.outer(spread, spread)  # shared parts scale with the scatter
         for k, part in enumerate(averages):

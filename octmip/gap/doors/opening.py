@@ -9,7 +9,7 @@ is at most k spacing^2 / 8 for a curvature k, so the spacing decides how exact t
 
 import importlib
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -126,11 +126,9 @@ def _refuse_equal_rows(points: Floats, names: list[str], path: str) -> None:
         )
 
 
-FILES: Mapping[str, Callable[[str, Given, bool], FunctionTwin]] = {"table": table_twin}
-"""Doors of files, by name."""
-PYTHON = "python"
-"""The door of a Python object; it may be left out."""
-DOORS = (*FILES, PYTHON)
+TABLE, PYTHON = "table", "python"
+"""The doors; that of a Python object may be left out."""
+DOORS = (TABLE, PYTHON)
 PARTS = ("gauges", "predict", "effects")
 """What every twin has."""
 
@@ -154,12 +152,12 @@ def open_twin(name: str, card: Given = None, linear: bool = False) -> Twin:
         no such door, file, object or card; an object that gives no twin.
     """
     door, _, where = name.partition(":")
-    if door in FILES:
+    if door == TABLE:
         if not where:
             raise DataError(
-                f"twin {name!r} says no place; expected {door}:FILE, such as {door}:beam.csv; give the file"
+                f"twin {name!r} says no place; expected {TABLE}:FILE, such as table:beam.csv; give the file"
             )
-        return FILES[door](where, card, linear)
+        return table_twin(where, card, linear)
     where = where if door == PYTHON else name
     if card is not None:
         return FunctionTwin(_attribute(where), card_beside(where, card, linear))
@@ -174,8 +172,7 @@ def _attribute(name: str) -> Any:
     module, colon, attribute = name.partition(":")
     if not (module and colon and attribute):
         raise DataError(
-            f"--twin is {name!r}; expected MODULE:NAME, such as femlib.wing:uav_twin, or {' or '.join(FILES)}, a "
-            "colon, and the file"
+            f"--twin is {name!r}; expected MODULE:NAME, such as femlib.wing:uav_twin, or {TABLE}, a colon, and the file"
         )
     if "" not in sys.path:
         sys.path.insert(0, "")  # a twin beside the campaign, in the working directory

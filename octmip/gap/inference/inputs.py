@@ -39,9 +39,20 @@ NAMED = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoiseOfMeans:
-    """A noise that repeats leave open, the covariance (n, n) that it gives their means, and its log probability."""
+    """A noise that repeats leave open.
+
+    Attributes
+    ----------
+    noise
+        of the readings.
+    scatter, covariance
+        (n, n) of the means, without the unknown offsets of gauges that jumped and with them.
+    log_share
+        log probability.
+    """
 
     noise: Noise
+    scatter: Floats
     covariance: Floats
     log_share: float
 
@@ -49,7 +60,8 @@ class NoiseOfMeans:
     def every(cls, noise: Noise, averages: Sequence[Cell]) -> "tuple[NoiseOfMeans, ...]":
         """Return that of every size of a walk or memory, the most probable first."""
         rows = recorded(averages)
-        return tuple(cls(own, own.of_averages(averages, *rows), share) for own, share in sizes(noise, averages))
+        open_ = [(own, own.of_averages(averages, *rows), share) for own, share in sizes(noise, averages)]
+        return tuple(cls(own, found, found + own.of_jumps(averages, *rows), share) for own, found, share in open_)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

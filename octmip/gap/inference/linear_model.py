@@ -135,6 +135,11 @@ class LinearModel:
         return self.inputs.noise_of_means.covariance
 
     @property
+    def scatter(self) -> Floats:
+        """(n, n) the same without the unknown offsets of gauges that jumped."""
+        return self.inputs.noise_of_means.scatter
+
+    @property
     def level(self) -> float:
         """Level of the difference of twin and asset."""
         return self.given.level

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from octmip.gap.causes import UNKNOWN
 from octmip.gap.diagnosis import Diagnosis
 from octmip.gap.inference.linear_model import OPEN_STATE, LinearModel
-from octmip.gap.location import noise_covariance, whole_means
+from octmip.gap.location import whole_means
 from octmip.twin import Load
 
 Floats = NDArray[np.float64]
@@ -76,7 +76,7 @@ def noise_sds(diagnosis: Diagnosis) -> dict[str, float]:
 def measured_cells(diagnosis: Diagnosis) -> tuple[MeasuredCell, ...]:
     """Return every cell of the campaign, halves of its repeats taken together."""
     model, after = _after_first_cause(diagnosis)
-    noise, inputs = noise_covariance(model), model.inputs
+    noise, inputs = model.scatter, model.inputs
     states = OPEN_STATE**2 * np.sum(model.tangents**2, axis=1)
     usual = np.sqrt(np.maximum(0.0, np.diag(model.covariance) - np.diag(noise) - states))
     (cell, gauge), mix = whole_means(model)
