@@ -53,7 +53,6 @@ impl Search<'_> {
         let holding = view.holding(f);
         let view = holding.as_ref().unwrap_or(view);
         let mut axis = std::mem::take(&mut self.axis);
-        let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);
         axis.want_levels(samples, 1);
         let mut is_fresh = true;
@@ -73,12 +72,9 @@ impl Search<'_> {
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             if std::mem::take(&mut is_fresh) {
                 solver.rewind();
-                for (position, &i) in view.list(f).iter().enumerate() {
-                    positions[i as usize] = position as u32;
-                }
             }
             let k_left = axis.positions[k] as usize;
-            let place = Place { view, f, k: k_left, positions: &positions, target };
+            let place = Place::new(samples, view, f, k_left, target);
             let [left, right] = solver.both(samples, &place, threshold);
             counted.push(k_left as u32);
             self.n_evaluated += 1;
@@ -100,6 +96,5 @@ impl Search<'_> {
             log.counted(samples.features[f], &mut counted);
         }
         self.axis = axis;
-        self.positions = positions;
     }
 }

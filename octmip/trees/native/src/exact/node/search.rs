@@ -71,7 +71,6 @@ pub(crate) struct Search<'a> {
     /// The records of what is proven, when a proof is written.
     pub(crate) log: Option<Log>,
     pub(super) axis: Axis,
-    pub(super) positions: Vec<u32>,
     control: &'a Control,
     levels: Vec<Level>,
     solvers: [Option<Box<dyn StumpSolver>>; 3],
@@ -93,7 +92,6 @@ impl<'a> Search<'a> {
             takes_first: false,
             log: None,
             axis: Axis::default(),
-            positions: vec![0; samples.n],
             control,
             levels: (0..=depth).map(|_| Level::default()).collect(),
             solvers: [None, None, None],

@@ -78,7 +78,6 @@ impl Search<'_> {
     ) {
         let samples = self.samples;
         let mut axis = std::mem::take(&mut self.axis);
-        let mut positions = std::mem::take(&mut self.positions);
         axis.lay(samples, view, f, 2, whole, &self.switches);
         let mut is_fresh = true;
         let mut open: Vec<Interval> = axis.whole().into_iter().collect();
@@ -89,12 +88,9 @@ impl Search<'_> {
             }
             if std::mem::take(&mut is_fresh) {
                 solver.rewind();
-                for (position, &i) in view.list(f).iter().enumerate() {
-                    positions[i as usize] = position as u32;
-                }
             }
             let position = axis.positions[k] as usize;
-            let place = Place { view, f, k: position, positions: &positions, target };
+            let place = Place::new(samples, view, f, position, target);
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let bounds = solver.both(samples, &place, threshold).map(|stump| stump.lower);
             self.n_evaluated += 1;
@@ -105,7 +101,6 @@ impl Search<'_> {
             open.extend(interval.halves(k).into_iter().flatten());
         }
         self.axis = axis;
-        self.positions = positions;
     }
 
     /// Cuts of feature `f` whose sides' best trees, one level lower, cost less than `target` together.

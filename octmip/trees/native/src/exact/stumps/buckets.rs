@@ -5,7 +5,7 @@
 
 use crate::exact::samples::Samples;
 use crate::exact::stumps::groups::{Histogram, Profiles};
-use crate::exact::stumps::place::{NEVER, Place, Stump, StumpSolver};
+use crate::exact::stumps::place::{Place, Stump, StumpSolver};
 use crate::exact::stumps::sweep::Lane;
 use crate::exact::stumps::table::{Shape, Table};
 use crate::exact::stumps::uncertainty::{Candidate, Sides};
@@ -23,6 +23,8 @@ pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     arch: pulp::Arch,
     pub(super) shape: Shape,
     pub(super) profiles: Profiles<T>,
+    /// The change of a sample's cells when it moves from right to left; of differences second, where there are any.
+    changes: [Vec<T::Pair>; 2],
     tightens: bool,
     pub(super) tables: [Table; 2],
     /// Whether the first table is laid out for all samples and stays: each feature has few values.
@@ -48,10 +50,15 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let profiles = Profiles::new(samples);
         let rows = profiles.rows(samples.n_labels);
         let labels = vec![0; samples.n_labels];
+        let has_differences = samples.is_single && samples.n_labels == 2;
+        let plain = samples.multiplicity.iter().map(|&multiplicity| T::shift(multiplicity)).collect::<Vec<_>>();
+        let signed = plain.iter().zip(&samples.profile).map(|(&by, &label)| if label == 1 { T::back(by) } else { by });
+        let differences = if has_differences { signed.collect() } else { Vec::new() };
         Self {
             arch: if switches.vectors { pulp::Arch::new() } else { pulp::Arch::Scalar },
-            shape: Shape { slots: S, rows, has_differences: samples.is_single && samples.n_labels == 2 },
+            shape: Shape { slots: S, rows, has_differences },
             profiles,
+            changes: [plain, differences],
             tightens: switches.distinct_labels && samples.is_single,
             tables: [Table::default(), Table::default()],
             stays: !samples.order.is_empty() && samples.ranks.iter().all(|&rank| rank < FEW_VALUES),
@@ -83,7 +90,12 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let sign = if place.k > self.k { 1 } else { -1 };
         for &i in &place.view.list(place.f)[from..to] {
             samples.count(i, sign, &mut self.totals[0]);
-            self.total_range[0] += sign * samples.ranges[i as usize];
+            if !samples.is_single {
+                self.total_range[0] += sign * samples.ranges[i as usize];
+            }
+        }
+        if samples.is_single {
+            self.total_range[0] = self.totals[0].iter().sum(); // each gains its cost range, in one label
         }
         for (c, whole) in self.whole.iter().enumerate() {
             self.totals[1][c] = whole - self.totals[0][c];
@@ -166,11 +178,13 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
         self.totals[1].clone_from(&view.totals);
         self.total_range = [0, view.total_range];
         self.k = 0;
-        let place = Place { view, f: 0, k: 0, positions: &[], target: NEVER };
+        let place = Place::whole(view);
         self.set_lane_totals();
         let mut sides = self.sides(samples.penalty);
         for group in 0..self.groups.len() {
-            self.groups[group].load(samples, view, &self.tables[self.used], self.shape);
+            let table = &self.tables[self.used];
+            let changes = &self.changes[usize::from(table.is_difference)];
+            self.groups[group].load(samples, view, (table, changes), self.shape);
             let (best, reach) = self.sweep(group);
             let first = group * self.shape.slots;
             for f in first..(first + self.shape.slots).min(samples.p) {
@@ -205,7 +219,8 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
         let mut sides = self.sides(samples.penalty);
         self.reaches.clear();
         for group in 0..self.groups.len() {
-            self.groups[group].shift(samples, place, &self.tables[self.used]);
+            let table = &self.tables[self.used];
+            self.groups[group].shift(place, table, &self.changes[usize::from(table.is_difference)]);
             let reach = self.visit(group, &mut sides);
             self.reaches.push(reach);
         }

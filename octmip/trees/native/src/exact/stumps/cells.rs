@@ -1,8 +1,8 @@
 //! Cells of samples in the buckets of features, in as few bits as hold them.
 
-/// A cell of a histogram: the bucket and the row that a sample is counted in.
+/// A cell of a histogram: the bucket, row and slot that a sample is counted in.
 pub(crate) trait Cell: Copy {
-    /// The number of the cell in a feature.
+    /// The number of the cell in its group.
     fn index(self) -> usize;
 }
 
@@ -36,7 +36,7 @@ impl Default for Cells {
 }
 
 impl Cells {
-    /// Make room for `len` samples and features, each in one of `n_cells`; what it held is worth nothing.
+    /// Make room for `len` samples and features, a group of `n_cells`; what it held is worth nothing.
     pub(crate) fn make_room(&mut self, len: usize, n_cells: usize) {
         match (&mut *self, n_cells <= 1 << u16::BITS) {
             (Self::Narrow(cells), true) => cells.resize(len, 0),

@@ -81,13 +81,19 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Enter all samples of a view on the right.
-    pub(crate) fn load(&mut self, samples: &Samples, view: &View, table: &Table, shape: Shape) {
+    pub(crate) fn load(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        (table, changes): (&Table, &[T::Pair]),
+        shape: Shape,
+    ) {
         let b = table.n_buckets;
         let per_group = b * table.rows(shape) * shape.slots;
         self.pairs.zero(per_group);
         if table.is_difference {
             let bias = T::BIAS.widen();
-            let both = T::change(T::enter(2 * bias), T::shift(bias));
+            let both = T::change(T::enter(T::shift(2 * bias)), T::shift(bias));
             self.pairs.get_mut().fill(both);
         }
         self.open.clear();
@@ -102,7 +108,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
                 self.open[bucket][lane..lane + 2].fill(T::MAX);
             }
         }
-        view.with_ids(|ids| self.apply(samples, table, ids, 1, T::enter));
+        view.with_ids(|ids| self.apply(table, ids, changes, T::enter));
         self.start.clone_from(&self.pairs);
         self.k = 0;
     }
@@ -116,49 +122,42 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     }
 
     /// Move the cut.
-    pub(crate) fn shift(&mut self, samples: &Samples, place: &Place<'_>, table: &Table) {
+    pub(crate) fn shift(&mut self, place: &Place<'_>, table: &Table, changes: &[T::Pair]) {
         let list = place.view.list(place.f);
-        let (from, to) = (self.k.min(place.k), self.k.max(place.k));
-        let sign = if place.k > self.k { 1 } else { -1 };
-        self.apply(samples, table, &list[from..to], sign, T::shift);
+        if place.k > self.k {
+            self.apply(table, &list[self.k..place.k], changes, |by| by);
+        } else {
+            self.apply(table, &list[place.k..self.k], changes, T::back);
+        }
         self.k = place.k;
     }
 
     /// Apply a change to all slots for every sample of `ids`.
-    fn apply(&mut self, samples: &Samples, table: &Table, ids: &[u32], sign: i64, change: impl Fn(i64) -> T::Pair) {
+    fn apply(&mut self, table: &Table, ids: &[u32], changes: &[T::Pair], change: impl Fn(T::Pair) -> T::Pair) {
         match &table.cells {
-            Cells::Narrow(cells) => self.apply_to(cells, samples, table, ids, sign, change),
-            Cells::Wide(cells) => self.apply_to(cells, samples, table, ids, sign, change),
+            Cells::Narrow(cells) => self.apply_to(cells, ids, changes, change),
+            Cells::Wide(cells) => self.apply_to(cells, ids, changes, change),
         }
     }
 
     fn apply_to<C: Cell>(
         &mut self,
         cells: &[C],
-        samples: &Samples,
-        table: &Table,
         ids: &[u32],
-        sign: i64,
-        change: impl Fn(i64) -> T::Pair,
+        changes: &[T::Pair],
+        change: impl Fn(T::Pair) -> T::Pair,
     ) {
-        let first = self.group * samples.n * S;
-        let (cells, _) = cells[first..first + samples.n * S].as_chunks::<S>();
-        let (pairs, _) = self.pairs.get_mut().as_chunks_mut::<S>();
+        let n = changes.len();
+        let cells = &cells.as_chunks::<S>().0[self.group * n..(self.group + 1) * n];
+        let pairs = self.pairs.get_mut();
         for &i in ids {
-            let is_second = table.is_difference && samples.profile[i as usize] == 1;
-            let sign = if is_second { -sign } else { sign };
-            let by = change(sign * samples.multiplicity[i as usize]);
+            let by = change(changes[i as usize]);
+            let mut move_to = |cell: C| pairs[cell.index()] = T::change(pairs[cell.index()], by);
             let row = &cells[i as usize];
             if self.used == S {
-                for (slot, cell) in row.iter().enumerate() {
-                    let pair = &mut pairs[cell.index()][slot];
-                    *pair = T::change(*pair, by);
-                }
+                row.iter().for_each(|&cell| move_to(cell));
             } else {
-                for (slot, cell) in row[..self.used].iter().enumerate() {
-                    let pair = &mut pairs[cell.index()][slot];
-                    *pair = T::change(*pair, by);
-                }
+                row[..self.used].iter().for_each(|&cell| move_to(cell));
             }
         }
     }

@@ -94,7 +94,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
         let ranks = samples.ranks_of(feature);
         let members = table.members(samples, place.view.list(feature), feature, bucket);
         let (mut best, mut last) = (i64::MIN, None);
-        for &i in members.iter().filter(|&&i| place.k == 0 || place.is_on(side, i)) {
+        for &i in members.iter().filter(|&&i| place.is_on(side, i)) {
             let rank = ranks[i as usize];
             if last.is_some_and(|before| before != rank) {
                 best = best.max(split_gain(&left, &self.totals[side]));

@@ -21,20 +21,31 @@ pub(crate) struct Place<'a> {
     pub(crate) f: usize,
     /// Samples left of the cut.
     pub(crate) k: usize,
-    /// Position of every sample in list `f`.
-    pub(crate) positions: &'a [u32],
     /// Both sides together must cost less for the cut to matter.
     pub(crate) target: i64,
+    /// Ranks of `f` by sample; none where all samples are right of the cut.
+    ranks: &'a [u32],
+    /// Least rank right of the cut.
+    edge: u32,
 }
 
-/// A target that no cost reaches: the stumps are wanted exactly.
-pub(crate) const NEVER: i64 = i64::MAX;
+impl<'a> Place<'a> {
+    /// A cut between two values of `f`.
+    pub(crate) fn new(samples: &'a Samples, view: &'a View, f: usize, k: usize, target: i64) -> Self {
+        let ranks = samples.ranks_of(f);
+        let edge = ranks[view.list(f)[k] as usize];
+        Self { view, f, k, target, ranks, edge }
+    }
 
-impl Place<'_> {
+    /// All samples on the right; the stump is wanted exactly.
+    pub(crate) fn whole(view: &'a View) -> Self {
+        Self { view, f: 0, k: 0, target: i64::MAX, ranks: &[], edge: 0 }
+    }
+
     /// Whether a sample is on a side (0 left, 1 right).
     #[inline(always)]
     pub(crate) fn is_on(&self, side: usize, sample: u32) -> bool {
-        ((self.positions[sample as usize] as usize) < self.k) == (side == 0)
+        (self.ranks.get(sample as usize).is_some_and(|&rank| rank < self.edge)) == (side == 0)
     }
 
     /// Number of samples on a side.

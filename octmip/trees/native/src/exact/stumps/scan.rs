@@ -1,7 +1,7 @@
 //! Best stumps by a plain walk along every list: the reference, and the solver where leaves have a least size.
 
 use crate::exact::samples::Samples;
-use crate::exact::stumps::place::{NEVER, Place, Stump, StumpSolver};
+use crate::exact::stumps::place::{Place, Stump, StumpSolver};
 use crate::exact::view::View;
 
 /// Stump solver by walks.
@@ -73,7 +73,7 @@ impl Scan {
         }
         let mut gain = totals.iter().copied().max().unwrap_or(0);
         for f in 0..samples.p {
-            let keeps = |i: u32| place.k == 0 || place.is_on(side, i);
+            let keeps = |i: u32| place.is_on(side, i);
             let best = best_cut(samples, place.view.list(f), f, &totals, place.size(side), keeps);
             self.scores[f] = best.map_or(0, |best| best.gain);
             gain = gain.max(self.scores[f] - samples.penalty);
@@ -89,7 +89,7 @@ impl StumpSolver for Scan {
 
     fn load(&mut self, samples: &Samples, view: &View) -> Stump {
         self.scores.resize(samples.p, 0);
-        self.stump(samples, &Place { view, f: 0, k: 0, positions: &[], target: NEVER }, 1)
+        self.stump(samples, &Place::whole(view), 1)
     }
 
     fn scores(&self) -> &[i64] {

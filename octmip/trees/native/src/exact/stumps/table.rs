@@ -9,7 +9,7 @@ use crate::exact::view::View;
 /// The histogram is laid out `[group][bucket][row][slot]`; a slot holds the two sides of a feature.
 #[derive(Debug, Default)]
 pub(crate) struct Table {
-    /// Cell `bucket * rows + row` of sample `i` in slot `s` of group `g`, at `(g * n + i) * slots + s`.
+    /// Cell `(bucket * rows + row) * slots + s` of sample `i` in slot `s` of group `g`, at `(g * n + i) * slots + s`.
     pub(crate) cells: Cells,
     /// Smallest rank in each bucket (`p * n_buckets`), past the largest for buckets without values.
     pub(crate) edges: Vec<u32>,
@@ -73,7 +73,7 @@ impl Table {
         let longest = ends.iter().map(Vec::len).max().unwrap_or(1);
         self.n_buckets = longest.next_multiple_of(8);
         let n_slots = samples.p.div_ceil(shape.slots) * shape.slots;
-        self.cells.make_room(n_slots * samples.n, self.n_buckets * self.rows(shape));
+        self.cells.make_room(n_slots * samples.n, self.n_buckets * self.rows(shape) * shape.slots);
         self.edges.clear();
         self.edges.resize(samples.p * self.n_buckets, u32::MAX);
         self.is_open.clear();
@@ -102,7 +102,7 @@ impl Table {
             let is_difference = self.is_difference;
             self.cells.set(members.iter().map(|&i| {
                 let row = if is_difference { 0 } else { samples.profile[i as usize] as usize };
-                (first + i as usize * shape.slots, bucket * rows + row)
+                (first + i as usize * shape.slots, (bucket * rows + row) * shape.slots + f % shape.slots)
             }));
             start = end as usize;
         }

@@ -16,8 +16,10 @@ pub(crate) trait Lane: bytemuck::Pod + Ord + Default + Send {
     type Pair: bytemuck::Pod + Default + Send;
     /// The change of a pair when a number moves from right to left.
     fn shift(number: i64) -> Self::Pair;
-    /// The change of a pair when a number enters on the right.
-    fn enter(number: i64) -> Self::Pair;
+    /// The change of a pair when the same number moves back.
+    fn back(by: Self::Pair) -> Self::Pair;
+    /// The change of a pair when the same number enters on the right.
+    fn enter(by: Self::Pair) -> Self::Pair;
     /// A pair after a change; both halves stay 0 or more.
     fn change(pair: Self::Pair, by: Self::Pair) -> Self::Pair;
     /// Product, of numbers whose product fits.
@@ -32,7 +34,7 @@ pub(crate) trait Lane: bytemuck::Pod + Ord + Default + Send {
 }
 
 macro_rules! lane {
-    ($t:ty, $bias:expr, $pair:ty, $shift:expr, $enter:expr, $change:expr) => {
+    ($t:ty, $bias:expr, $pair:ty, $shift:expr, $back:expr, $enter:expr, $change:expr) => {
         impl Lane for $t {
             const MAX: Self = <$t>::MAX;
             const BIAS: Self = $bias;
@@ -42,8 +44,12 @@ macro_rules! lane {
                 $shift(number)
             }
             #[inline(always)]
-            fn enter(number: i64) -> $pair {
-                $enter(number)
+            fn back(by: $pair) -> $pair {
+                $back(by)
+            }
+            #[inline(always)]
+            fn enter(by: $pair) -> $pair {
+                $enter(by)
             }
             #[inline(always)]
             fn change(pair: $pair, by: $pair) -> $pair {
@@ -84,7 +90,8 @@ lane!(
     1 << 14,
     u32,
     |number: i64| (number as u32).wrapping_sub((number as u32) << 16),
-    |number: i64| (number as u32) << 16,
+    u32::wrapping_neg,
+    |by: u32| by << 16,
     u32::wrapping_add
 );
 lane!(
@@ -92,13 +99,19 @@ lane!(
     1 << 30,
     u64,
     |number: i64| (number as u64).wrapping_sub((number as u64) << 32),
-    |number: i64| (number as u64) << 32,
+    u64::wrapping_neg,
+    |by: u64| by << 32,
     u64::wrapping_add
 );
-lane!(i64, 0, [i64; 2], |number: i64| [number, -number], |number: i64| [0, number], |pair: [i64; 2], by: [i64; 2]| [
-    pair[0] + by[0],
-    pair[1] + by[1]
-]);
+lane!(
+    i64,
+    0,
+    [i64; 2],
+    |number: i64| [number, -number],
+    |by: [i64; 2]| [by[1], by[0]],
+    |by: [i64; 2]| [0, by[0]],
+    |pair: [i64; 2], by: [i64; 2]| [pair[0] + by[0], pair[1] + by[1]]
+);
 
 /// A number for each lane.
 pub(super) type Row<T, const N: usize> = [T; N];
