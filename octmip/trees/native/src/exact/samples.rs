@@ -45,6 +45,10 @@ pub(crate) struct Samples {
     pub(crate) order: Arc<Vec<u32>>,
     /// Cost range of each sample (`n`).
     pub(crate) ranges: Vec<i64>,
+    /// That of every sample, where it is the same.
+    pub(crate) range_of_all: Option<i64>,
+    /// Whether a feature has equal values (`p`).
+    pub(crate) has_ties: Vec<bool>,
     /// Smallest cost of each sample, which no tree avoids (`n`).
     pub(crate) base: Vec<i64>,
     /// Whether every sample gains in one label only (0/1 costs with any weights, for instance).
@@ -109,6 +113,8 @@ impl Samples {
             ranks,
             order: Arc::default(),
             ranges: Vec::with_capacity(n),
+            range_of_all: None,
+            has_ties: Vec::new(),
             base: Vec::with_capacity(n),
             is_single: true,
             profile: Vec::with_capacity(n),
@@ -124,9 +130,12 @@ impl Samples {
             avoided: 0,
             n_boxes: 1.0,
         };
-        for &feature in &samples.features {
-            let values = f64::from(problem.n_ranks[feature as usize]);
-            samples.n_boxes *= values * (values + 1.0) / 2.0;
+        for f in 0..samples.p {
+            let n_values = problem.n_ranks[samples.features[f] as usize];
+            samples.n_boxes *= f64::from(n_values) * (f64::from(n_values) + 1.0) / 2.0;
+            let mut is_met = vec![false; n_values as usize];
+            let mut is_again = |&rank: &u32| std::mem::replace(&mut is_met[rank as usize], true);
+            samples.has_ties.push((n_values as usize) < n || samples.ranks_of(f).iter().any(&mut is_again));
         }
         samples.set_gains(problem);
         samples
@@ -137,7 +146,14 @@ impl Samples {
         self.unit = unit(problem, &ClassCosts::of(problem));
         self.ranges.iter_mut().chain(&mut self.multiplicity).for_each(|count| *count /= self.unit);
         self.penalty /= self.unit;
+        self.range_of_all = self.ranges.first().copied().filter(|first| self.ranges.iter().all(|range| range == first));
         self
+    }
+
+    /// Cost range of a sample.
+    #[inline(always)]
+    pub(crate) fn range_of(&self, sample: u32) -> i64 {
+        self.range_of_all.unwrap_or_else(|| self.ranges[sample as usize])
     }
 
     /// A cost above the base in the problem's own unit.
@@ -271,6 +287,7 @@ impl Samples {
             ranks: pick(&self.ranks),
             order: pick(&self.order),
             ranges: self.ranges.clone(),
+            has_ties: usable.iter().map(|&f| self.has_ties[f]).collect(),
             base: self.base.clone(),
             profile: self.profile.clone(),
             multiplicity: self.multiplicity.clone(),

@@ -12,6 +12,7 @@
 //! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
 //!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
 
+mod mixed;
 mod prices;
 
 use crate::exact::node::price::Prices;
@@ -22,29 +23,7 @@ use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::interval::Interval;
 
-/// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
-/// away, and would have to wait for a single lane.
-const LANE: [[i32; WIDTH]; WIDTH] = {
-    let mut masks = [[0; WIDTH]; WIDTH];
-    let mut lane = 0;
-    while lane < WIDTH {
-        masks[lane][lane] = -1;
-        lane += 1;
-    }
-    masks
-};
-
-/// Sums along a feature for the bound of mixed labels.
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-enum Counted {
-    /// Nothing: no bound.
-    #[default]
-    Nothing,
-    /// Cost range of each label, where samples gain in one label each.
-    Labels,
-    /// Cost under each set of labels.
-    Sets,
-}
+use mixed::Counted;
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
@@ -97,47 +76,53 @@ impl Axis {
             _ => (Counted::Nothing, 0),
         };
         self.make_room(view.len + 1);
-        let counts = &mut vec![[0i32; WIDTH]; self.width][..];
-        let (ranks, list) = (samples.ranks_of(f), view.list(f));
-        let smallest = samples.leaf_size.max(1);
+        self.lay_cuts(samples, view, f);
+        match (self.counted, sets) {
+            (Counted::Labels, _) => self.count_labels(samples, view.list(f)),
+            (Counted::Sets, Some(sets)) => self.count_sets(samples, view.list(f), sets),
+            _ => {}
+        }
         self.of_all_levels = 0;
         self.is_priced = samples.penalty > 0 && switches.price;
-        let mut prices =
-            self.is_priced.then(|| Prices::new(samples, view, n_leaves, std::mem::take(&mut self.by_price)));
-        let mut total_range = 0;
-        let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
-        self.n_cuts = 0;
-        self.push(0, 0, counts);
-        prices.iter_mut().for_each(|prices| prices.push(0));
-        for (k, &i) in list.iter().enumerate() {
-            let next = ranks[i as usize];
-            if next != rank && k >= smallest && view.len - k >= smallest {
-                self.push(k, total_range, counts);
-                prices.iter_mut().for_each(|prices| prices.push(total_range));
+        if self.is_priced {
+            let mut prices = Prices::new(samples, view, n_leaves, std::mem::take(&mut self.by_price));
+            let mut from = 0;
+            for (&to, &total_range) in self.positions.iter().zip(&self.total_range).take(self.n_cuts) {
+                view.list(f)[from..to as usize].iter().for_each(|&i| samples.count(i, 1, &mut prices.gains));
+                prices.push(total_range);
+                from = to as usize;
             }
-            prices.iter_mut().for_each(|prices| samples.count(i, 1, &mut prices.gains));
-            rank = next;
-            total_range += samples.ranges[i as usize];
-            if self.counted == Counted::Labels {
-                let label = samples.profile[i as usize] as usize;
-                let range = samples.ranges[i as usize] as i32;
-                let mask = &LANE[label % WIDTH];
-                let part = &mut counts[label / WIDTH];
-                *part = std::array::from_fn(|lane| part[lane] + (mask[lane] & range));
-            } else if let Some(sets) = sets.filter(|_| self.counted != Counted::Nothing) {
-                let multiplicity = samples.multiplicity[i as usize] as i32;
-                let profile = samples.profile[i as usize] as usize;
-                for (part, costs) in counts.iter_mut().zip(sets.costs_of(profile)) {
-                    *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
-                }
-            }
+            self.by_price = prices.least;
+        } else {
+            self.by_price = Default::default();
         }
-        self.push(view.len, total_range, counts);
-        prices.iter_mut().for_each(|prices| prices.push(total_range));
-        self.by_price = prices.map_or_else(Default::default, |prices| prices.least);
         let last = self.last();
         (self.left[0], self.right[0]) = (0, whole);
         (self.left[last], self.right[last]) = (whole, 0);
+    }
+
+    /// Positions and total ranges: of every sample one, where no two have the same value.
+    fn lay_cuts(&mut self, samples: &Samples, view: &View, f: usize) {
+        let smallest = samples.leaf_size.max(1);
+        self.n_cuts = 0;
+        self.push(0, 0);
+        if !samples.has_ties[f] && smallest == 1 && samples.range_of_all.is_some() {
+            let each = samples.range_of_all.unwrap_or(0);
+            (1..view.len).for_each(|k| self.push(k, k as i64 * each));
+        } else {
+            let (ranks, list) = (samples.ranks_of(f), view.list(f));
+            let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
+            let mut total_range = 0;
+            for (k, &i) in list.iter().enumerate() {
+                let next = ranks[i as usize];
+                if next != rank && k >= smallest && view.len - k >= smallest {
+                    self.push(k, total_range);
+                }
+                rank = next;
+                total_range += samples.range_of(i);
+            }
+        }
+        self.push(view.len, view.total_range);
     }
 
     /// Lists are only ever grown: what lies past the last cut, or belongs to cuts not solved, is never read.
@@ -151,13 +136,9 @@ impl Axis {
     }
 
     #[inline(always)]
-    fn push(&mut self, position: usize, total_range: i64, counts: &[[i32; WIDTH]]) {
-        let cut = self.n_cuts;
-        self.positions[cut] = position as u32;
-        self.total_range[cut] = total_range;
-        for (part, &count) in counts.iter().enumerate() {
-            self.prefix[cut * self.width + part] = count;
-        }
+    fn push(&mut self, position: usize, total_range: i64) {
+        self.positions[self.n_cuts] = position as u32;
+        self.total_range[self.n_cuts] = total_range;
         self.n_cuts += 1;
     }
 
@@ -271,38 +252,5 @@ impl Axis {
     pub(crate) fn slack(&self, interval: &Interval, k: usize) -> i64 {
         (self.total_range[k] - self.total_range[interval.low])
             .max(self.total_range[interval.high] - self.total_range[k])
-    }
-
-    /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
-    #[inline]
-    fn mixed(&self, from: usize, to: usize) -> i64 {
-        if self.counted == Counted::Nothing {
-            return 0;
-        }
-        let (low, high) = (&self.prefix[from * self.width..], &self.prefix[to * self.width..]);
-        if self.counted == Counted::Sets {
-            let mut least = [i32::MAX; WIDTH];
-            for (low, high) in low.iter().zip(high).take(self.width) {
-                least = std::array::from_fn(|set| least[set].min(high[set] - low[set]));
-            }
-            return i64::from(least.into_iter().min().unwrap_or(0));
-        }
-        let between = self.total_range[to] - self.total_range[from];
-        if self.n_leaves == 2 {
-            let (mut first, mut second) = (0, 0);
-            for (low, high) in low.iter().zip(high).take(self.width) {
-                for (l, h) in low.iter().zip(high) {
-                    let count = h - l;
-                    second = second.max(count.min(first));
-                    first = first.max(count);
-                }
-            }
-            return between - i64::from(first) - i64::from(second);
-        }
-        let labels = low.iter().zip(high).take(self.width);
-        let mut counts: Vec<i32> =
-            labels.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
-        counts.sort_unstable_by(|a, b| b.cmp(a));
-        between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
     }
 }

@@ -4,6 +4,9 @@ use pulp::bytemuck::{Pod, Zeroable};
 
 const LINE: usize = 64;
 
+/// Room for any index of 16 bits.
+pub(crate) const ROOM: usize = 1 << u16::BITS;
+
 /// A buffer of numbers on a 64-byte boundary.
 #[derive(Debug, Default, Clone)]
 pub(crate) struct Aligned<P> {
@@ -15,10 +18,19 @@ pub(crate) struct Aligned<P> {
 impl<P: Pod + Zeroable> Aligned<P> {
     /// Make it `len` zeros.
     pub(crate) fn zero(&mut self, len: usize) {
-        self.data.clear();
-        self.data.resize(len + LINE / size_of::<P>(), P::zeroed());
-        self.start = self.data.as_ptr().align_offset(LINE).min(LINE / size_of::<P>());
+        let room = len.max(ROOM) + LINE / size_of::<P>();
+        if self.data.len() < room {
+            self.data = vec![P::zeroed(); room];
+            self.start = self.data.as_ptr().align_offset(LINE).min(LINE / size_of::<P>());
+        }
         self.len = len;
+        self.get_mut().fill(P::zeroed());
+    }
+
+    /// The numbers and what lies past them, `ROOM` at least.
+    #[inline(always)]
+    pub(crate) fn with_room(&mut self) -> &mut [P] {
+        &mut self.data[self.start..]
     }
 
     /// The numbers.

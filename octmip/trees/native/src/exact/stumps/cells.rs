@@ -1,22 +1,24 @@
 //! Cells of samples in the buckets of features, in as few bits as hold them.
 
+use crate::exact::stumps::aligned::ROOM;
+
 /// A cell of a histogram: the bucket, row and slot that a sample is counted in.
 pub(crate) trait Cell: Copy {
-    /// The number of the cell in its group.
-    fn index(self) -> usize;
+    /// Its place in a histogram.
+    fn of<P>(self, pairs: &mut [P]) -> &mut P;
 }
 
 impl Cell for u16 {
     #[inline(always)]
-    fn index(self) -> usize {
-        self as usize
+    fn of<P>(self, pairs: &mut [P]) -> &mut P {
+        &mut pairs[..ROOM][self as usize] // no check but one of the length, as 16 bits never lie outside
     }
 }
 
 impl Cell for u32 {
     #[inline(always)]
-    fn index(self) -> usize {
-        self as usize
+    fn of<P>(self, pairs: &mut [P]) -> &mut P {
+        &mut pairs[self as usize]
     }
 }
 
@@ -38,7 +40,7 @@ impl Default for Cells {
 impl Cells {
     /// Make room for `len` samples and features, a group of `n_cells`; what it held is worth nothing.
     pub(crate) fn make_room(&mut self, len: usize, n_cells: usize) {
-        match (&mut *self, n_cells <= 1 << u16::BITS) {
+        match (&mut *self, n_cells <= ROOM) {
             (Self::Narrow(cells), true) => cells.resize(len, 0),
             (Self::Wide(cells), false) => cells.resize(len, 0),
             (_, is_narrow) => {
@@ -64,8 +66,8 @@ mod tests {
 
     fn held(cells: &Cells) -> Vec<usize> {
         match cells {
-            Cells::Narrow(cells) => cells.iter().map(|cell| cell.index()).collect(),
-            Cells::Wide(cells) => cells.iter().map(|cell| cell.index()).collect(),
+            Cells::Narrow(cells) => cells.iter().map(|&cell| cell as usize).collect(),
+            Cells::Wide(cells) => cells.iter().map(|&cell| cell as usize).collect(),
         }
     }
 

@@ -44,7 +44,7 @@ impl<T: Lane> Profiles<T> {
 /// A histogram of the slots of one group: pairs `[bucket][row][slot]`.
 pub(crate) struct Histogram<T: Lane, const N: usize, const S: usize> {
     pairs: Aligned<T::Pair>,
-    start: Aligned<T::Pair>,
+    start: Vec<T::Pair>,
     open: Vec<[T; N]>,
     /// Largest gain inside each bucket, from the last pass.
     pub(crate) caps: Vec<[T; N]>,
@@ -67,7 +67,7 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     pub(crate) fn new(group: usize, p: usize) -> Self {
         Self {
             pairs: Aligned::default(),
-            start: Aligned::default(),
+            start: Vec::new(),
             open: Vec::new(),
             caps: Vec::new(),
             tops: Vec::new(),
@@ -109,14 +109,15 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
             }
         }
         view.with_ids(|ids| self.apply(table, ids, changes, T::enter));
-        self.start.clone_from(&self.pairs);
+        self.start.clear();
+        self.start.extend_from_slice(self.pairs.get());
         self.k = 0;
     }
 
     /// Put the cut back to 0.
     pub(crate) fn rewind(&mut self) {
         if self.k > 0 {
-            self.pairs.get_mut().copy_from_slice(self.start.get());
+            self.pairs.get_mut().copy_from_slice(&self.start);
             self.k = 0;
         }
     }
@@ -149,10 +150,13 @@ impl<T: Lane, const N: usize, const S: usize> Histogram<T, N, S> {
     ) {
         let n = changes.len();
         let cells = &cells.as_chunks::<S>().0[self.group * n..(self.group + 1) * n];
-        let pairs = self.pairs.get_mut();
+        let pairs = self.pairs.with_room();
         for &i in ids {
             let by = change(changes[i as usize]);
-            let mut move_to = |cell: C| pairs[cell.index()] = T::change(pairs[cell.index()], by);
+            let mut move_to = |cell: C| {
+                let pair = cell.of(pairs);
+                *pair = T::change(*pair, by);
+            };
             let row = &cells[i as usize];
             if self.used == S {
                 row.iter().for_each(|&cell| move_to(cell));

@@ -1,0 +1,106 @@
+//! Sums along a feature for the bound of mixed labels.
+
+use crate::exact::node::axis::Axis;
+use crate::exact::samples::Samples;
+use crate::exact::samples::label_sets::{LabelSets, WIDTH};
+
+/// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
+/// away, and would have to wait for a single lane.
+const LANE: [[i32; WIDTH]; WIDTH] = {
+    let mut masks = [[0; WIDTH]; WIDTH];
+    let mut lane = 0;
+    while lane < WIDTH {
+        masks[lane][lane] = -1;
+        lane += 1;
+    }
+    masks
+};
+
+/// Sums along a feature for the bound of mixed labels.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// Nothing: no bound.
+    #[default]
+    Nothing,
+    /// Cost range of each label, where samples gain in one label each.
+    Labels,
+    /// Cost under each set of labels.
+    Sets,
+}
+
+impl Axis {
+    /// Cost range of each label left of each cut, eight labels after the other.
+    pub(super) fn count_labels(&mut self, samples: &Samples, list: &[u32]) {
+        for part in 0..self.width {
+            let mut counts = [0; WIDTH];
+            let mut from = 0;
+            for (&to, prefix) in self.positions[..self.n_cuts].iter().zip(self.prefix.chunks_exact_mut(self.width)) {
+                for &i in &list[from..to as usize] {
+                    let label = samples.profile[i as usize] as usize;
+                    let range = if label / WIDTH == part { samples.range_of(i) as i32 } else { 0 };
+                    let mask = &LANE[label % WIDTH];
+                    counts = std::array::from_fn(|lane| counts[lane] + (mask[lane] & range));
+                }
+                prefix[part] = counts;
+                from = to as usize;
+            }
+        }
+    }
+
+    /// Cost under each set of labels left of each cut.
+    pub(super) fn count_sets(&mut self, samples: &Samples, list: &[u32], sets: &LabelSets) {
+        let mut counts = vec![[0; WIDTH]; self.width];
+        let mut from = 0;
+        for (&to, prefix) in self.positions[..self.n_cuts].iter().zip(self.prefix.chunks_exact_mut(self.width)) {
+            for &i in &list[from..to as usize] {
+                let multiplicity = samples.multiplicity[i as usize] as i32;
+                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.profile[i as usize] as usize)) {
+                    *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
+                }
+            }
+            prefix.copy_from_slice(&counts);
+            from = to as usize;
+        }
+    }
+
+    /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
+    #[inline]
+    pub(super) fn mixed(&self, from: usize, to: usize) -> i64 {
+        if self.counted == Counted::Nothing || (self.positions[to] - self.positions[from]) as usize <= self.n_leaves {
+            return 0;
+        }
+        let (low, high) = (&self.prefix[from * self.width..], &self.prefix[to * self.width..]);
+        if self.counted == Counted::Sets {
+            let mut least = [i32::MAX; WIDTH];
+            for (low, high) in low.iter().zip(high).take(self.width) {
+                least = std::array::from_fn(|set| least[set].min(high[set] - low[set]));
+            }
+            return i64::from(least.into_iter().min().unwrap_or(0));
+        }
+        let between = self.total_range[to] - self.total_range[from];
+        if self.n_leaves == 2 {
+            let (mut first, mut second) = (0, 0);
+            for (low, high) in low.iter().zip(high).take(self.width) {
+                let largest = two_largest(std::array::from_fn(|lane| high[lane] - low[lane]));
+                second = second.max(largest.1).max(first.min(largest.0));
+                first = first.max(largest.0);
+            }
+            return between - i64::from(first) - i64::from(second);
+        }
+        let labels = low.iter().zip(high).take(self.width);
+        let mut counts: Vec<i32> =
+            labels.flat_map(|(low, high)| std::array::from_fn::<_, WIDTH, _>(|c| high[c] - low[c])).collect();
+        counts.sort_unstable_by(|a, b| b.cmp(a));
+        between - counts.iter().take(self.n_leaves).map(|&count| i64::from(count)).sum::<i64>()
+    }
+}
+
+/// The two largest of a vector's lanes, by halves: one after the other each lane would wait for that before.
+#[inline(always)]
+fn two_largest(counts: [i32; WIDTH]) -> (i32, i32) {
+    let first: [i32; 4] = std::array::from_fn(|i| counts[i].max(counts[i + 4]));
+    let second: [i32; 4] = std::array::from_fn(|i| counts[i].min(counts[i + 4]));
+    let pair = |i: usize, j: usize| (first[i].max(first[j]), first[i].min(first[j]).max(second[i]).max(second[j]));
+    let ((a, b), (c, d)) = (pair(0, 2), pair(1, 3));
+    (a.max(c), a.min(c).max(b).max(d))
+}
