@@ -6,6 +6,7 @@ use crate::costs::ClassCosts;
 use crate::exact::node::kept::{MOST_BYTES, MOST_BYTES_OF_CUT};
 use crate::exact::samples::label_sets::{WIDTH, most_width};
 use crate::exact::samples::unit::unit;
+use crate::exact::stumps::aligned::ROOM;
 use crate::exact::stumps::width;
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
@@ -43,7 +44,7 @@ fn thread(problem: &Problem, switches: &Switches) -> f64 {
     let sides = (depth - 2.0).max(0.0) * 8.0 * n * p;
     let axes = (depth - 1.0).max(1.0) * axis(problem, 2);
     let kept = if has_kept(problem) { MOST_BYTES_OF_CUT as f64 } else { 0.0 };
-    sides + axes + 8.0 * n + stumps(problem, switches) + kept
+    sides + axes + n + stumps(problem, switches) + kept
 }
 
 /// The cuts of a feature: position, total range, bounds of both sides; and eight at a time, where there are more labels
@@ -56,7 +57,7 @@ fn axis(problem: &Problem, level: usize) -> f64 {
     problem.n as f64 * (28.0 + prices + 32.0 * labels.max(sets) as f64)
 }
 
-/// Tables of offsets into histograms, and histograms.
+/// Tables of offsets into histograms, histograms, and the change that each sample makes in them.
 ///
 /// Below depth three there is one view and one table; from there on views share a table or have their own, and need
 /// numbers of any width up to the widest.
@@ -77,7 +78,7 @@ fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let (n_tables, widths) = if problem.depth < 3 { (1.0, widest..=widest) } else { (2.0, 0..=widest) };
     let of_width = |slots: &f64| {
         let groups = (p / slots).ceil();
-        groups * (4.0 * n_tables * slots * n + histogram)
+        groups * (4.0 * n_tables * slots * n + histogram + VECTOR / slots * ROOM as f64) + VECTOR / slots * 2.0 * n
     };
     SLOTS[widths].iter().map(of_width).sum()
 }
