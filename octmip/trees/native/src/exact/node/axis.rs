@@ -18,12 +18,11 @@ mod prices;
 use crate::exact::node::price::Prices;
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
-use crate::exact::samples::label_sets::WIDTH;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::interval::Interval;
 
-use mixed::Counted;
+use mixed::MixedLabels;
 
 /// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
 #[derive(Debug, Default)]
@@ -36,18 +35,14 @@ pub(crate) struct Axis {
     pub(crate) left: Vec<i64>,
     /// Lower bound of the right child; of the cuts that were solved.
     pub(crate) right: Vec<i64>,
-    /// Left of each cut, `width` vectors a cut: cost range of each label, or cost under each set of labels.
-    prefix: Vec<[i32; WIDTH]>,
+    mixed: MixedLabels,
     /// Least cost of the left child by price and labels; empty where a split costs nothing.
     by_price: [Vec<i64>; 2],
     /// Whether that is counted.
     is_priced: bool,
     /// Least cost of one of the children, where only trees of all levels are wanted; 0 where others are.
     of_all_levels: i64,
-    width: usize,
     n_cuts: usize,
-    n_leaves: usize,
-    counted: Counted,
     is_monotone: bool,
     has_range: bool,
 }
@@ -63,24 +58,14 @@ impl Axis {
         whole: i64,
         switches: &Switches,
     ) {
-        self.n_leaves = n_leaves;
         self.is_monotone = samples.leaf_size == 1 && switches.monotone;
         self.has_range = switches.cost_range;
-        let sets = samples.label_sets(n_leaves);
-        let is_counted = switches.mixed_labels && self.is_monotone && view.total_range < i64::from(i32::MAX);
-        (self.counted, self.width) = match sets {
-            Some(sets) if is_counted => (Counted::Sets, sets.width()),
-            None if is_counted && samples.is_single && samples.n_labels > n_leaves => {
-                (Counted::Labels, samples.n_labels.div_ceil(WIDTH))
-            }
-            _ => (Counted::Nothing, 0),
-        };
         self.make_room(view.len + 1);
         self.lay_cuts(samples, view, f);
-        match (self.counted, sets) {
-            (Counted::Labels, _) => self.count_labels(samples, view.list(f)),
-            (Counted::Sets, Some(sets)) => self.count_sets(samples, view.list(f), sets),
-            _ => {}
+        if switches.mixed_labels && self.is_monotone {
+            self.mixed.lay(samples, view, f, n_leaves, &self.positions[..self.n_cuts]);
+        } else {
+            self.mixed.leave_out();
         }
         self.of_all_levels = 0;
         self.is_priced = samples.penalty > 0 && switches.price;
@@ -132,7 +117,6 @@ impl Axis {
         for list in [&mut self.total_range, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
-        self.prefix.resize(self.prefix.len().max(room * self.width), [0; WIDTH]);
     }
 
     #[inline(always)]
@@ -224,10 +208,17 @@ impl Axis {
             right = self.right[a] - (self.total_range[k] - self.total_range[a]);
         }
         if self.is_monotone {
-            left = left.max(self.left[a] + self.mixed(a, k));
-            right = right.max(self.right[b] + self.mixed(k, b));
+            left = left.max(self.left[a] + self.between(a, k));
+            right = right.max(self.right[b] + self.between(k, b));
         }
         (left.max(0), right.max(0))
+    }
+
+    /// Least cost of the samples between two cuts under as many labels as a child has leaves.
+    #[inline]
+    fn between(&self, from: usize, to: usize) -> i64 {
+        let n = self.positions[to] - self.positions[from];
+        self.mixed.cost((from, to), n, self.total_range[to] - self.total_range[from])
     }
 
     /// Lower bound of the children of any cut of an interval.
@@ -239,7 +230,7 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        if self.counted == Counted::Nothing && !self.is_priced {
+        if self.mixed.is_nothing() && !self.is_priced {
             return Some(middle);
         }
         interval.nearest(middle, target, |first, last| match first == last {

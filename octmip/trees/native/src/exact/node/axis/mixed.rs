@@ -1,8 +1,8 @@
 //! Sums along a feature for the bound of mixed labels.
 
-use crate::exact::node::axis::Axis;
 use crate::exact::samples::Samples;
 use crate::exact::samples::label_sets::{LabelSets, WIDTH};
+use crate::exact::view::View;
 
 /// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
 /// away, and would have to wait for a single lane.
@@ -16,9 +16,9 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     masks
 };
 
-/// Sums along a feature for the bound of mixed labels.
+/// What is summed.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Counted {
+enum Counted {
     /// Nothing: no bound.
     #[default]
     Nothing,
@@ -28,13 +28,52 @@ pub(super) enum Counted {
     Sets,
 }
 
-impl Axis {
-    /// Cost range of each label left of each cut, eight labels after the other.
-    pub(super) fn count_labels(&mut self, samples: &Samples, list: &[u32]) {
+/// Sums left of each cut of a feature.
+#[derive(Debug, Default)]
+pub(super) struct MixedLabels {
+    counted: Counted,
+    n_leaves: usize,
+    /// `width` vectors a cut; only ever grown.
+    prefix: Vec<[i32; WIDTH]>,
+    width: usize,
+}
+
+impl MixedLabels {
+    /// Sum along a list with cuts at these positions, if the bound is wanted and says anything.
+    pub(super) fn lay(&mut self, samples: &Samples, view: &View, f: usize, n_leaves: usize, positions: &[u32]) {
+        self.n_leaves = n_leaves;
+        let sets = samples.label_sets(n_leaves).filter(|_| view.total_range < i64::from(i32::MAX));
+        if let Some(sets) = sets {
+            (self.counted, self.width) = (Counted::Sets, sets.width());
+        } else if samples.is_single && samples.n_labels > n_leaves && view.total_range < i64::from(i32::MAX) {
+            (self.counted, self.width) = (Counted::Labels, samples.n_labels.div_ceil(WIDTH));
+        } else {
+            self.counted = Counted::Nothing;
+            return;
+        }
+        self.prefix.resize(self.prefix.len().max(positions.len() * self.width), [0; WIDTH]);
+        match sets {
+            Some(sets) => self.count_sets(samples, view.list(f), sets, positions),
+            None => self.count_labels(samples, view.list(f), positions),
+        }
+    }
+
+    /// No sums: the bound is 0.
+    pub(super) fn leave_out(&mut self) {
+        self.counted = Counted::Nothing;
+    }
+
+    /// Whether there is no bound.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.counted == Counted::Nothing
+    }
+
+    /// Cost range of each label, eight labels after the other.
+    fn count_labels(&mut self, samples: &Samples, list: &[u32], positions: &[u32]) {
         for part in 0..self.width {
             let mut counts = [0; WIDTH];
             let mut from = 0;
-            for (&to, prefix) in self.positions[..self.n_cuts].iter().zip(self.prefix.chunks_exact_mut(self.width)) {
+            for (&to, prefix) in positions.iter().zip(self.prefix.chunks_exact_mut(self.width)) {
                 for &i in &list[from..to as usize] {
                     let label = samples.profile[i as usize] as usize;
                     let range = if label / WIDTH == part { samples.range_of(i) as i32 } else { 0 };
@@ -47,11 +86,11 @@ impl Axis {
         }
     }
 
-    /// Cost under each set of labels left of each cut.
-    pub(super) fn count_sets(&mut self, samples: &Samples, list: &[u32], sets: &LabelSets) {
+    /// Cost under each set of labels.
+    fn count_sets(&mut self, samples: &Samples, list: &[u32], sets: &LabelSets, positions: &[u32]) {
         let mut counts = vec![[0; WIDTH]; self.width];
         let mut from = 0;
-        for (&to, prefix) in self.positions[..self.n_cuts].iter().zip(self.prefix.chunks_exact_mut(self.width)) {
+        for (&to, prefix) in positions.iter().zip(self.prefix.chunks_exact_mut(self.width)) {
             for &i in &list[from..to as usize] {
                 let multiplicity = samples.multiplicity[i as usize] as i32;
                 for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.profile[i as usize] as usize)) {
@@ -63,10 +102,11 @@ impl Axis {
         }
     }
 
-    /// Least cost of the samples between two cuts when at most `n_leaves` labels are predicted for them.
+    /// Least cost of the `n` samples of total range `between` that lie between two cuts when at most `n_leaves` labels
+    /// are predicted for them.
     #[inline]
-    pub(super) fn mixed(&self, from: usize, to: usize) -> i64 {
-        if self.counted == Counted::Nothing || (self.positions[to] - self.positions[from]) as usize <= self.n_leaves {
+    pub(super) fn cost(&self, (from, to): (usize, usize), n: u32, between: i64) -> i64 {
+        if self.counted == Counted::Nothing || n as usize <= self.n_leaves {
             return 0;
         }
         let (low, high) = (&self.prefix[from * self.width..], &self.prefix[to * self.width..]);
@@ -77,7 +117,6 @@ impl Axis {
             }
             return i64::from(least.into_iter().min().unwrap_or(0));
         }
-        let between = self.total_range[to] - self.total_range[from];
         if self.n_leaves == 2 {
             let (mut first, mut second) = (0, 0);
             for (low, high) in low.iter().zip(high).take(self.width) {
