@@ -14,7 +14,6 @@ geometry in SVM classifiers (the hulls).
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 Floats = NDArray[np.float64]
 
@@ -63,6 +62,8 @@ def _nearest(heights: Floats, left: NDArray[np.bool_]) -> NDArray[np.intp]:
 
 def _between(left: Floats, right: Floats) -> Floats | None:
     """Return the vector from the hull of the left points to that of the right ones; None where it is not found."""
+    from scipy.optimize import nnls  # only here: every proof from depth 4 on would wait 0.4 s for it
+
     centre = (left.mean(axis=0) + right.mean(axis=0)) / 2
     scale = float(np.linalg.norm(right.mean(axis=0) - left.mean(axis=0)))
     if scale == 0.0 or not np.isfinite(scale):
