@@ -70,7 +70,7 @@ fn record(
         search
     };
     let mut search = logging(depth);
-    if depth < 3 || search.is_leaf_best(&view, depth, 0) {
+    if depth < 3 || search.is_leaf_best((view.leaf(), view.len), depth, 0) {
         let result = search.solve(&view, depth, upper, i64::MIN);
         let record = search.log.as_mut().and_then(Log::take);
         return record.filter(|_| result.lower >= upper && !control.is_stopped());

@@ -19,7 +19,7 @@ pub(crate) mod unit;
 use std::sync::Arc;
 
 use crate::costs::ClassCosts;
-use crate::exact::samples::merging::{Merged, merged};
+use crate::exact::samples::merging::{Merged, lost, merged};
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
@@ -76,8 +76,16 @@ pub(crate) struct Samples {
     rows: Vec<u32>,
     /// What every tree of the problem costs more than these samples do, in the problem's own unit.
     pub(crate) avoided: i64,
-    /// Runs of values, one of each feature: about the sets that cuts can make.
-    n_boxes: f64,
+    /// Number of values of each usable feature (`p`).
+    pub(crate) values: Vec<usize>,
+    /// Their sum.
+    pub(crate) n_values: usize,
+    /// Of each sample the cell of its value and label in each usable feature, where cells of all features stand one after
+    /// the other (`n * p`); empty where they are more than the samples, or a split has no price.
+    pub(crate) cells: Vec<u16>,
+    /// What each sample costs in every tree, as equal ones have other labels (`n`); empty where that is nothing, or a
+    /// split has no price.
+    pub(crate) lost: Vec<i64>,
 }
 
 /// Most runs of values, one of each feature, of samples that have few.
@@ -128,23 +136,30 @@ impl Samples {
             unit: 1,
             rows: Vec::new(),
             avoided: 0,
-            n_boxes: 1.0,
+            values: Vec::new(),
+            n_values: 0,
+            cells: Vec::new(),
+            lost: Vec::new(),
         };
+        samples.values = samples.features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
+        samples.n_values = samples.values.iter().sum();
         for f in 0..samples.p {
-            let n_values = problem.n_ranks[samples.features[f] as usize];
-            samples.n_boxes *= f64::from(n_values) * (f64::from(n_values) + 1.0) / 2.0;
-            let mut is_met = vec![false; n_values as usize];
+            let mut is_met = vec![false; samples.values[f]];
             let mut is_again = |&rank: &u32| std::mem::replace(&mut is_met[rank as usize], true);
-            samples.has_ties.push((n_values as usize) < n || samples.ranks_of(f).iter().any(&mut is_again));
+            samples.has_ties.push(samples.values[f] < n || samples.ranks_of(f).iter().any(&mut is_again));
         }
         samples.set_gains(problem);
+        if samples.is_single && samples.penalty > 0 {
+            samples.lost = lost(problem, &samples);
+            samples.set_cells();
+        }
         samples
     }
 
     /// The same counted in the largest unit that all costs above the base are multiples of.
     pub(crate) fn in_units_of(mut self, problem: &Problem) -> Self {
         self.unit = unit(problem, &ClassCosts::of(problem));
-        self.ranges.iter_mut().chain(&mut self.multiplicity).for_each(|count| *count /= self.unit);
+        self.ranges.iter_mut().chain(&mut self.multiplicity).chain(&mut self.lost).for_each(|count| *count /= self.unit);
         self.penalty /= self.unit;
         self.range_of_all = self.ranges.first().copied().filter(|first| self.ranges.iter().all(|range| range == first));
         self
@@ -219,6 +234,25 @@ impl Samples {
         self.set_profiles(problem, &has_samples, &costs);
     }
 
+    fn set_cells(&mut self) {
+        let n_cells = self.n_values * self.n_labels;
+        if self.leaf_size > 1 || n_cells > (self.p * self.n).min(1 << 16) {
+            return;
+        }
+        let firsts = self.values.iter().scan(0, |first, &values| Some(std::mem::replace(first, *first + values)));
+        let firsts: Vec<usize> = firsts.collect();
+        let cell = |i: usize, f: usize| {
+            (firsts[f] + self.ranks_of(f)[i] as usize) * self.n_labels + self.profile[i] as usize
+        };
+        self.cells = (0..self.n).flat_map(|i| (0..self.p).map(move |f| (i, f))).map(|(i, f)| cell(i, f) as u16).collect();
+    }
+
+    /// The cells of a sample (`p`).
+    #[inline(always)]
+    pub(crate) fn cells_of(&self, sample: u32) -> &[u16] {
+        &self.cells[sample as usize * self.p..][..self.p]
+    }
+
     /// Classes whose gains are in proportion share a cost profile: cost matrices have few, however many classes there
     /// are.
     fn set_profiles(&mut self, problem: &Problem, has_samples: &[bool], costs: &ClassCosts) {
@@ -278,12 +312,24 @@ impl Samples {
 
     /// The same samples with only these of the usable features.
     pub(crate) fn with_features(&self, usable: &[usize]) -> Self {
+        let mut samples = self.picked(usable);
+        if !self.cells.is_empty() {
+            samples.set_cells();
+        }
+        samples
+    }
+
+    fn picked(&self, usable: &[usize]) -> Self {
         let pick = |lists: &[u32]| -> Arc<Vec<u32>> {
             Arc::new(usable.iter().flat_map(|&f| lists[f * self.n..(f + 1) * self.n].iter().copied()).collect())
         };
         Self {
             p: usable.len(),
             features: usable.iter().map(|&f| self.features[f]).collect(),
+            values: usable.iter().map(|&f| self.values[f]).collect(),
+            n_values: usable.iter().map(|&f| self.values[f]).sum(),
+            cells: Vec::new(),
+            lost: self.lost.clone(), // fewer features part no more samples
             ranks: pick(&self.ranks),
             order: pick(&self.order),
             ranges: self.ranges.clone(),
@@ -300,9 +346,11 @@ impl Samples {
         }
     }
 
-    /// Whether cuts part the samples in so few ways that a search soon meets each set again.
+    /// Whether cuts part the samples in so few ways that a search soon meets each set again: by the runs of values, one
+    /// of each feature.
     pub(crate) fn has_few_boxes(&self) -> bool {
-        self.n_boxes <= MOST_BOXES
+        let runs = self.values.iter().map(|&values| values as f64 * (values as f64 + 1.0) / 2.0);
+        runs.product::<f64>() <= MOST_BOXES
     }
 
     /// The ranks of one usable feature, by sample.

@@ -9,6 +9,8 @@ crate::switches::switches! {
     mixed_labels,
     /// Trees of many levels pay for as many splits, and a side of a cut is a leaf or pays for a split.
     price,
+    /// Count nodes of few values by value, where splits have a price.
+    by_values,
     /// Keep the results of nodes that are met again.
     kept,
     /// Solve one level shallower first.

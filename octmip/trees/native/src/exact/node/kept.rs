@@ -16,7 +16,6 @@ use crate::exact::node::price::at_all_levels;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
-use crate::exact::view::View;
 
 /// Bytes of the results that the search of one cut of the root keeps; once they are full nothing more is kept.
 pub(crate) const MOST_BYTES_OF_CUT: usize = 1 << 24;
@@ -39,9 +38,9 @@ pub(crate) fn keeps(samples: &Samples, switches: &Switches, depth: usize) -> boo
 }
 
 /// The key of a node.
-pub(crate) fn key(samples: &Samples, view: &View) -> Key {
+pub(crate) fn key(samples: &Samples, ids: &[u32]) -> Key {
     let mut bits = vec![0; samples.n.div_ceil(64)].into_boxed_slice();
-    for i in view.ids(samples) {
+    for &i in ids {
         bits[i as usize / 64] |= 1 << (i % 64);
     }
     bits

@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use crate::effort::Control;
 use crate::exact::node::axis::Axis;
-use crate::exact::node::kept::{Kept, Seen, Shared, keeps, key};
+use crate::exact::node::by_values::{ByValues, Set, are_few};
+use crate::exact::node::kept::{Kept, Key, Seen, Shared, keeps, key};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::price::{at_all_levels, levels_below};
@@ -78,6 +79,15 @@ pub(crate) struct Search<'a> {
     /// Whether results are kept: where nodes are met again, for trees of four levels or more that pay for splits.
     keeps: bool,
     known: Seen<'a>,
+    by_values: ByValues,
+    totals: Vec<i64>,
+}
+
+/// A node that needs a search: its key where results are kept, the levels that its trees may have, a bound.
+struct Unknown {
+    key: Option<Key>,
+    depth: usize,
+    floor: i64,
 }
 
 impl<'a> Search<'a> {
@@ -98,6 +108,8 @@ impl<'a> Search<'a> {
             marks: vec![false; samples.n],
             keeps: keeps(samples, &switches, depth),
             known: Seen::default(),
+            by_values: ByValues::default(),
+            totals: Vec::new(),
         }
     }
 
@@ -132,38 +144,75 @@ impl<'a> Search<'a> {
     }
 
     fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        let (len, totals, range) = (view.len, &view.totals[..], view.total_range);
+        let has_ids = self.has_ids(len);
+        let mut known = |ids: &[u32]| self.without_search(Set { len, ids, totals, range }, depth, upper, floor);
+        let known = if has_ids { view.with_ids(&mut known) } else { known(&[]) };
+        known.unwrap_or_else(|unknown| self.search(view, depth, unknown, upper))
+    }
+
+    /// Whether the ids of a set of so many samples tell something without a search.
+    fn has_ids(&self, len: usize) -> bool {
+        self.samples.p > 0 && (self.keeps || self.counts(len))
+    }
+
+    /// Whether sets of so many samples are counted by value.
+    fn counts(&self, len: usize) -> bool {
+        self.switches.by_values && self.price() > 0 && are_few(self.samples, len)
+    }
+
+    /// The result of a node where it takes no search.
+    fn without_search(&mut self, set: Set<'_>, depth: usize, upper: i64, floor: i64) -> Result<NodeResult, Unknown> {
         // What the last search left is of another node.
         self.incumbents.clear();
         self.solved.clear();
         if upper <= floor {
-            return NodeResult::none(floor);
+            return Ok(NodeResult::none(floor));
         }
-        let asked = depth;
-        let depth = levels_below(upper.min(view.leaf()), self.price(), asked);
+        let leaf = set.leaf();
+        let depth = levels_below(upper.min(leaf), self.price(), depth);
+        if self.is_leaf_best((leaf, set.len), depth, floor) {
+            return Ok(NodeResult::cheapest(leaf, Plan::Leaf, upper));
+        }
+        let mut unknown = Unknown { key: None, depth, floor };
+        if self.keeps && depth > 1 {
+            let key = key(self.samples, set.ids);
+            match self.known.find(&key, depth, upper, self.samples.penalty) {
+                Ok((result, incumbents)) => {
+                    self.incumbents = incumbents;
+                    return Ok(result);
+                }
+                Err(bound) => unknown = Unknown { key: Some(key), depth, floor: floor.max(bound) },
+            }
+        }
+        if self.counts(set.len) {
+            match self.by_values.solve(self.samples, set, depth, upper, unknown.floor) {
+                Ok(result) => {
+                    self.keep(unknown.key, depth, &result);
+                    return Ok(result);
+                }
+                Err(bound) => unknown.floor = unknown.floor.max(bound),
+            }
+        }
+        Err(unknown)
+    }
+
+    fn keep(&mut self, key: Option<Key>, depth: usize, result: &NodeResult) {
+        if let Some(key) = key.filter(|_| !self.is_stopped()) {
+            self.known.keep(key, depth, result, &self.incumbents);
+        }
+    }
+
+    fn search(&mut self, view: &View, asked: usize, unknown: Unknown, upper: i64) -> NodeResult {
+        let Unknown { key, depth, floor } = unknown;
         if asked > 2 && depth <= 2 {
             self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
-        }
-        if self.is_leaf_best(view, depth, floor) {
-            return NodeResult::cheapest(view.leaf(), Plan::Leaf, upper);
         }
         if depth == 1 {
             return self.depth_one(view, upper);
         }
-        if !self.keeps {
-            return self.searched(view, depth, upper, floor);
-        }
-        let key = key(self.samples, view);
-        let bound = match self.known.find(&key, depth, upper, self.samples.penalty) {
-            Ok((result, incumbents)) => {
-                self.incumbents = incumbents;
-                return result;
-            }
-            Err(bound) => bound,
-        };
-        let result = self.searched(view, depth, upper, floor.max(bound));
-        if !self.is_stopped() {
-            self.known.keep(key, depth, &result, &self.incumbents);
-        }
+        let result = self.searched(view, depth, upper, floor);
+        self.keep(key, depth, &result);
         result
     }
 
@@ -193,6 +242,7 @@ impl<'a> Search<'a> {
         let mut best = NodeResult::cheapest(leaf, Plan::Leaf, upper);
         let mut whole = 0;
         let mut fewer = Vec::new();
+        let (mut is_counted, mut open) = (false, Vec::new());
         let mut order: Vec<usize> = (0..self.samples.p).collect();
         if depth == 3 {
             self.prepare(view);
@@ -220,6 +270,20 @@ impl<'a> Search<'a> {
                 self.solved = fewer; // as good as solved at this level
                 return best.closed(upper);
             }
+            is_counted = self.counts(view.len);
+            if is_counted {
+                let (len, totals, range, target) = (view.len, &view.totals[..], view.total_range, best.cost(upper));
+                let counted = view.with_ids(|ids| {
+                    let set = Set { len, ids, totals, range };
+                    self.by_values.solve(self.samples, set, depth, target, whole)
+                });
+                if counted.is_ok_and(|result| result.best.is_none()) {
+                    self.solved = fewer;
+                    return best.closed(upper);
+                }
+                let price = self.price();
+                open = (0..self.samples.p).map(|f| self.by_values.is_open(f, price, target)).collect();
+            }
         }
         let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
         let mut solved = Vec::new();
@@ -229,6 +293,9 @@ impl<'a> Search<'a> {
                 break;
             }
             let before = best.cost(upper);
+            if is_counted && !open[f] {
+                continue;
+            }
             let result =
                 self.deep_feature(view, depth, (f, &fewer, whole, shallower), before, &mut incumbents[f], &mut solved);
             if result.cost(i64::MAX) < before {
@@ -303,16 +370,23 @@ impl<'a> Search<'a> {
     ///
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
     pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
-        let mut marks = std::mem::take(&mut self.marks);
-        view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
-        self.marks = marks;
-        let mut bounds = cut.bounds;
-        let first = usize::from(sides[1].len > sides[0].len);
+        let (left, right) = view.list(cut.feature).split_at(cut.position);
+        let parts = [left, right];
+        let (mut bounds, mut is_split) = (cut.bounds, false);
+        let first = usize::from(right.len() > left.len());
         let mut plans = [None, None];
         let mut records = [None, None];
         for side in [first, 1 - first] {
             let budget = cut.target + cut.slack - bounds[1 - side];
-            let result = self.solve(&sides[side], depth - 1, budget, bounds[side]);
+            let known = self.part(parts[side], depth - 1, budget, bounds[side]);
+            if known.is_err() && !std::mem::replace(&mut is_split, true) {
+                self.split(view, cut, sides);
+            }
+            let result = match known {
+                Ok(result) => result,
+                Err(Some(unknown)) => self.search(&sides[side], depth - 1, unknown, budget),
+                Err(None) => self.solve(&sides[side], depth - 1, budget, bounds[side]),
+            };
             if self.is_stopped() {
                 return Children { bounds: cut.bounds, tree: None, record: String::new(), kept: Kept::default() };
             }
@@ -336,6 +410,27 @@ impl<'a> Search<'a> {
         Children { bounds, tree, record: String::new(), kept: Kept::default() }
     }
 
+    fn split(&mut self, view: &View, cut: &Cut, sides: &mut [View; 2]) {
+        let mut marks = std::mem::take(&mut self.marks);
+        view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
+        self.marks = marks;
+    }
+
+    /// The result of one side of a cut where it takes no search, from the ids alone; None where they tell nothing.
+    fn part(&mut self, ids: &[u32], depth: usize, upper: i64, floor: i64) -> Result<NodeResult, Option<Unknown>> {
+        if self.log.is_some() || !self.has_ids(ids.len()) {
+            return Err(None);
+        }
+        let mut totals = std::mem::take(&mut self.totals);
+        totals.clear();
+        totals.resize(self.samples.n_labels, 0);
+        ids.iter().for_each(|&i| self.samples.count(i, 1, &mut totals));
+        let range = ids.iter().map(|&i| self.samples.ranges[i as usize]).sum();
+        let found = self.without_search(Set { len: ids.len(), ids, totals: &totals, range }, depth, upper, floor);
+        self.totals = totals;
+        found.map_err(Some)
+    }
+
     /// The same for a cut of the root, chosen when `until` were entered, with the lines of its log.
     pub(crate) fn root_children(
         &mut self,
@@ -352,14 +447,15 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a leaf is best without a look at the cuts.
-    pub(crate) fn is_leaf_best(&self, view: &View, depth: usize, floor: i64) -> bool {
-        let is_cheap = view.leaf() <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
-        depth == 0 || is_cheap || view.len < 2 * self.samples.leaf_size || self.samples.p == 0
+    pub(crate) fn is_leaf_best(&self, (leaf, len): (i64, usize), depth: usize, floor: i64) -> bool {
+        let is_cheap = leaf <= floor.max(self.samples.penalty) || self.samples.n_labels == 1;
+        depth == 0 || is_cheap || len < 2 * self.samples.leaf_size || self.samples.p == 0
     }
 
     /// Add the cuts evaluated here to those of the other threads.
     pub(crate) fn report_effort(&mut self) {
-        self.control.add(std::mem::take(&mut self.n_evaluated));
+        let n_counted = std::mem::take(&mut self.by_values.n_counted);
+        self.control.add(std::mem::take(&mut self.n_evaluated) + n_counted);
     }
 
     /// Features ordered by a key, ties by index.
