@@ -29,7 +29,7 @@ def priced(price: float, **more: object) -> Problem:
     return Problem(FEATURES, LABELS, leaf_penalty=price, **more)
 
 
-@pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])
+@pytest.mark.parametrize("prune", ["price", "kept", "by_values", "shallower_first", "monotone", "cost_range", "mixed_labels"])
 def test_no_bound_costs_the_optimum(prune):
     for seed in range(40):
         problem = drawn(1000 + seed)
@@ -38,6 +38,19 @@ def test_no_bound_costs_the_optimum(prune):
         with native_call.without(prune):
             found = solve(problem, "exact").objective
         assert found == solve(problem, "exact").objective, seed
+
+
+def test_counts_by_value_cost_no_optimum():
+    for seed in range(30):
+        rng = np.random.default_rng([11, seed])
+        features = rng.integers(0, int(rng.integers(2, 6)), (int(rng.integers(20, 60)), int(rng.integers(2, 5))))
+        labels = (features.sum(1) + rng.integers(0, 3, len(features))) % int(rng.integers(2, 5))
+        shape = {"depth": None if rng.random() < 0.7 else 3, "leaf_penalty": float(rng.choice([1, 2, 3, 5]))}
+        problem = Problem(features, labels, weights=rng.integers(1, 4, len(features)), **shape)
+        with native_call.without("by_values"):
+            slower = solve(problem, "exact")
+        assert slower.is_optimal
+        assert solve(problem, "exact").objective == slower.objective, seed
 
 
 @pytest.mark.parametrize("values", [4, 40])  # a table of few boxes, whose levels are not searched one by one

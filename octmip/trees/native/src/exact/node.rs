@@ -10,3 +10,4 @@ pub(crate) mod price;
 pub(crate) mod result;
 pub(crate) mod search;
 mod within;
+mod without_search;

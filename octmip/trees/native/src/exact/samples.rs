@@ -19,7 +19,7 @@ pub(crate) mod unit;
 use std::sync::Arc;
 
 use crate::costs::ClassCosts;
-use crate::exact::samples::merging::{Merged, lost, merged};
+use crate::exact::samples::merging::{Merged, for_each_group, merged};
 use crate::exact::samples::unit::{common_divisor, rounded_up, unit};
 use crate::exact::switches::Switches;
 use crate::problem::Problem;
@@ -80,8 +80,8 @@ pub(crate) struct Samples {
     pub(crate) values: Vec<usize>,
     /// Their sum.
     pub(crate) n_values: usize,
-    /// Of each sample the cell of its value and label in each usable feature, where cells of all features stand one after
-    /// the other (`n * p`); empty where they are more than the samples, or a split has no price.
+    /// Of each sample the cell of its value and label in each usable feature, where cells of all features stand one
+    /// after the other (`n * p`); empty where they are more than the samples, or a split has no price.
     pub(crate) cells: Vec<u16>,
     /// What each sample costs in every tree, as equal ones have other labels (`n`); empty where that is nothing, or a
     /// split has no price.
@@ -150,7 +150,7 @@ impl Samples {
         }
         samples.set_gains(problem);
         if samples.is_single && samples.penalty > 0 {
-            samples.lost = lost(problem, &samples);
+            samples.set_lost(problem);
             samples.set_cells();
         }
         samples
@@ -159,7 +159,11 @@ impl Samples {
     /// The same counted in the largest unit that all costs above the base are multiples of.
     pub(crate) fn in_units_of(mut self, problem: &Problem) -> Self {
         self.unit = unit(problem, &ClassCosts::of(problem));
-        self.ranges.iter_mut().chain(&mut self.multiplicity).chain(&mut self.lost).for_each(|count| *count /= self.unit);
+        self.ranges
+            .iter_mut()
+            .chain(&mut self.multiplicity)
+            .chain(&mut self.lost)
+            .for_each(|count| *count /= self.unit);
         self.penalty /= self.unit;
         self.range_of_all = self.ranges.first().copied().filter(|first| self.ranges.iter().all(|range| range == first));
         self
@@ -234,6 +238,24 @@ impl Samples {
         self.set_profiles(problem, &has_samples, &costs);
     }
 
+    /// The samples of a group of equal ones go to one leaf, which gains under one label alone. So all but the label that
+    /// they gain most under is lost, whatever the tree: of the samples of the others, what they would have gained.
+    fn set_lost(&mut self, problem: &Problem) {
+        let usable: Vec<usize> = self.features.iter().map(|&f| f as usize).collect();
+        let mut lost = vec![0; self.n];
+        for_each_group(problem, &usable, |group| {
+            let mut gains = vec![0; self.n_labels];
+            group.iter().for_each(|&i| self.count(i, 1, &mut gains));
+            let best = (0..self.n_labels).max_by_key(|&label| gains[label]);
+            for &i in group.iter().filter(|&&i| Some(self.profile[i as usize] as usize) != best) {
+                lost[i as usize] = self.multiplicity[i as usize];
+            }
+        });
+        if lost.iter().any(|&cost| cost > 0) {
+            self.lost = lost;
+        }
+    }
+
     fn set_cells(&mut self) {
         let n_cells = self.n_values * self.n_labels;
         if self.leaf_size > 1 || n_cells > (self.p * self.n).min(1 << 16) {
@@ -241,10 +263,10 @@ impl Samples {
         }
         let firsts = self.values.iter().scan(0, |first, &values| Some(std::mem::replace(first, *first + values)));
         let firsts: Vec<usize> = firsts.collect();
-        let cell = |i: usize, f: usize| {
-            (firsts[f] + self.ranks_of(f)[i] as usize) * self.n_labels + self.profile[i] as usize
-        };
-        self.cells = (0..self.n).flat_map(|i| (0..self.p).map(move |f| (i, f))).map(|(i, f)| cell(i, f) as u16).collect();
+        let cell =
+            |i: usize, f: usize| (firsts[f] + self.ranks_of(f)[i] as usize) * self.n_labels + self.profile[i] as usize;
+        self.cells =
+            (0..self.n).flat_map(|i| (0..self.p).map(move |f| (i, f))).map(|(i, f)| cell(i, f) as u16).collect();
     }
 
     /// The cells of a sample (`p`).

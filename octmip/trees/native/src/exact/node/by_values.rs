@@ -2,7 +2,7 @@
 //! least, and its best tree of two levels. It closes most nodes of trees that pay for splits, and sorts no list.
 //!
 //! `q` is the price of a split, `range(S)` the cost of a set without any gain, `lost(S)` what equal samples of
-//! different labels lose in every tree (`samples::merging::lost`). A side of a cut costs its leaf, or, with splits:
+//! different labels lose in every tree (`Samples::lost`). A side of a cut costs its leaf, or, with splits:
 //!
 //! * two leaves: `q`, and the samples outside its two heaviest labels, or `lost`;
 //! * three leaves or more: `2 q + lost`.

@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 use crate::effort::Control;
 use crate::exact::node::axis::Axis;
-use crate::exact::node::by_values::{ByValues, Set, are_few};
-use crate::exact::node::kept::{Kept, Key, Seen, Shared, keeps, key};
+use crate::exact::node::by_values::ByValues;
+use crate::exact::node::kept::{Kept, Seen, Shared, keeps};
 use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
-use crate::exact::node::price::{at_all_levels, levels_below};
+use crate::exact::node::price::at_all_levels;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::samples::Samples;
 use crate::exact::stumps::place::StumpSolver;
@@ -77,17 +77,10 @@ pub(crate) struct Search<'a> {
     solvers: [Option<Box<dyn StumpSolver>>; 3],
     marks: Vec<bool>,
     /// Whether results are kept: where nodes are met again, for trees of four levels or more that pay for splits.
-    keeps: bool,
-    known: Seen<'a>,
-    by_values: ByValues,
-    totals: Vec<i64>,
-}
-
-/// A node that needs a search: its key where results are kept, the levels that its trees may have, a bound.
-struct Unknown {
-    key: Option<Key>,
-    depth: usize,
-    floor: i64,
+    pub(super) keeps: bool,
+    pub(super) known: Seen<'a>,
+    pub(super) by_values: ByValues,
+    pub(super) totals: Vec<i64>,
 }
 
 impl<'a> Search<'a> {
@@ -143,89 +136,16 @@ impl<'a> Search<'a> {
         result
     }
 
-    fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
-        let (len, totals, range) = (view.len, &view.totals[..], view.total_range);
-        let has_ids = self.has_ids(len);
-        let mut known = |ids: &[u32]| self.without_search(Set { len, ids, totals, range }, depth, upper, floor);
-        let known = if has_ids { view.with_ids(&mut known) } else { known(&[]) };
-        known.unwrap_or_else(|unknown| self.search(view, depth, unknown, upper))
-    }
-
-    /// Whether the ids of a set of so many samples tell something without a search.
-    fn has_ids(&self, len: usize) -> bool {
-        self.samples.p > 0 && (self.keeps || self.counts(len))
-    }
-
-    /// Whether sets of so many samples are counted by value.
-    fn counts(&self, len: usize) -> bool {
-        self.switches.by_values && self.price() > 0 && are_few(self.samples, len)
-    }
-
-    /// The result of a node where it takes no search.
-    fn without_search(&mut self, set: Set<'_>, depth: usize, upper: i64, floor: i64) -> Result<NodeResult, Unknown> {
-        // What the last search left is of another node.
-        self.incumbents.clear();
-        self.solved.clear();
-        if upper <= floor {
-            return Ok(NodeResult::none(floor));
-        }
-        let leaf = set.leaf();
-        let depth = levels_below(upper.min(leaf), self.price(), depth);
-        if self.is_leaf_best((leaf, set.len), depth, floor) {
-            return Ok(NodeResult::cheapest(leaf, Plan::Leaf, upper));
-        }
-        let mut unknown = Unknown { key: None, depth, floor };
-        if self.keeps && depth > 1 {
-            let key = key(self.samples, set.ids);
-            match self.known.find(&key, depth, upper, self.samples.penalty) {
-                Ok((result, incumbents)) => {
-                    self.incumbents = incumbents;
-                    return Ok(result);
-                }
-                Err(bound) => unknown = Unknown { key: Some(key), depth, floor: floor.max(bound) },
-            }
-        }
-        if self.counts(set.len) {
-            match self.by_values.solve(self.samples, set, depth, upper, unknown.floor) {
-                Ok(result) => {
-                    self.keep(unknown.key, depth, &result);
-                    return Ok(result);
-                }
-                Err(bound) => unknown.floor = unknown.floor.max(bound),
-            }
-        }
-        Err(unknown)
-    }
-
-    fn keep(&mut self, key: Option<Key>, depth: usize, result: &NodeResult) {
-        if let Some(key) = key.filter(|_| !self.is_stopped()) {
-            self.known.keep(key, depth, result, &self.incumbents);
-        }
-    }
-
-    fn search(&mut self, view: &View, asked: usize, unknown: Unknown, upper: i64) -> NodeResult {
-        let Unknown { key, depth, floor } = unknown;
-        if asked > 2 && depth <= 2 {
-            self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
-        }
-        if depth == 1 {
-            return self.depth_one(view, upper);
-        }
-        let result = self.searched(view, depth, upper, floor);
-        self.keep(key, depth, &result);
-        result
-    }
-
-    fn searched(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+    pub(super) fn searched(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         if depth == 2 { self.depth_two(view, upper, floor) } else { self.deep(view, depth, upper, floor) }
     }
 
     /// The price that bounds are allowed to see; 0 where a split costs nothing.
-    fn price(&self) -> i64 {
+    pub(super) fn price(&self) -> i64 {
         if self.switches.price { self.samples.penalty } else { 0 }
     }
 
-    fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
+    pub(super) fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
         let mut solver = self.take_solver(view);
         let stump = solver.load(self.samples, view);
         self.return_solver(view, solver);
@@ -242,7 +162,7 @@ impl<'a> Search<'a> {
         let mut best = NodeResult::cheapest(leaf, Plan::Leaf, upper);
         let mut whole = 0;
         let mut fewer = Vec::new();
-        let (mut is_counted, mut open) = (false, Vec::new());
+        let mut open = vec![true; self.samples.p];
         let mut order: Vec<usize> = (0..self.samples.p).collect();
         if depth == 3 {
             self.prepare(view);
@@ -270,32 +190,20 @@ impl<'a> Search<'a> {
                 self.solved = fewer; // as good as solved at this level
                 return best.closed(upper);
             }
-            is_counted = self.counts(view.len);
-            if is_counted {
-                let (len, totals, range, target) = (view.len, &view.totals[..], view.total_range, best.cost(upper));
-                let counted = view.with_ids(|ids| {
-                    let set = Set { len, ids, totals, range };
-                    self.by_values.solve(self.samples, set, depth, target, whole)
-                });
-                if counted.is_ok_and(|result| result.best.is_none()) {
-                    self.solved = fewer;
-                    return best.closed(upper);
-                }
-                let price = self.price();
-                open = (0..self.samples.p).map(|f| self.by_values.is_open(f, price, target)).collect();
+            open = self.open_features(view, depth, best.cost(upper), whole);
+            if !open.contains(&true) {
+                self.solved = fewer;
+                return best.closed(upper);
             }
         }
         let mut incumbents = vec![FeatureIncumbent::NOTHING; self.samples.p];
         let mut solved = Vec::new();
-        for f in order {
+        for f in order.into_iter().filter(|&f| open[f]) {
             let is_done = takes_first && best.best.is_some();
             if best.cost(upper) <= floor || is_done || self.is_stopped() {
                 break;
             }
             let before = best.cost(upper);
-            if is_counted && !open[f] {
-                continue;
-            }
             let result =
                 self.deep_feature(view, depth, (f, &fewer, whole, shallower), before, &mut incumbents[f], &mut solved);
             if result.cost(i64::MAX) < before {
@@ -414,21 +322,6 @@ impl<'a> Search<'a> {
         let mut marks = std::mem::take(&mut self.marks);
         view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
         self.marks = marks;
-    }
-
-    /// The result of one side of a cut where it takes no search, from the ids alone; None where they tell nothing.
-    fn part(&mut self, ids: &[u32], depth: usize, upper: i64, floor: i64) -> Result<NodeResult, Option<Unknown>> {
-        if self.log.is_some() || !self.has_ids(ids.len()) {
-            return Err(None);
-        }
-        let mut totals = std::mem::take(&mut self.totals);
-        totals.clear();
-        totals.resize(self.samples.n_labels, 0);
-        ids.iter().for_each(|&i| self.samples.count(i, 1, &mut totals));
-        let range = ids.iter().map(|&i| self.samples.ranges[i as usize]).sum();
-        let found = self.without_search(Set { len: ids.len(), ids, totals: &totals, range }, depth, upper, floor);
-        self.totals = totals;
-        found.map_err(Some)
     }
 
     /// The same for a cut of the root, chosen when `until` were entered, with the lines of its log.

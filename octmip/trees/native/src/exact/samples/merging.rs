@@ -16,9 +16,7 @@
 use std::sync::Arc;
 
 use crate::costs::ClassCosts;
-use crate::exact::samples::Samples;
 use crate::exact::samples::unit::common_divisor;
-use crate::exact::view::first_largest;
 use crate::problem::Problem;
 
 /// Rows that must go for the smaller problem to be worth its memory: one in so many.
@@ -82,23 +80,11 @@ pub(crate) fn merged(problem: &Problem, cancels: bool) -> Option<Merged> {
     Some(Merged { problem: smaller, rows: kept.iter().map(|&i| rows[i]).collect(), avoided })
 }
 
-/// What each sample of a problem costs in every tree (`n`), where each gains under one label; empty where few are equal.
-///
-/// The samples of a group of equal ones go to one leaf, which gains under one label alone. So all but the label that
-/// they gain most under is lost, whatever the tree: of the samples of the others, what they would have gained.
-pub(crate) fn lost(problem: &Problem, samples: &Samples) -> Vec<i64> {
-    let usable: Vec<usize> = samples.features.iter().map(|&f| f as usize).collect();
-    let Some(groups) = Groups::of(problem, &usable) else { return Vec::new() };
-    let mut lost = vec![0; problem.n];
-    groups.for_each(problem, &usable, |group| {
-        let mut gains = vec![0; samples.n_labels];
-        group.iter().for_each(|&i| samples.count(i, 1, &mut gains));
-        let best = first_largest(&gains);
-        for &i in group.iter().filter(|&&i| samples.profile[i as usize] as usize != best) {
-            lost[i as usize] = samples.multiplicity[i as usize];
-        }
-    });
-    if lost.iter().all(|&cost| cost == 0) { Vec::new() } else { lost }
+/// Go through the groups of equal samples, each ascending; not where too few are equal.
+pub(crate) fn for_each_group(problem: &Problem, usable: &[usize], act: impl FnMut(&[u32])) {
+    if let Some(groups) = Groups::of(problem, usable) {
+        groups.for_each(problem, usable, act);
+    }
 }
 
 /// What one unit of weight of each class gains and costs at least, where each class gains under one label and no two
