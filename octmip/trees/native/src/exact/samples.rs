@@ -238,7 +238,7 @@ impl Samples {
         self.set_profiles(problem, &has_samples, &costs);
     }
 
-    /// The samples of a group of equal ones go to one leaf, which gains under one label alone. So all but the label that
+    /// The samples of a group of equal ones go to one leaf, which gains under one label alone. All but the label that
     /// they gain most under is lost, whatever the tree: of the samples of the others, what they would have gained.
     fn set_lost(&mut self, problem: &Problem) {
         let usable: Vec<usize> = self.features.iter().map(|&f| f as usize).collect();

@@ -23,12 +23,15 @@ pub(crate) fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) ->
     // The samples in the order of each feature; the ranks are the problem's own where every feature is usable.
     let is_whole = (0..problem.p).all(|f| problem.allowed[f] && problem.n_ranks[f] > 1);
     let samples = if is_whole { lists } else { 2.0 * lists } + 28.0 * n;
+    // Where splits have a price: the cell of each value, what is lost.
+    let cells = if problem.penalty > 0 { lists / 2.0 + 8.0 * n } else { 0.0 };
+    let samples = samples + cells;
     let own = thread(problem, switches);
     if problem.depth < 3 {
         return samples + own;
     }
     let is_tight = problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit;
-    let copies = if is_tight { 2.0 * lists + 28.0 * n } else { 0.0 };
+    let copies = if is_tight { 2.0 * lists + 28.0 * n + cells } else { 0.0 };
     let kept = if has_kept(problem) { MOST_BYTES as f64 } else { 0.0 };
     samples + kept + n_threads as f64 * own + (p * axis(problem, problem.depth)).max(n_threads as f64 * copies)
 }
