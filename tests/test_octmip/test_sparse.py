@@ -29,7 +29,7 @@ def priced(price: float, **more: object) -> Problem:
     return Problem(FEATURES, LABELS, leaf_penalty=price, **more)
 
 
-@pytest.mark.parametrize("prune", ["price", "kept", "by_values", "shallower_first", "monotone", "cost_range", "mixed_labels"])
+@pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])
 def test_no_bound_costs_the_optimum(prune):
     for seed in range(40):
         problem = drawn(1000 + seed)
