@@ -6,6 +6,7 @@
 use crate::effort::Control;
 use crate::exact::node::result::Solved;
 use crate::exact::node::search::Search;
+use crate::exact::stumps::place::Place;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;
@@ -19,8 +20,6 @@ pub(crate) struct Counter<'a, T> {
     /// The problem.
     pub(crate) instance: &'a Instance<T>,
     search: Search<'a>,
-    /// Of every sample along the feature that was last placed.
-    positions: Vec<u32>,
     /// What is known of the stumps beside the cut that was last placed.
     reach: Reach<T>,
 }
@@ -32,7 +31,7 @@ impl<'a, T: Cost> Counter<'a, T> {
         if instance.depth == 3 && instance.samples.p > 0 && instance.samples.n_labels > 1 {
             search.prepare(root); // every node that follows is a part of it; deeper ones are prepared on the way
         }
-        Self { instance, search, positions: vec![0; instance.samples.n], reach: Reach::new(instance) }
+        Self { instance, search, reach: Reach::new(instance) }
     }
 
     /// Whether the count is stopped; what is returned after that is no count.
@@ -163,12 +162,9 @@ impl<'a, T: Cost> Counter<'a, T> {
         mut see: impl FnMut(usize, usize, T),
     ) {
         let instance = self.instance;
-        for (position, &i) in view.list(cut.feature).iter().enumerate() {
-            self.positions[i as usize] = position as u32;
-        }
         self.reach.move_to(instance, view, cut);
-        let (positions, k) = (&self.positions, cut.position);
-        let side_of = |i: u32| usize::from(positions[i as usize] as usize >= k);
+        let place = Place::new(&instance.samples, view, cut.feature, cut.position, i64::MAX);
+        let side_of = |i: u32| usize::from(!place.is_on(0, i));
         for f in (0..instance.samples.p).filter(|&f| instance.fits(instance.masks[f])) {
             if self.reach.may_be_within(f, sides) {
                 let more = self.reach.more;

@@ -1,7 +1,7 @@
 //! Sums along a feature for the bound of mixed labels.
 
 use crate::exact::samples::Samples;
-use crate::exact::samples::label_sets::{LabelSets, WIDTH};
+use crate::exact::samples::label_sets::WIDTH;
 use crate::exact::view::View;
 
 /// All bits of one lane. A count is added to all lanes at once, though one changes: the whole vector is read back right
@@ -52,9 +52,16 @@ impl MixedLabels {
             return;
         }
         self.prefix.resize(self.prefix.len().max(positions.len() * self.width), [0; WIDTH]);
+        let profile = |i: u32| samples.profile[i as usize] as usize;
         match sets {
-            Some(sets) => self.count_sets(samples, view.list(f), sets, positions),
-            None => self.count_labels(samples, view.list(f), positions),
+            Some(sets) => self.count(view.list(f), positions, |i, part| {
+                let multiplicity = samples.multiplicity[i as usize] as i32;
+                sets.costs_of(profile(i))[part].map(|cost| multiplicity * cost)
+            }),
+            None => self.count(view.list(f), positions, |i, part| {
+                let range = if profile(i) / WIDTH == part { samples.range_of(i) as i32 } else { 0 };
+                LANE[profile(i) % WIDTH].map(|mask| mask & range)
+            }),
         }
     }
 
@@ -68,37 +75,20 @@ impl MixedLabels {
         self.counted == Counted::Nothing
     }
 
-    /// Cost range of each label, eight labels after the other.
-    fn count_labels(&mut self, samples: &Samples, list: &[u32], positions: &[u32]) {
+    /// Sum what each sample adds to a vector, vector after vector.
+    #[inline(always)]
+    fn count(&mut self, list: &[u32], positions: &[u32], added: impl Fn(u32, usize) -> [i32; WIDTH]) {
         for part in 0..self.width {
             let mut counts = [0; WIDTH];
             let mut from = 0;
             for (&to, prefix) in positions.iter().zip(self.prefix.chunks_exact_mut(self.width)) {
                 for &i in &list[from..to as usize] {
-                    let label = samples.profile[i as usize] as usize;
-                    let range = if label / WIDTH == part { samples.range_of(i) as i32 } else { 0 };
-                    let mask = &LANE[label % WIDTH];
-                    counts = std::array::from_fn(|lane| counts[lane] + (mask[lane] & range));
+                    let added = added(i, part);
+                    counts = std::array::from_fn(|lane| counts[lane] + added[lane]);
                 }
                 prefix[part] = counts;
                 from = to as usize;
             }
-        }
-    }
-
-    /// Cost under each set of labels.
-    fn count_sets(&mut self, samples: &Samples, list: &[u32], sets: &LabelSets, positions: &[u32]) {
-        let mut counts = vec![[0; WIDTH]; self.width];
-        let mut from = 0;
-        for (&to, prefix) in positions.iter().zip(self.prefix.chunks_exact_mut(self.width)) {
-            for &i in &list[from..to as usize] {
-                let multiplicity = samples.multiplicity[i as usize] as i32;
-                for (part, costs) in counts.iter_mut().zip(sets.costs_of(samples.profile[i as usize] as usize)) {
-                    *part = std::array::from_fn(|lane| part[lane] + multiplicity * costs[lane]);
-                }
-            }
-            prefix.copy_from_slice(&counts);
-            from = to as usize;
         }
     }
 
