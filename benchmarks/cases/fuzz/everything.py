@@ -36,6 +36,9 @@ from benchmarks.tables import Line, markdown
 CHUNK = 100
 PATIENCE = 60.0  # seconds without a word from a chunk's process before its problem is called a hang
 
+SLOW_ENUMERATION = 1800.0
+"""The same where the first seeds are asked whatever their share: listing the trees of one may take minutes."""
+
 
 def results(limit: float, threads: Sequence[int], only: str = "", seeds: int = 0) -> Iterator[Line]:
     """Yield a line per chunk of seeds until the time is up, or the seeds are."""
@@ -53,7 +56,7 @@ def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS), free: float | Non
     """Return the line of a chunk, answered in a process of its own that is ended where it no longer moves."""
     context = multiprocessing.get_context("spawn")
     answers: list[Line] = []
-    rest = seeds
+    rest, patience = seeds, PATIENCE if free is None else SLOW_ENUMERATION
     while rest:
         ours, theirs = context.Pipe(duplex=False)
         process = context.Process(target=_answer_all, args=(rest, kinds, free, theirs))
@@ -61,7 +64,7 @@ def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS), free: float | Non
         theirs.close()
         asked = ""
         try:
-            while ours.poll(PATIENCE):
+            while ours.poll(patience):
                 kind, content = ours.recv()
                 if kind == "asked":
                     asked = content
@@ -77,7 +80,7 @@ def watched(seeds: range, kinds: Sequence[str] = tuple(KINDS), free: float | Non
             break
         process.kill()
         process.join()
-        answers.append({"question": asked, "wrong": f"hang: no end after {PATIENCE} s, or the process died"})
+        answers.append({"question": asked, "wrong": f"hang: no end after {patience} s, or the process died"})
         rest = range(_seed_of(asked, rest) + 1, seeds.stop)
     return _line(seeds, answers)
 
