@@ -156,5 +156,6 @@ def effect(response: Response) -> WingEffect:
         n_between=4,
         signature_error=0.4,
         is_one_sided=True,
+        bounds=(0.0, 1.0),
         web=Web(response),
     )
