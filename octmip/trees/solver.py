@@ -290,7 +290,7 @@ class _Call:
             options=options_for(self.problem, name, options),
             **study,
         )
-        return fitting(self.problem, solution)
+        return fitting(self.problem, solution) if self.problem.is_shaped else solution
 
     def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
         if (progress := self.run.progress) is None:

@@ -124,7 +124,7 @@ def test_ctrl_c_returns_a_tree_of_no_more_splits(assist, monkeypatch):
 
 
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
-    monkeypatch.setattr(solver, "_fitting", lambda problem, solution: solution)
+    monkeypatch.setattr(solver, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(replace(stairs(), max_splits=1), "search")
 

@@ -198,8 +198,8 @@ def ordered(problem: Problem, tree: Node) -> Node:
 
 
 def fitting(problem: Problem, solution: Solution) -> Solution:
-    """Return a solution whose tree has the shape that is asked for: pruned and put in order where it has not."""
-    if solution.tree is None or not problem.is_shaped:
+    """Return a solution whose tree has the shape of a shaped problem: pruned and put in order where it has not."""
+    if solution.tree is None:
         return solution
     tree = ordered(problem, pruned(problem, solution.tree, problem.max_splits))
     if tree is solution.tree:
