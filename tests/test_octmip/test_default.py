@@ -280,7 +280,7 @@ def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_
 
 
 def test_a_class_that_weighs_a_million_times_more_is_not_given_up_for_rows_of_the_other():
-    # Rows of the dear class that were held out are all right by both trees; the deeper one saves a few cheap ones.
+    # Rows of the heavy class that were held out are all right by both trees; the deeper one saves a few light ones.
     X = np.random.default_rng(0).normal(size=(60, 2))
     y = (X[:, 0] + X[:, 1] > 0).astype(int)
     weights = np.where(y == 0, 1e6, 1.0)

@@ -158,8 +158,8 @@ class Judged:
     def _farthest(self, least: int) -> Floats:
         """Return the most by which each step's loss on one row differs from that of one step, shape (n_steps,).
 
-        Where two trees predict different classes the row may be of any class: new rows of the dearest class may come
-        where none was held out.
+        Where two trees predict different classes the row may be of any class: new rows of the class that costs most may
+        come where none was held out.
         """
         most = np.zeros(len(self.trees))
         for k, losses in enumerate(self.losses):

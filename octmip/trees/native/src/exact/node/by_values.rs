@@ -293,3 +293,20 @@ fn side(price: i64, range: i64, gains: &[i64], lost: i64, depth: usize) -> (i64,
     let split = if depth > 2 { two.min(2 * price + lost) } else { two };
     (leaf, leaf.min(split))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::side;
+
+    #[test]
+    fn a_side_costs_at_most_what_two_and_three_pure_leaves_cost() {
+        for price in 1..40 {
+            let (leaf, least) = side(price, 90, &[30, 30, 30], 0, 3);
+            assert_eq!(leaf, 60);
+            assert!(least <= 2 * price && least <= leaf, "three pure leaves at {price}");
+            assert!(least >= price.min(leaf), "a bound of one price at least");
+            // Of one more level there are two leaves at most, and the third label is lost.
+            assert_eq!(side(price, 90, &[30, 30, 30], 0, 2).1, if 90 < 2 * price { 60 } else { leaf.min(price + 30) });
+        }
+    }
+}
