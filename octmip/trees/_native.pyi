@@ -288,12 +288,14 @@ def shaped_search(
     limit_values: Limits,
     progress: Callable[[float, int, int, int], None] | None = None,
     *,
+    free: tuple[int, list[NodeRow]] | None = None,
     max_splits: int,
     directions: list[int],
     rules: dict[str, Any] | None = None,
 ) -> Found:
     """Return the best tree of a shape and a bound.
 
+    `free`: cost and rows of the best tree without directions, where they are known.
     `directions`: for each column 1 where predictions never fall as it rises, -1 where they never rise, 0 elsewhere.
     `rules`: parts that are asked for, as `octmip.trees.encoding.parts.rules_of` returns them, not with directions;
     where no tree has them the objective is `octmip.trees.methods.native_call.NO_TREE`.

@@ -41,7 +41,7 @@ from octmip.trees.methods.options import (
 )
 from octmip.trees.methods.pruning import fitting
 from octmip.trees.problem import Problem
-from octmip.trees.registry import EXACT, TWO_FEATURE, options_for, solvers_of
+from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, options_for, solvers_of
 from octmip.trees.run import Method as Method
 from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
@@ -75,11 +75,11 @@ def solve(
 ) -> Solution:
     """Return the best tree that a method finds within the limits, and the bound that it proves.
 
-    Where no incumbent is given, an exact proof from depth 5 on (10,000 samples: 4; in an order: 2) begins with a
-    local search for at most a fifth of the time limit, and in an order with the best tree in none. Else a search
-    follows where four fifths of the time or the memory did not suffice. HiGHS begins with CART's tree
-    (`MipOptions(start="search")`: one of local search). The better of incumbent and proof's own tree is returned;
-    `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far (`Stop.INTERRUPTED`).
+    Where no incumbent is given, an exact proof from depth 5 on (10,000 samples: 4) begins with a local search for at
+    most a fifth of the time limit. Else one follows where four fifths of the time or the memory did not suffice.
+    HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
+    proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
+    (`Stop.INTERRUPTED`).
 
     Parameters
     ----------
@@ -299,11 +299,10 @@ class _Call:
 def _result(call: _Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
-        free = _in_no_order(call, name)
-        first = free or _first_tree(call, name)
-        if free or first.stop is Stop.INTERRUPTED:
+        first = _first_tree(call, name)
+        if first.stop is Stop.INTERRUPTED:
             return first
-    is_alone = first is None and solvers_of(call.problem)[name] is EXACT
+    is_alone = first is None and solvers_of(call.problem)[name] in {EXACT, SHAPED}
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
     solution = checked_solution(call.problem, _solved(call, name, first, 1.0 - SEARCH_SHARE if is_alone else 1.0))
     if is_alone and solution.stop in {Stop.TIME, Stop.MEMORY}:
@@ -332,20 +331,6 @@ def _first_tree(call: _Call, name: str, share: float = SEARCH_SHARE) -> Solution
     restarts = 1 if share < 1.0 and call.problem.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
     options = SearchOptions(restarts=restarts, cluster=call.run.options.cluster)
     return call.solve("search", None, share=share, options=options)
-
-
-def _in_no_order(call: _Call, name: str) -> Solution | None:
-    """Return the best tree in no order where it keeps the order asked for; None where it does not, or none is asked."""
-    problem = call.problem
-    if problem.monotone is None or name != "exact" or problem.depth > EXACT.alone_to_depth:
-        return None
-    show, leaf = call.run.progress, problem.objective(problem.best_leaf())
-    # Its bound holds in order too, its trees do not: beside the bound it shows the leaf.
-    progress = show and (lambda state: show(replace(state, objective=leaf)))
-    free = replace(call, problem=replace(problem, monotone=None), run=replace(call.run, progress=progress))
-    found = fitting(problem, free.solve(name, None, share=SEARCH_SHARE))
-    is_last = found.is_optimal or found.stop is Stop.INTERRUPTED
-    return checked_solution(problem, replace(found, details={**found.details, "tree_by": name})) if is_last else None
 
 
 def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:

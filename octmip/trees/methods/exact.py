@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -257,7 +257,12 @@ class _Search:
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
                 )
             else:
-                result = _native.shaped_search(native, first, limits, progress, **self.shape)
+                free = self._in_no_order(native, costs, before)
+                if free is not None and Stop(free.stop) is not Stop.OPTIMAL:
+                    return Stop(free.stop)
+                known = None if free is None else (free.objective, free.rows)
+                limits = remaining(self.limits, began, self.n_nodes)
+                result = _native.shaped_search(native, first, limits, progress, free=known, **self.shape)
         except ValueError as error:
             if self.file is None or not str(error).startswith("known: "):
                 raise
@@ -281,6 +286,24 @@ class _Search:
             # Samples too light for the grid still have labels; equal in float64, the grid's own are the better ones.
             self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
         return stop
+
+    def _in_no_order(self, native: _native.Problem, costs: IntegerCosts, before: Progress) -> _native.Found | None:
+        """Return the best tree in no order, which often keeps the one asked for; None where it is no whole tree."""
+        if self.problem.monotone is None or self.problem.limited_splits is not None:
+            return None
+        self._keep(self.problem.best_leaf())
+
+        def shown(state: Progress) -> None:
+            # The bound holds in order too, the tree does not.
+            if self.progress is not None:
+                self.progress(replace(state, objective=self.objective))
+
+        limits = replace(remaining(self.limits, self.started, self.n_nodes), gap=0.0)
+        progress = native_progress(shown, costs, before)
+        free = _native.branch_and_bound(native, None, limits, self.n_jobs, self.off, progress)
+        self.n_nodes += free.n_nodes
+        self.bound = max(self.bound, costs.value(free.bound))
+        return free
 
     def _without_tree(self, stop: Stop) -> Stop:
         """Return why a search ended that found no tree.

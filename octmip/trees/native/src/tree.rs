@@ -55,6 +55,11 @@ impl Tree {
         nodes.extend(right.nodes.iter().map(|node| node.shifted(first_right)));
         Self { nodes }
     }
+
+    /// Whether a split of one feature asks this one.
+    pub fn reads(&self, asked: u32) -> bool {
+        self.nodes.iter().any(|node| matches!(node, Node::Split { feature, .. } if *feature == asked))
+    }
 }
 
 impl Node {

@@ -6,6 +6,7 @@
 //! few        the best tree of at most so many splits: the splits are shared out between both sides of every cut
 //! boxes      what a node holds of the space of ranks, and which two leaves must be in order
 //! monotone   the best tree that keeps the order, from the best one that need not as a bound
+//! stump      the same of one split
 //! coupled    a cut of a monotone feature: one side leaf by leaf, the other solved beside it
 //! last_cuts  cuts whose sides are leaves
 //! rules      given splits, features that may not follow each other, an old tree
@@ -21,6 +22,7 @@ mod left;
 mod monotone;
 mod parts;
 mod rules;
+mod stump;
 mod wanted;
 
 use crate::control::{KeepGoing, Outcome, Progress, Stop};
@@ -54,7 +56,8 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         if is_whole { Samples::new(problem).in_units_of(problem) } else { Samples::in_few_rows(problem, &switches) };
     let view = View::root(&samples);
     let base = samples.base_cost();
-    let given = options.incumbent.as_ref().map(|(objective, tree)| (samples.counted(objective - base), tree.clone()));
+    let counted = |(objective, tree): &(i64, Tree)| (samples.counted(objective - base), tree.clone());
+    let given = options.incumbent.as_ref().map(counted);
     // One above the leaf, so that the search finds the leaf itself where nothing is better.
     let beyond = options.rules.as_ref().map_or(view.leaf() + 1, |rules| Parts::beyond(&samples, &view, rules));
     let start = given.map_or((beyond, None), |(cost, tree)| (cost, Some(tree)));
@@ -70,7 +73,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
         }
         let few = Few::new(&samples, &control, problem.depth, options.max_splits);
         if is_ordered {
-            Monotone::new(problem, options, few, &known).search(&view);
+            Monotone::new(problem, options, few, &known).search(&view, options.free.as_ref().map(counted));
         } else {
             few.search(&view, upper, &known);
         }

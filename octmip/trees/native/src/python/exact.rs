@@ -245,7 +245,7 @@ fn rules_from(row: RulesRow) -> PyResult<shaped::Rules> {
 /// The best tree of a shape and a bound: at most so many splits, and for each feature 1 where predictions never fall as
 /// it rises, -1 where they never rise, 0 elsewhere; or with parts that are asked for.
 #[pyfunction]
-#[pyo3(signature = (problem, incumbent, limit_values, progress=None, *, max_splits, directions, rules=None))]
+#[pyo3(signature = (problem, incumbent, limit_values, progress=None, *, free=None, max_splits, directions, rules=None))]
 #[allow(clippy::too_many_arguments)]
 fn shaped_search(
     py: Python<'_>,
@@ -253,6 +253,7 @@ fn shaped_search(
     incumbent: Incumbent,
     limit_values: LimitValues,
     progress: Option<Py<PyAny>>,
+    free: Incumbent,
     max_splits: usize,
     directions: Vec<i8>,
     rules: Option<RulesRow>,
@@ -264,9 +265,9 @@ fn shaped_search(
             problem.inner.p
         )));
     }
-    let incumbent = known_tree(incumbent)?;
+    let (incumbent, free) = (known_tree(incumbent)?, known_tree(free)?);
     let rules = rules.map(rules_from).transpose()?;
-    let options = shaped::Options { limits: limits(limit_values), incumbent, max_splits, directions, rules };
+    let options = shaped::Options { limits: limits(limit_values), incumbent, free, max_splits, directions, rules };
     let outcome = supervised(py, progress.as_ref(), |keep_going| shaped::solve(&problem.inner, &options, keep_going))?;
     Ok(found(&outcome))
 }

@@ -5,7 +5,10 @@
 //! are decided: what it costs at least, with the bounds of the nodes still open, ends a branch early.
 //!
 //! Places of thresholds: those of the first side are moved as in `monotone`, together with those of the other side, so
-//! a place may be the rank of any sample of the two.
+//! a place may be the rank of any sample of the two. A split is laid out with the interval of its places, and the boxes
+//! of its sides are those that it leaves for sure: boxes compare no more leaves than the smaller ones inside them, so
+//! what the other side costs beside those is a bound for every place. Only where that does not end a branch, and
+//! neither the first places nor the last ones will do, the widest interval is halved.
 
 use crate::exact::shaped::boxes::{Fixed, labels, side};
 use crate::exact::shaped::few::least_size;
@@ -20,21 +23,23 @@ struct Open {
     bound: i64,
 }
 
-/// A decision of the first side, in preorder.
+/// A decision of the first side, in preorder: a label, or a feature with the first and the last place of its cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Decided {
     Leaf(u32),
-    Split(usize, u32),
+    Split(usize, [u32; 2]),
 }
 
 /// The first side as far as it is laid out, and the best pair so far.
 struct Layout<'n> {
+    first: &'n Node,
     other: &'n Node,
     depth: usize,
     /// Ranks at which thresholds of each usable feature may lie.
     places: Vec<Vec<u32>>,
-    /// Decided leaves, those of the rest of the tree first.
+    /// Decided leaves, those of the rest of the tree first: so many.
     fixed: Vec<Fixed>,
+    n_outer: usize,
     decided: Vec<Decided>,
     /// Both sides together must cost less.
     upper: i64,
@@ -47,6 +52,14 @@ struct Sum {
     cost: i64,
     splits: usize,
     other: i64,
+}
+
+impl Layout<'_> {
+    /// The places of a feature between two, those included.
+    fn places_between(&self, f: usize, [first, last]: [u32; 2]) -> &[u32] {
+        let all = &self.places[f];
+        &all[all.partition_point(|&place| place < first)..all.partition_point(|&place| place <= last)]
+    }
 }
 
 impl Monotone<'_> {
@@ -62,10 +75,12 @@ impl Monotone<'_> {
     ) -> Option<((i64, Tree), (i64, Tree))> {
         let first = usize::from(sides[1].view.len < sides[0].view.len); // fewer samples have fewer trees
         let mut layout = Layout {
+            first: &sides[first],
             other: &sides[1 - first],
             depth,
             places: self.places_of(node, fixed),
             fixed: fixed.to_vec(),
+            n_outer: fixed.len(),
             decided: Vec::new(),
             upper,
             best: None,
@@ -101,14 +116,69 @@ impl Monotone<'_> {
         open.push(next);
     }
 
+    /// The first side is laid out: the best places of its cuts with the best other side.
     fn complete(&mut self, layout: &mut Layout<'_>, sum: Sum) {
         let size = (layout.depth, sum.splits);
         let found = self.solve(layout.other, size, &layout.fixed, layout.upper - sum.cost);
-        if let Some(other) = found {
-            layout.upper = sum.cost + other.0;
-            let own = self.tree(&mut layout.decided.iter());
-            layout.best = Some(((sum.cost, own), other));
+        let Some(other) = found else { return };
+        for end in [0, 1] {
+            let places = layout.decided.iter().map(|one| match *one {
+                Decided::Split(f, ends) => Decided::Split(f, [ends[end]; 2]),
+                leaf @ Decided::Leaf(_) => leaf,
+            });
+            let placed: Vec<Decided> = places.collect();
+            let Some(fixed) = self.boxes(layout, &placed) else { continue };
+            if self.keeps_order(layout.other, &other.1, &fixed) {
+                layout.upper = sum.cost + other.0;
+                layout.best = Some(((sum.cost, self.tree(&mut placed.iter())), other));
+                return;
+            }
         }
+        let Some((k, halves)) = self.widest(layout, &other.1) else { return };
+        let (decided, fixed) = (layout.decided[k], layout.fixed.clone());
+        for half in halves {
+            layout.decided[k] = half;
+            if let Some(fixed) = self.boxes(layout, &layout.decided) {
+                layout.fixed = fixed;
+                self.complete(layout, sum);
+            }
+        }
+        layout.decided[k] = decided;
+        layout.fixed = fixed;
+    }
+
+    /// The decided leaves with the boxes that splits leave them for sure; None where they break the order.
+    fn boxes(&self, layout: &Layout<'_>, decided: &[Decided]) -> Option<Vec<Fixed>> {
+        let mut fixed = layout.fixed[..layout.n_outer].to_vec();
+        let mut open = vec![layout.first.bounds.clone()];
+        for one in decided {
+            let bounds = open.pop()?;
+            match *one {
+                Decided::Leaf(label) => {
+                    let [low, high] = labels(&bounds, &fixed, &self.directions, self.n_labels);
+                    (low..=high).contains(&label).then_some(())?;
+                    fixed.push(Fixed { bounds, label });
+                }
+                Decided::Split(f, places) => open.extend([1, 0].map(|s| side(&bounds, f, places[s], s))),
+            }
+        }
+        Some(fixed)
+    }
+
+    /// The split with the most places and its halves; one of a feature that the other side reads comes first.
+    fn widest(&self, layout: &Layout<'_>, other: &Tree) -> Option<(usize, [Decided; 2])> {
+        let width = |&k: &usize| match layout.decided[k] {
+            Decided::Split(f, places) => {
+                let n = layout.places_between(f, places).len();
+                (n > 1).then_some((other.reads(self.samples.features[f]), n))
+            }
+            Decided::Leaf(_) => None,
+        };
+        let k = (0..layout.decided.len()).max_by_key(width).filter(|k| width(k).is_some())?;
+        let Decided::Split(f, ends) = layout.decided[k] else { return None };
+        let places = layout.places_between(f, ends);
+        let (low, high) = places.split_at(places.len() / 2);
+        Some((k, [low, high].map(|half| Decided::Split(f, [half[0], half[half.len() - 1]]))))
     }
 
     fn as_leaf(&mut self, layout: &mut Layout<'_>, open: &mut Vec<Open>, next: &Open, rest: i64, sum: Sum) {
@@ -147,38 +217,34 @@ impl Monotone<'_> {
         if depth == 0 || budget <= self.penalty || !self.can_split(&next.node) {
             return;
         }
-        let Some(mut cuts) = self.cuts(&next.node, depth, budget) else { return };
-        cuts.sort_by_key(|cut| cut.bounds[0] + cut.bounds[1]);
+        let Some(cuts) = self.cuts(&next.node, depth, budget) else { return };
         let sum = Sum { cost: sum.cost + self.penalty, splits: sum.splits - 1, ..sum };
-        for cut in cuts {
+        for &cut in cuts.iter() {
             if sum.cost + cut.bounds[0] + cut.bounds[1] + rest + sum.other >= layout.upper || self.is_stopped() {
                 break;
             }
-            self.at_places(layout, open, next, &cut, sum);
+            self.at_cut(layout, open, next, &cut, sum);
         }
     }
 
-    fn at_places(&mut self, layout: &mut Layout<'_>, open: &mut Vec<Open>, next: &Open, cut: &Cut, sum: Sum) {
-        let [first, last] = self.ends(&next.node, cut);
+    fn at_cut(&mut self, layout: &mut Layout<'_>, open: &mut Vec<Open>, next: &Open, cut: &Cut, sum: Sum) {
+        // The first is the rank of a sample, so there is one.
+        let places = layout.places_between(cut.feature, self.ends(&next.node, cut));
+        let places = [places[0], places[places.len() - 1]];
         let views = self.split(&next.node, cut);
-        let all = &layout.places[cut.feature];
-        let places =
-            all[all.partition_point(|&place| place < first)..all.partition_point(|&place| place <= last)].to_vec();
-        for place in places {
-            for s in [1, 0] {
-                let node = Node { view: views[s].clone(), bounds: side(&next.node.bounds, cut.feature, place, s) };
-                open.push(Open { node, depth: next.depth - 1, bound: cut.bounds[s] });
-            }
-            layout.decided.push(Decided::Split(cut.feature, place));
-            self.lay_out(layout, open, sum);
-            layout.decided.pop();
-            open.truncate(open.len() - 2);
+        for s in [1, 0] {
+            let node = Node { view: views[s].clone(), bounds: side(&next.node.bounds, cut.feature, places[s], s) };
+            open.push(Open { node, depth: next.depth - 1, bound: cut.bounds[s] });
         }
+        layout.decided.push(Decided::Split(cut.feature, places));
+        self.lay_out(layout, open, sum);
+        layout.decided.pop();
+        open.truncate(open.len() - 2);
     }
 
     fn tree<'d>(&self, decided: &mut impl Iterator<Item = &'d Decided>) -> Tree {
         match decided.next() {
-            Some(Decided::Split(feature, place)) => {
+            Some(Decided::Split(feature, [place, _])) => {
                 let [left, right] = [self.tree(decided), self.tree(decided)];
                 Tree::join(self.samples.features[*feature], *place, &left, &right)
             }

@@ -18,10 +18,10 @@ use crate::exact::view::View;
 use crate::interval::Interval;
 
 /// Nodes whose results are kept.
-const MOST_KEPT: usize = 1 << 18;
+pub(super) const MOST_KEPT: usize = 1 << 18;
 
 /// Samples of a node as bits, its depth and splits.
-type Key = (Vec<u64>, usize, usize);
+pub(super) type Key = (Vec<u64>, usize, usize);
 
 /// Splits for both sides of a cut, and what is known of the node with fewer.
 #[derive(Debug, Clone, Copy)]
@@ -96,7 +96,7 @@ impl<'a> Few<'a> {
         result
     }
 
-    fn bits(&self, view: &View) -> Vec<u64> {
+    pub(super) fn bits(&self, view: &View) -> Vec<u64> {
         let mut bits = vec![0; self.samples.n.div_ceil(64)];
         view.ids(self.samples).for_each(|i| bits[i as usize / 64] |= 1 << (i % 64));
         bits

@@ -11,14 +11,26 @@
 //! the left end of the place of one of them: boxes overlap no more than before. So a cut of a node that is searched
 //! beside decided leaves lies at an end of one of their boxes, or at its own left end.
 
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
 use crate::exact::samples::Samples;
 use crate::exact::shaped::boxes::{Bounds, Fixed, labels, order, side};
-use crate::exact::shaped::few::{Few, least_size};
+use crate::exact::shaped::few::{Few, Key, MOST_KEPT, least_size};
 use crate::exact::shaped::last_cuts::last_cuts;
 use crate::exact::shaped::wanted::{Known, Options};
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::tree::{Node as Row, Tree};
+
+/// Cuts of nodes that are kept (16 MB at most; those of one more node may pass it).
+const MOST_CUTS: usize = 1 << 19;
+
+/// The cuts of a node are looked for in steps above the cost of its best tree in no order: by a `2^-FIRST_OF_COST` of
+/// it, or a `2^-FIRST_OF_ROOM` of what lies between it and the budget, then `WIDER` times as far, and so on.
+const FIRST_OF_COST: u32 = 8;
+const FIRST_OF_ROOM: u32 = 10;
+const WIDER: i64 = 4;
 
 /// Samples of a node and its box.
 #[derive(Debug, Clone)]
@@ -38,6 +50,13 @@ pub(super) struct Cut {
 /// A tree that was found and its cost.
 pub(super) type Found = Option<(i64, Tree)>;
 
+/// The best tree of a node in no order, None where it was only proven to cost no less than the bound.
+#[derive(Debug, Clone)]
+struct Free {
+    lower: i64,
+    tree: Option<Tree>,
+}
+
 /// A search for monotone trees.
 pub(super) struct Monotone<'a> {
     pub(super) samples: &'a Samples,
@@ -46,6 +65,11 @@ pub(super) struct Monotone<'a> {
     pub(super) penalty: i64,
     few: Few<'a>,
     known: &'a Known,
+    /// The best trees of nodes in no order, or what they cost at least: a node comes again beside other decided leaves.
+    free: HashMap<Key, Free>,
+    /// Cuts of nodes at the root of trees that cost less than the budget beside them in no order.
+    cuts: HashMap<Key, (i64, Rc<[Cut]>)>,
+    n_cuts: usize,
     /// Cost of each label for each sample, above its base (`n * n_labels`).
     costs: Vec<i64>,
     marks: Vec<bool>,
@@ -66,6 +90,9 @@ impl<'a> Monotone<'a> {
             n_labels: problem.n_classes as u32,
             penalty: samples.penalty,
             known,
+            free: HashMap::new(),
+            cuts: HashMap::new(),
+            n_cuts: 0,
             costs: costs.map(|(i, label)| cost(i, label)).collect(),
             marks: vec![false; samples.n],
             n_solved: 0,
@@ -74,13 +101,16 @@ impl<'a> Monotone<'a> {
         }
     }
 
-    /// Search all samples.
-    pub(super) fn search(mut self, view: &View) {
+    /// Search all samples; `free` is the best tree in no order and its cost, where they are known.
+    pub(super) fn search(mut self, view: &View, free: Found) {
         let largest = |f: usize| self.samples.ranks_of(f).iter().copied().max().unwrap_or(0);
         let bounds = (0..self.samples.p).map(|f| [0, largest(f)]).collect();
         let root = Node { view: view.clone(), bounds };
         let upper = self.known.best().0;
         let (depth, splits) = (self.few.depth, self.few.splits);
+        if let Some((lower, tree)) = free {
+            self.free.insert((self.few.bits(view), depth, splits), Free { lower, tree: Some(tree) });
+        }
         let known = self.known;
         let found = self.solve_node(&root, (depth, splits), &[], upper, Some(known));
         let cost = found.as_ref().map_or(upper, |found| found.0);
@@ -124,39 +154,72 @@ impl<'a> Monotone<'a> {
         if depth == 0 || upper <= self.penalty || !self.can_split(node) {
             return best;
         }
-        let Some((cost, plan)) = self.few.solve(&node.view, depth, splits, upper).best else { return best };
-        if self.is_stopped() {
-            return best;
-        }
-        let free = plan.tree(self.samples, &node.view);
+        let Some((cost, free)) = self.in_no_order(node, depth, splits, upper) else { return best };
         if self.keeps_order(node, &free, &fixed) {
             return Some((cost, free));
         }
         if let Some(known) = known {
             known.raise(cost);
         }
-        let Some(mut cuts) = self.cuts(node, depth, upper) else { return best };
-        cuts.sort_by_key(|cut| cut.bounds[0] + cut.bounds[1]);
-        for cut in cuts {
-            let bound = cut.bounds[0] + cut.bounds[1] + self.penalty;
-            if bound >= upper || self.is_stopped() {
-                break;
-            }
-            if let Some(known) = known {
-                known.raise(bound);
-            }
-            let views = self.split(node, &cut);
-            for place in self.places(node, &cut, &fixed) {
-                if let Some(found) = self.both(node, &cut, place, &views, (depth, splits), &fixed, upper) {
-                    upper = found.0;
-                    if let Some(known) = known {
-                        known.see(found.0, || found.1.clone());
+        if depth == 1 {
+            return self.stump(node, &fixed, upper).or(best);
+        }
+        let mut tried = HashSet::new();
+        let mut width = (cost >> FIRST_OF_COST).max((upper - cost) >> FIRST_OF_ROOM).max(1);
+        loop {
+            // Not those below `upper` at once: the first cuts may lower it far.
+            let within = upper.min(cost + width);
+            let Some(cuts) = self.cuts(node, depth, within) else { return best };
+            for &cut in cuts.iter() {
+                let bound = cut.bounds[0] + cut.bounds[1] + self.penalty;
+                if bound >= within.min(upper) || self.is_stopped() {
+                    break;
+                }
+                if !tried.insert((cut.feature, cut.position)) {
+                    continue;
+                }
+                if let Some(known) = known {
+                    known.raise(bound);
+                }
+                let views = self.split(node, &cut);
+                for place in self.places(node, &cut, &fixed) {
+                    if let Some(found) = self.both(node, &cut, place, &views, (depth, splits), &fixed, upper) {
+                        upper = found.0;
+                        if let Some(known) = known {
+                            known.see(found.0, || found.1.clone());
+                        }
+                        best = Some(found);
                     }
-                    best = Some(found);
                 }
             }
+            if within >= upper || self.is_stopped() {
+                return best;
+            }
+            if let Some(known) = known {
+                known.raise(within);
+            }
+            width *= WIDER;
         }
-        best
+    }
+
+    /// The best tree of a node in no order, if it costs less than `upper`; None also when stopped.
+    fn in_no_order(&mut self, node: &Node, depth: usize, splits: usize, upper: i64) -> Found {
+        let key = (self.few.bits(&node.view), depth, splits);
+        match self.free.get(&key) {
+            Some(Free { lower, tree: Some(tree) }) => return (*lower < upper).then(|| (*lower, tree.clone())),
+            Some(Free { lower, tree: None }) if *lower >= upper => return None,
+            _ => {}
+        }
+        let found = self.few.solve(&node.view, depth, splits, upper).best;
+        if self.is_stopped() {
+            return None;
+        }
+        let found = found.map(|(cost, plan)| (cost, plan.tree(self.samples, &node.view)));
+        if self.free.len() < MOST_KEPT || self.free.contains_key(&key) {
+            let lower = found.as_ref().map_or(upper, |found| found.0);
+            self.free.insert(key, Free { lower, tree: found.as_ref().map(|found| found.1.clone()) });
+        }
+        found
     }
 
     /// The best tree with this cut at its root.
@@ -215,10 +278,15 @@ impl<'a> Monotone<'a> {
     pub(super) fn label_costs(&self, node: &Node) -> Vec<i64> {
         let mut sums = vec![0; self.n_labels as usize];
         for i in node.view.ids(self.samples) {
-            let row = &self.costs[i as usize * sums.len()..][..sums.len()];
-            sums.iter_mut().zip(row).for_each(|(sum, cost)| *sum += cost);
+            sums.iter_mut().zip(self.costs_of(i)).for_each(|(sum, cost)| *sum += cost);
         }
         sums
+    }
+
+    /// Cost of each label for a sample (`n_labels`).
+    pub(super) fn costs_of(&self, sample: u32) -> &[i64] {
+        let n = self.n_labels as usize;
+        &self.costs[sample as usize * n..][..n]
     }
 
     fn best_leaf(&self, node: &Node, fixed: &[Fixed], upper: i64) -> Found {
@@ -229,8 +297,26 @@ impl<'a> Monotone<'a> {
         (cost < upper).then(|| (cost, Tree::leaf(label)))
     }
 
-    /// Cuts of a node at the root of trees whose sides cost less than `upper` together in no order; None when stopped.
-    pub(super) fn cuts(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Vec<Cut>> {
+    /// Cuts of a node at the root of trees whose sides cost less than `upper` together in no order, the one that may
+    /// cost least first; None when stopped.
+    pub(super) fn cuts(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Rc<[Cut]>> {
+        let key = (self.few.bits(&node.view), depth, 0);
+        if let Some((within, cuts)) = self.cuts.get(&key)
+            && *within >= upper
+        {
+            return Some(cuts.clone());
+        }
+        let mut cuts = self.cuts_within(node, depth, upper)?;
+        cuts.sort_by_key(|cut| cut.bounds[0] + cut.bounds[1]);
+        let cuts: Rc<[Cut]> = cuts.into();
+        self.n_cuts += cuts.len();
+        if self.n_cuts < MOST_CUTS {
+            self.cuts.insert(key, (upper, cuts.clone()));
+        }
+        Some(cuts)
+    }
+
+    fn cuts_within(&mut self, node: &Node, depth: usize, upper: i64) -> Option<Vec<Cut>> {
         if depth == 1 {
             let target = upper - self.penalty;
             let found = (0..self.samples.p).flat_map(|f| last_cuts(self.samples, &node.view, f, target));
@@ -272,7 +358,7 @@ impl<'a> Monotone<'a> {
     }
 
     /// Whether a tree in a node's box is in order within itself and with the decided leaves.
-    fn keeps_order(&self, node: &Node, tree: &Tree, fixed: &[Fixed]) -> bool {
+    pub(super) fn keeps_order(&self, node: &Node, tree: &Tree, fixed: &[Fixed]) -> bool {
         let mut leaves = Vec::new();
         self.leaves(tree, 0, node.bounds.clone(), &mut leaves);
         let is_allowed = |leaf: &Fixed, others: &[Fixed]| {

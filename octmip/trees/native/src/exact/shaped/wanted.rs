@@ -14,6 +14,8 @@ pub struct Options {
     pub limits: Limits,
     /// A tree of the shape and its objective.
     pub incumbent: Option<(i64, Tree)>,
+    /// The best tree without directions and its objective.
+    pub free: Option<(i64, Tree)>,
     /// Most splits in the tree.
     pub max_splits: usize,
     /// Of each feature: 1 where the predicted class never falls as it rises, -1 where it never rises, 0 where it may do
