@@ -58,9 +58,9 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     ProblemError, SolverError
         as `choose_tree`.
     """
+    start = time.perf_counter()
     from joblib import parallel_config  # only here: every command would wait for it
 
-    start = time.perf_counter()
     # One tree for all rows and one for each fold, so many at a time.
     turns = math.ceil((N_FOLDS + 1) / run.n_jobs) if run.options.cluster is None else 1
     part = sampled(problem, SHARE_OF_PATHS * run.limits.seconds / turns, run.seed)
@@ -68,7 +68,8 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
         if run.options.cluster is None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=run.n_jobs))
         try:
-            choice = choose_default(part or problem, seconds=run.limits.seconds, seed=run.seed, options=run.options)
+            seconds = max(0.0, run.limits.seconds - (time.perf_counter() - start))
+            choice = choose_default(part or problem, seconds=seconds, seed=run.seed, options=run.options)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
     if choice is None:
