@@ -20,8 +20,6 @@ from benchmarks.tables import Line
 from octmip import OptimalTreeRegressor
 
 N_FOLDS = 2
-FIGURES = (("error", 3), ("leaves", 1), ("cpu_seconds", 2))
-"""And the digits of each."""
 LEARNERS: Mapping[str, Callable[[], Any]] = {
     "octmip": partial(OptimalTreeRegressor, seconds=SECONDS),
     "CART, pruned": partial(PrunedCart, is_class=False),

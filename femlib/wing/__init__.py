@@ -6,7 +6,7 @@ from femlib.wing.inertia import inertial_load
 from femlib.wing.model import Wing, tapered_wing, uav_wing
 from femlib.wing.modes import buckle, mass_matrix, vibrate
 from femlib.wing.reduced import ReducedWing, reduce_wing
-from femlib.wing.twin import WingModel, WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
+from femlib.wing.twin import WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
 __all__ = [
     "AeroLoad",
@@ -14,7 +14,6 @@ __all__ = [
     "FlightPoint",
     "ReducedWing",
     "Wing",
-    "WingModel",
     "WingTwin",
     "bend",
     "buckle",

@@ -79,8 +79,6 @@ def checked_regions(regions: Sequence[DamageRegion]) -> tuple[DamageRegion, ...]
 
 _BAYS = ((1 / 12, 2 / 12), (3 / 12, 4 / 12), (5 / 12, 6 / 12), (8 / 12, 9 / 12), (11 / 12, 1.0))
 """Span fractions of five rib bays, apart from one another so that each region is a component of its own."""
-_TAPERED_BAYS = ((1 / 12, 2 / 12), (0.24, 0.39), (5 / 12, 6 / 12), (0.67, 0.83), (11 / 12, 1.0))
-"""The same for `tapered_wing`, whose second and fourth bays end between ribs."""
 _REAR, _NOSE, _FORE, _AFT, _TAIL, _ALL = (0.43, 0.55), (0.0, 0.12), (0.12, 0.24), (0.345, 0.55), (0.75, 1.0), (0.0, 1.0)
 
 UAV_REGIONS = (
@@ -103,11 +101,6 @@ def damage_library() -> tuple[DamageRegion, ...]:
     of the web.
     """
     return library_of(UAV_REGIONS, _BAYS)
-
-
-def tapered_library() -> tuple[DamageRegion, ...]:
-    """Return the same 28 regions for `tapered_wing`."""
-    return library_of(TAPERED_REGIONS, _TAPERED_BAYS)
 
 
 def library_of(study: tuple[DamageRegion, ...], bays: tuple[tuple[float, float], ...]) -> tuple[DamageRegion, ...]:

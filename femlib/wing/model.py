@@ -306,7 +306,7 @@ def tapered_wing(
     candidates, refinement, effective_mass
         As `uav_wing`.
     regions : tuple of DamageRegion
-        Damage regions; its two if not given, `tapered_library()` for all 28.
+        Damage regions; its two if not given.
     materials : WingMaterials, optional
         Moduli and thicknesses; `tapered_materials()` if not given.
 

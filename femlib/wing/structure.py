@@ -19,7 +19,6 @@ from femlib.mesh import Mesh
 from femlib.strength import Strength
 from femlib.wing.damage import SURFACES, DamageRegion
 
-SKIN_PATCHES = ("top", "bottom")
 STEP_ETA = 0.011
 """Largest step of the span fraction at refinement 1, where gauges are."""
 STEP_ETA_AWAY = 0.02

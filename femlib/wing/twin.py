@@ -1,15 +1,14 @@
 """The wing as a twin: the model that a monitor or a diagnosis needs, by shape and without knowing this package.
 
-Full and reduced wing answer by one protocol, `WingModel`; a twin is one of them and the effects that a real wing may
-have besides. The effects always need the full wing (their forces act on its nodes): a twin made from a file builds it
-when an effect is asked for.
+Full and reduced wing answer alike; a twin is one of them and the effects that a real wing may have besides. The
+effects always need the full wing (their forces act on its nodes): a twin made from a file builds it when an effect is
+asked for.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Protocol
 
 from femlib.arrays import FloatArray
 from femlib.errors import InputError
@@ -19,53 +18,13 @@ from femlib.wing.model import Wing, uav_wing
 from femlib.wing.reduced import ReducedWing, reduce_wing
 
 
-class WingModel(Protocol):
-    """A wing, full or reduced: gauge strains of damage states."""
-
-    @property
-    def gauge_names(self) -> tuple[str, ...]:
-        """Names of the gauges, in the order of the strains."""
-        ...
-
-    @property
-    def parameters(self) -> tuple[str, ...]:
-        """Names of the damage parameters."""
-        ...
-
-    @property
-    def gauge_positions(self) -> FloatArray | None:
-        """Places (n_gauges, 2) of the gauges [m]."""
-        ...
-
-    @property
-    def model_hash(self) -> str:
-        """Fingerprint of the full wing."""
-        ...
-
-    def outline(self) -> FloatArray | None:
-        """Return the closed polygon (5, 2) of the planform [m]."""
-        ...
-
-    def strain_microstrain(self, state: Mapping[str, float], load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_gauges,) of a state of named damage fractions, compressive positive."""
-        ...
-
-    def strains_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return the gauge strains (n_states, n_gauges) of damage fractions (n_states, n_parameters)."""
-        ...
-
-    def error_bound_microstrain(self, states: FloatArray, load_factor: float) -> FloatArray:
-        """Return bounds (n_states, n_gauges) of the strains' difference from the full wing's."""
-        ...
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class WingTwin:
     """A wing, full or reduced, that predicts gauge strains.
 
     Attributes
     ----------
-    model : WingModel
+    model : Wing or ReducedWing
         The model.
     effects : mapping
         What a real wing may have that the model lacks, by name.
@@ -73,7 +32,7 @@ class WingTwin:
         Makes the full wing of a reduced model, or gives the one that is there.
     """
 
-    model: WingModel
+    model: Wing | ReducedWing
     effects: Mapping[str, WingEffect] = field(default_factory=dict)
     make_wing: Callable[[], Wing] | None = None
 

@@ -9,7 +9,7 @@ from octmip.monitor.gaussian_likelihood import GaussianLikelihood
 from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
-from octmip.monitor.selector import ModelSelector, ParameterTree, Selection, without_dead_ends
+from octmip.monitor.selector import ModelSelector, ParameterTree, Selection
 from octmip.monitor.stream import Monitor, Refusal, Result
 from octmip.monitor.surprise import leaf_p_value
 from octmip.monitor.watch import MonitorState, Watch
@@ -43,5 +43,4 @@ __all__ = [
     "library_of",
     "state_candidates",
     "steady_growth",
-    "without_dead_ends",
 ]

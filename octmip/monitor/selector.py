@@ -26,7 +26,7 @@ from octmip.input.messages import several, shown
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Applied, Library
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, features_used, leaves
+from octmip.trees.tree import Leaf, Node, features_used, leaves
 from octmip.trees.tree_nodes import decode_tree, different, encode_tree
 from octmip.trees.uncertainty import posterior
 from octmip.twin import Loads
@@ -272,30 +272,3 @@ def _appended(library: Library, trees: list[ParameterTree], told: Mapping[str, f
         return replace(node, left=appended(node.left), right=appended(node.right))
 
     return appended(first.over(library.gauges).tree)
-
-
-def without_dead_ends(tree: Node) -> Node:
-    """Return the tree without sides that no reading can reach after the splits above them.
-
-    Only thresholds on one feature are looked at; predictions stay the same for every reading without NaN.
-    """
-    return _reachable(tree, {}, {})
-
-
-def _reachable(node: Node, above: dict[int, float], at_most: dict[int, float]) -> Node:
-    if isinstance(node, Leaf):
-        return node
-    if isinstance(node, HyperplaneSplit):
-        left, right = _reachable(node.left, above, at_most), _reachable(node.right, above, at_most)
-        return replace(node, left=left, right=right)
-    feature, threshold = node.feature, node.threshold
-    if threshold is None:
-        return replace(node, left=_reachable(node.left, above, at_most), right=_reachable(node.right, above, at_most))
-    # A side that only missing readings reach is an end that some reading reaches.
-    if threshold <= above.get(feature, -np.inf) and node.missing != "left":  # x > above >= threshold: never left
-        return _reachable(node.right, above, at_most)
-    if threshold >= at_most.get(feature, np.inf) and node.missing != "right":  # x <= at_most <= threshold: never right
-        return _reachable(node.left, above, at_most)
-    left = _reachable(node.left, above, {**at_most, feature: threshold})
-    right = _reachable(node.right, {**above, feature: threshold}, at_most)
-    return replace(node, left=left, right=right)

@@ -19,7 +19,6 @@ from octmip.monitor import (
     ParameterTree,
     grid_states,
     library_of,
-    without_dead_ends,
 )
 from octmip.monitor.export import sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
@@ -240,15 +239,6 @@ def test_a_tree_of_other_gauges_or_states_is_refused():
         ModelSelector.of_trees(library, [ParameterTree("mu1", Leaf(0), (0.33,), ("g01",))])
     with pytest.raises(TreeError, match="selects state 99"):
         ModelSelector(library, Leaf(99))
-
-
-@given(tree=trees(depth=5, n_features=2), seed=st.integers(0, 100))
-@settings(max_examples=60, deadline=None)
-def test_dead_ends_can_be_left_out(tree, seed):
-    readings = np.random.default_rng(seed).normal(size=(300, 2))
-    short = without_dead_ends(tree)
-    assert np.array_equal(predict(short, readings), predict(tree, readings))
-    assert n_splits(short) <= n_splits(tree)
 
 
 # What a leaf says of a state

@@ -8,9 +8,9 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from octmip import HyperplaneSplit, Leaf, Problem, Progress, Split, predict
+from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.errors import ProblemError
-from octmip.interfaces.plot import choice_figure, class_colours, partition_figure, progress_figure, tree_figure
+from octmip.interfaces.plot import choice_figure, class_colours, partition_figure, tree_figure
 from octmip.trees.tradeoff import choose_tree
 
 RNG = np.random.default_rng(0)
@@ -83,15 +83,6 @@ def test_classes_have_distinct_colours_and_numbers_keep_their_order():
         colours = class_colours(names)
         assert len(set(colours)) == len(names)
     assert class_colours([40, 0, 20]) == [class_colours([0, 20, 40])[i] for i in (2, 0, 1)]
-
-
-def test_progress_shows_bound_and_objective():
-    states = [Progress(0.1, 9.0, -np.inf, 1), Progress(1.0, 7.0, 5.0, 10), Progress(2.0, 7.0, 7.0, 20)]
-    lines = progress_figure(states, "run").axes[0].lines
-    assert lines[0].get_ydata().tolist() == [9, 7, 7]
-    assert np.isnan(lines[1].get_ydata()[0])
-    with pytest.raises(ProblemError, match="no progress"):
-        progress_figure([])
 
 
 def test_a_choice_is_drawn_with_one_line_a_depth_and_its_mark():

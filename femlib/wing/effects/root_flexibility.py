@@ -3,7 +3,7 @@
 The wing is held at its root alone (statically determinate), so a turn of the mount moves it as a rigid body: inner
 forces and strains stay, whatever the size. The signature is the gauges' answer to that rigid motion, zero but for
 rounding. The effect is in the library so that a diagnosis says that strain cannot see it: a deflection or a frequency
-can, by `tip_rise`.
+can.
 """
 
 from collections.abc import Mapping
@@ -37,10 +37,6 @@ class RootFlexibility(WingEffect):
     def turn(self, load_factor: float) -> float:
         """Return the turn of the root [rad] per unit of size."""
         return 1e-3 * load_factor * root_moment(self.response.wing)
-
-    def tip_rise(self, load_factor: float) -> float:
-        """Return the rise of the tip [m] per unit of size, which a deflection test sees."""
-        return self.turn(load_factor) * self.response.wing.span
 
 
 def rolled(wing: Wing) -> FloatArray:

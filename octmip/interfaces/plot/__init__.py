@@ -12,7 +12,6 @@ with needed_by("a picture"):
         benchmark_figure,
         choice_figure,
         frontier_figure,
-        progress_figure,
         reliability_figure,
     )
     from octmip.interfaces.plot.drawing import counted_tree_figure, tree_figure
@@ -27,7 +26,6 @@ __all__ = [
     "counted_tree_figure",
     "frontier_figure",
     "partition_figure",
-    "progress_figure",
     "reliability_figure",
     "sensors_figure",
     "tree_figure",

@@ -11,37 +11,8 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.interfaces.plot.names import name_entries
 from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame, titled
-from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import Choice, Step
 from octmip.trees.uncertainty import ReliabilityBin
-
-
-def progress_figure(progress: Sequence[Progress], title: str | None = None) -> Figure:
-    """Return objective and bound over the seconds of a solver's run, the gap between them shaded.
-
-    Raises
-    ------
-    ProblemError
-        there is no progress to draw.
-    """
-    if not progress:
-        raise ProblemError(
-            "no progress was recorded; give solve a progress callback that keeps the states that it receives"
-        )
-    seconds = np.array([state.seconds for state in progress])
-    objective = np.array([state.objective for state in progress])
-    bound = np.array([state.bound for state in progress])
-    figure = Figure(figsize=(5.6, 3.2), layout="tight")
-    axes = figure.add_subplot()
-    bound, objective = np.where(np.isfinite(bound), bound, np.nan), np.where(np.isfinite(objective), objective, np.nan)
-    axes.fill_between(seconds, bound, objective, step="post", color=DISTINCT[0], alpha=0.12, linewidth=0)
-    axes.step(seconds, objective, where="post", color=DISTINCT[1], label="best tree")
-    axes.step(seconds, bound, where="post", color=DISTINCT[0], label="proven bound")
-    axes.set_xlabel("seconds", color=INK)
-    axes.set_ylabel("objective", color=INK)
-    axes.legend(frameon=False, fontsize=8)
-    quiet_frame(axes)
-    return titled(figure, axes, title)
 
 
 def frontier_figure(
