@@ -101,7 +101,7 @@ def calls(family: str) -> Iterator[tuple[str, Callable[[], Any]]]:
         features, targets = importlib.import_module("benchmarks.regression.samples").made_up(100_000)
         yield "made up, 100,000", partial(solve, problem(features, targets, depth=2, loss=losses["squared"]))
     else:
-        for name, table_of in importlib.import_module("benchmarks.two_feature").CASES[:7]:
+        for name, table_of in importlib.import_module("benchmarks.cases.two_feature.trees").CASES[:7]:
             table = table_of()
             asked = problem(table.features, table.labels, depth=2, split="hyperplane", split_size=2)
             yield name, partial(two_feature.two_feature_branch_and_bound, asked)

@@ -4,11 +4,52 @@
 that of `default_rng(n).permutation(1750)[:n]`.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 
+import numpy as np
+
+from benchmarks.cpu import Stopwatch
+from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line, markdown
-from benchmarks.two_feature import CASES, measure
+from octmip.trees.certificate import certify
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
+from octmip.trees.solution import Limits
+
+
+def _strains(target: str, n_samples: int, n_gauges: int) -> Table:
+    """Return so many rows and the first gauges of the published strains."""
+    table = published(target, 0)
+    rows = np.random.default_rng(n_samples).permutation(len(table.labels))[:n_samples]
+    rows = rows if n_samples < len(table.labels) else np.arange(n_samples)
+    return Table(table.features[rows, :n_gauges], table.labels[rows])
+
+
+def _strains_case(target: str, n_samples: int, n_gauges: int) -> tuple[str, Callable[[], Table]]:
+    name = f"published {target}, {n_samples} x {n_gauges}"
+    return name, partial(_strains, target, n_samples, n_gauges)
+
+
+CASES: tuple[tuple[str, Callable[[], Table]], ...] = (
+    _strains_case("mu1", 175, 2),
+    _strains_case("mu1", 350, 2),
+    _strains_case("mu1", 1750, 2),
+    _strains_case("mu1", 175, 20),
+    _strains_case("mu1", 350, 20),
+    _strains_case("mu2", 175, 2),
+    _strains_case("mu2", 350, 2),
+    _strains_case("mu2", 875, 2),
+    _strains_case("mu2", 1750, 2),
+    _strains_case("mu2", 175, 5),
+    *(
+        (name, partial(uci, name))
+        for name in ("iris", "wine", "seeds", "vertebral-column-3c", "banknote-authentication")
+    ),
+    _strains_case("mu1", 1750, 5),
+    _strains_case("mu1", 1750, 20),
+    ("breast-cancer-wisconsin-diagnostic", partial(uci, "breast-cancer-wisconsin-diagnostic")),
+)
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
@@ -17,7 +58,7 @@ def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
         data = table()
         problem = Problem(data.features, data.labels, depth=2, split="hyperplane", split_size=2)
         for count in threads:
-            yield {"size": name, "seed": 0, "threads": count, "limit": limit} | measure(problem, limit, count)
+            yield {"size": name, "seed": 0, "threads": count, "limit": limit} | _measured(problem, limit, count)
 
 
 def summary(lines: Sequence[Line]) -> str:
@@ -25,3 +66,19 @@ def summary(lines: Sequence[Line]) -> str:
     head = ("case", "threads", "objective", "bound", "nodes", "CPU s")
     keys = ("size", "threads", "objective", "bound", "n_nodes", "cpu_seconds")
     return markdown(head, ([line[key] for key in keys] for line in lines))
+
+
+def _measured(problem: Problem, limit: float, n_threads: int) -> Line:
+    """Solve, certify, and return the figures of one result line."""
+    watch = Stopwatch()
+    solution = two_feature_branch_and_bound(problem, limits=Limits(seconds=limit), n_jobs=n_threads)
+    cpu, wall = watch.read()
+    certify(problem, solution)
+    return {
+        "objective": solution.objective,
+        "bound": solution.bound,
+        "outcome": "proven" if solution.is_optimal else f"not proven ({solution.stop})",
+        "n_nodes": solution.n_nodes,
+        "cpu_seconds": round(cpu, 3),
+        "wall_seconds": round(wall, 3),
+    }
