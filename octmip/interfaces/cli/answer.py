@@ -4,7 +4,6 @@ import contextlib
 import json
 import math
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import TracebackType
@@ -22,7 +21,6 @@ from octmip.trees.tradeoff import Comparison, Score
 from octmip.trees.tree_nodes import encode_tree
 
 INTERVAL = 0.1  # seconds between two progress lines
-FIRST_SHOWN = 0.5  # seconds until a step without figures of its own is shown, and between its lines
 
 
 def print_json(content: Mapping[str, Any]) -> None:
@@ -180,34 +178,6 @@ def comparison_json(found: Comparison) -> dict[str, Any]:
     cart = {"training": score_json(found.cart_training), "held_out": score_json(found.cart_held_out)}
     own = {"training": score_json(found.training), "held_out": score_json(found.held_out)}
     return own | {"cart": cart, "difference": found.difference and found.difference.to_json()}
-
-
-class ElapsedLine:
-    """One line on a terminal that says for how long a step has run; nothing where standard error is no terminal."""
-
-    def __init__(self, what: str) -> None:
-        self._what = what
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._show, daemon=True)
-        self._is_terminal = sys.stderr.isatty()
-
-    def __enter__(self) -> "ElapsedLine":
-        if self._is_terminal:
-            self._thread.start()
-        return self
-
-    def _show(self) -> None:
-        start = time.monotonic()
-        while not self._ended.wait(FIRST_SHOWN):
-            print(f"\r\x1b[2K{self._what} ... {time.monotonic() - start:.0f} s", end="", file=sys.stderr, flush=True)
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self._ended.set()
-        if self._is_terminal:
-            self._thread.join()
-            print("\r\x1b[2K", end="", file=sys.stderr, flush=True)
 
 
 class ProgressLine:

@@ -6,9 +6,10 @@ import dataclasses
 from octmip.errors import CertificateError, DataError
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.input.messages import shown
-from octmip.interfaces.cli.answer import ElapsedLine, print_json, printable, score_json, verdict
+from octmip.interfaces.cli.answer import print_json, printable, score_json, verdict
 from octmip.interfaces.cli.arguments import MOST_THREADS
 from octmip.interfaces.cli.samples.training import Training, read_test, read_training
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.text import number, solution_text
 from octmip.trees.certificate import certify
 from octmip.trees.problem import Problem
@@ -19,7 +20,7 @@ from octmip.trees.tradeoff import Samples, Score, score
 def run(arguments: argparse.Namespace) -> int:
     """Certify and show."""
     file = read_tree_file(arguments.tree)
-    with ElapsedLine("certifying"):
+    with StageLine("certifying"):
         training = read_training(
             file,
             arguments.data,
@@ -74,5 +75,5 @@ def _checked_proof(arguments: argparse.Namespace, problem: Problem, file: TreeFi
         raise DataError(f"--threads is {shown(arguments.threads)}; expected 1 or more, and at most {MOST_THREADS}")
     if not arguments.proof:
         return None
-    with ElapsedLine("checking the proof"):
+    with StageLine("checking the proof"):
         return check_proof(problem, arguments.proof, bound=file.solution.bound, n_jobs=arguments.threads)

@@ -25,14 +25,13 @@ def run(arguments: argparse.Namespace) -> int:
             "octmip.interfaces.report.diagnosis.page"
         )  # a missing extra is said before the work, not after it
     masthead = masthead_of(arguments, is_page=bool(arguments.out))
-    with StageLine(EXPECTED) as line:
+    with StageLine("starting", EXPECTED) as line:
         diagnosis = _diagnosed(arguments, line)
     _show(arguments, diagnosis, masthead)
     return 0
 
 
 def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
-    line("starting")
     from octmip.formats.tree_file import read_tree_file
     from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
     from octmip.gap.doors import open_twin

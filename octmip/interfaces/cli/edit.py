@@ -9,7 +9,6 @@ from typing import Any
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.tree_file import TreeFile, finite_or_none, leaf_counts, read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.cli.answer import (
-    ElapsedLine,
     ProgressLine,
     describe,
     print_json,
@@ -20,6 +19,7 @@ from octmip.interfaces.cli.answer import (
 )
 from octmip.interfaces.cli.samples.parts import fixed_splits_of
 from octmip.interfaces.cli.samples.training import read_training
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, solution_text, tree_text
 from octmip.trees.certificate import certify
@@ -38,7 +38,7 @@ EVERY = "?"
 def run(arguments: argparse.Namespace) -> int:
     """Solve with the part, show it beside the tree of the file, write."""
     file = read_tree_file(arguments.tree)
-    with ElapsedLine("reading"):
+    with StageLine("reading"):
         training = read_training(file, arguments.data, source=arguments.tree)
         old = certify(training.problem, file.solution).objective
     if (word := next((word for word in arguments.set if word.endswith(f"={EVERY}")), None)) is not None:

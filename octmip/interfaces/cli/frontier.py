@@ -10,7 +10,6 @@ from joblib import parallel_config
 from octmip.errors import DataError
 from octmip.input.names import shown
 from octmip.interfaces.cli.answer import (
-    ElapsedLine,
     ProgressLine,
     describe,
     print_json,
@@ -24,6 +23,7 @@ from octmip.interfaces.cli.arguments import (
 )
 from octmip.interfaces.cli.picture import check_picture, write_picture
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
 from octmip.trees.methods.interruption import held_back, is_heard
@@ -121,7 +121,7 @@ def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, opt
     """
     if is_heard():
         return None
-    with ElapsedLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
+    with StageLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
         # A file of solves is this process's own: whoever keeps one takes the folds here.
         if options.cluster is None or options.solves is not None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))

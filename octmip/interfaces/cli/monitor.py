@@ -9,9 +9,10 @@ from octmip.errors import DataError
 from octmip.gap.doors import open_twin
 from octmip.gap.twins import CachedTwin
 from octmip.input.files import whole_folder
-from octmip.interfaces.cli.answer import ElapsedLine, print_json
+from octmip.interfaces.cli.answer import print_json
 from octmip.interfaces.cli.monitor_folder import summary_of, words_of, write_monitor
 from octmip.interfaces.cli.monitor_loop import run_loop
+from octmip.interfaces.cli.stages import StageLine
 from octmip.sensing.enrichment import PartOf
 from octmip.sensing.monitor_design import design_monitor
 from octmip.trees.solution import Limits
@@ -40,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     with whole_folder(arguments.out) as passing:
         for k, load in enumerate(loads, start=1):
             part = f"load-{k}" if len(loads) > 1 else ""
-            with ElapsedLine(f"monitoring at {_at(twin, load)}"):
+            with StageLine(f"monitoring at {_at(twin, load)}"):
                 design = design_monitor(told, load, **settings)
                 write_monitor(passing / part, design, twin)
             found.append(summary_of(design, load, Path(arguments.out) / part))

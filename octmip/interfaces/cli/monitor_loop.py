@@ -15,8 +15,9 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.gap.campaign.reader import read_campaign
 from octmip.input.files import whole_folder, write_bytes
 from octmip.input.names import visible
-from octmip.interfaces.cli.answer import ElapsedLine, print_json
+from octmip.interfaces.cli.answer import print_json
 from octmip.interfaces.cli.monitor_folder import write_monitor
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.change import change_page
 from octmip.interfaces.report.text import number
 from octmip.monitor import ModelSelector, ParameterTree
@@ -39,7 +40,7 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
     if arguments.inspected:  # refused before anything is watched
         PartOf(twin, (arguments.inspected,))
     readings, loads = _series(arguments.readings, twin, selector)
-    with ElapsedLine("watching"):
+    with StageLine("watching"):
         seen = watched(twin, selector, readings, loads)
     found: dict[str, Any] = {"readings": arguments.readings, "deployed": str(old), "watch": _watch_json(seen)}
     added = arguments.inspected or (seen.finding.name if seen.finding and seen.finding.kind == "damage" else "")
@@ -49,7 +50,7 @@ def run_loop(arguments: argparse.Namespace, twin: Twin, settings: dict[str, Any]
         since = seen.finding.since if seen.finding else 0
         settings |= {"depth": max(arguments.depth, *(depth(one.tree) for one in trees))}
         with whole_folder(out) as passing:
-            with ElapsedLine(f"training trees that know {added}"):
+            with StageLine(f"training trees that know {added}"):
                 enriched = enrich(twin, selector, trees, readings, loads, added, since, **settings)
                 write_monitor(passing, enriched.design, twin)
             found |= _change_json(enriched, trees)

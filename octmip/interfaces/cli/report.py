@@ -10,9 +10,10 @@ from octmip.formats.columns import Columns
 from octmip.formats.tree_file import TreeFile, read_tree_file
 from octmip.input.files import write_bytes
 from octmip.input.names import visible
-from octmip.interfaces.cli.answer import ElapsedLine, printable, verdict
+from octmip.interfaces.cli.answer import printable, verdict
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import KINDS
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
@@ -34,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
     units = _units(arguments.unit, file)
     evidence = None
     if arguments.data:
-        with ElapsedLine("recounting and comparing"):
+        with StageLine("recounting and comparing"):
             evidence = _evidence(arguments, file, has_depths=kind == ".html")
     if not arguments.out:
         print(printable(_words(file, evidence)))

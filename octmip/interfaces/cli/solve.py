@@ -9,7 +9,6 @@ from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
-    ElapsedLine,
     ProgressLine,
     comparison_json,
     comparison_text,
@@ -26,6 +25,7 @@ from octmip.interfaces.cli.arguments import (
 )
 from octmip.interfaces.cli.foreign_solution import read_solution, refuse_alone
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.new_rows import (
     choice_text,
     difference_text,
@@ -115,7 +115,7 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
         )
     asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
-    with method_options(arguments, asked.problem) as options, ElapsedLine("cross-validating"):
+    with method_options(arguments, asked.problem) as options, StageLine("cross-validating"):
         run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
         answer = solve_default(asked.problem, run)
     _show(arguments, replace(asked, problem=answer.problem), answer.solution)

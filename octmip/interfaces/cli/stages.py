@@ -184,19 +184,26 @@ class StageLine:
     """One line on a terminal that says what a command is doing, and for how long; nothing where there is no terminal.
 
     A thread of its own writes it: one stage may take many seconds.
+
+    Parameters
+    ----------
+    stage
+        the first one.
+    expected
+        a line above it, such as how long it may take.
     """
 
-    def __init__(self, expected: str) -> None:
-        self._expected = expected
+    def __init__(self, stage: str, expected: str = "") -> None:
+        self._stage, self._expected = stage, expected
         self._is_terminal = sys.stderr.isatty()
-        self._stage = ""
         self._start = time.monotonic()
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._repeat, daemon=True)
 
     def __enter__(self) -> "StageLine":
         if self._is_terminal:
-            print(self._expected, file=sys.stderr, flush=True)
+            if self._expected:
+                print(self._expected, file=sys.stderr, flush=True)
             self._thread.start()
         return self
 

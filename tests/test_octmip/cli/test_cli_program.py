@@ -8,10 +8,11 @@ import time
 import pytest
 
 from octmip.interfaces.cli import doctor, main
-from octmip.interfaces.cli.answer import ElapsedLine, ProgressLine
+from octmip.interfaces.cli.answer import ProgressLine
 from octmip.interfaces.cli.arguments import GROUPS, OF_METHODS
 from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
+from octmip.interfaces.cli.stages import StageLine
 from octmip.trees.methods.options import all_options
 from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import OVERS
@@ -145,12 +146,12 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
 
 
 def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, monkeypatch):
-    monkeypatch.setattr("octmip.interfaces.cli.answer.FIRST_SHOWN", 0.01)
+    monkeypatch.setattr("octmip.interfaces.cli.stages.TICK", 0.01)
     for is_terminal in (False, True):
         monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
-        with ElapsedLine("certifying"):
+        with StageLine("certifying"):
             time.sleep(0.05)
-        assert ("certifying ... 0 s" in capsys.readouterr().err) == is_terminal
+        assert ("   0 s  certifying ..." in capsys.readouterr().err) == is_terminal
 
 
 @pytest.mark.parametrize("module", ["octmip.trees._native", "sklearn", "pandas"])

@@ -7,11 +7,12 @@ from typing import Any
 
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import shown
-from octmip.interfaces.cli.answer import ElapsedLine, print_json, print_notes, printable, then_written
+from octmip.interfaces.cli.answer import print_json, print_notes, printable, then_written
 from octmip.interfaces.cli.arguments import limits_of
 from octmip.interfaces.cli.picture import check_picture, write_picture
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.cli.sets.amount import Amount, amount_of
+from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number
 from octmip.trees.near_sets import Role, SensorRole, SensorRoles, Without, sensor_roles
@@ -29,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     limits, amount = limits_of(arguments), amount_of(arguments.within)
     check_picture(arguments.out)
     asked = read_problem(arguments)
-    with ElapsedLine("weighing sensors"):
+    with StageLine("weighing sensors"):
         found = sensor_roles(
             asked.problem,
             _within(asked, amount, arguments),

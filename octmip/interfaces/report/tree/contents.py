@@ -96,10 +96,10 @@ def _leaves(file: TreeFile, measure: Measure, evidence: Evidence | None, wording
     total = max(1, file.n_samples)
     ways = zip(_paths(file.tree, wording), leaves(file.tree), file.leaf_counts, strict=True)
     rows = []
-    for (path, leaf, counts), cells in zip(ways, measure.leaf_cells(evidence), strict=True):
+    for (path, leaf, counts), cell in zip(ways, measure.leaf_cells(evidence), strict=True):
         here = int(counts.sum())
-        rows.append([path or "always", measure.answer(leaf, wording), here, percent(here / total), *cells])
-    return {"head": ["questions on the way", "answer", "samples", "share", *measure.leaf_columns], "rows": rows}
+        rows.append([path or "always", measure.answer(leaf, wording), here, percent(here / total), cell])
+    return {"head": ["questions on the way", "answer", "samples", "share", measure.leaf_column], "rows": rows}
 
 
 def _paths(node: Node, wording: Wording) -> list[str]:

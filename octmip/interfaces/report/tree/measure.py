@@ -7,7 +7,7 @@ of numbers. `measure_of` in `contents.py` chooses.
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
@@ -19,16 +19,24 @@ Card = tuple[Any, ...]
 
 @dataclass(frozen=True, slots=True)
 class Measure(ABC):
-    """The words and tables about what a tree of a file costs."""
+    """The words and tables about what a tree of a file costs.
 
+    Attributes
+    ----------
+    kicker
+        what kind of tree it is.
+    detail_heading
+        heading of the tables that say how the tree goes wrong.
+    leaf_column
+        head of the table of leaves, behind answer, samples and share.
+    """
+
+    kicker: ClassVar[str]
+    detail_heading: ClassVar[str]
+    leaf_column: ClassVar[str]
     file: TreeFile
 
     # What is summed up
-
-    @property
-    @abstractmethod
-    def kicker(self) -> str:
-        """What kind of tree it is."""
 
     @property
     @abstractmethod
@@ -95,38 +103,28 @@ class Measure(ABC):
     def held_rows(self, evidence: Evidence) -> list[list[Any]]:
         """Return the same of the samples held out."""
 
-    @abstractmethod
     def recounted(self) -> str:
-        """Return what a recount gives beside the objective."""
+        """Return what a recount gives beside the objective; by itself it says all."""
+        return ""
 
     # The tree and its leaves
 
-    @abstractmethod
     def legend(self) -> list[str]:
         """Return the names of the colours in the drawing; none where they say nothing."""
+        return []
 
     @property
     @abstractmethod
     def leaf_note(self) -> str:
         """What a leaf shows."""
 
-    @property
-    @abstractmethod
-    def detail_heading(self) -> str:
-        """Heading of the tables that say how the tree goes wrong."""
-
     @abstractmethod
     def details(self, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
         """Return these tables."""
 
-    @property
     @abstractmethod
-    def leaf_columns(self) -> tuple[str, ...]:
-        """Heads of the table of leaves, behind answer, samples and share."""
-
-    @abstractmethod
-    def leaf_cells(self, evidence: Evidence | None) -> list[list[Any]]:
-        """Return the cells below them, leaves from the left."""
+    def leaf_cells(self, evidence: Evidence | None) -> list[Any]:
+        """Return the cells below `leaf_column`, leaves from the left."""
 
     @abstractmethod
     def answer(self, leaf: Leaf, wording: Wording) -> str:
@@ -134,9 +132,9 @@ class Measure(ABC):
 
     # What errors cost, and settings
 
-    @abstractmethod
     def risk(self) -> dict[str, Any]:
         """Return how errors are weighed, where that is not all alike: sentences, and a table."""
+        return {"sentences": [], "rows": []}
 
     @abstractmethod
     def settings(self) -> list[tuple[str, str | None]]:

@@ -27,6 +27,9 @@ FEW = 100
 class OfClasses(Measure):
     """The words about classes; whether the objective is the number of errors."""
 
+    kicker = "Classification tree"
+    detail_heading = "Which classes the tree confuses"
+    leaf_column = "wrong"
     is_errors: bool
 
     @classmethod
@@ -35,11 +38,6 @@ class OfClasses(Measure):
         costs = np.array(file.settings["loss"]["costs"])
         is_plain = bool((costs == 1 - np.eye(len(costs))).all()) and not file.settings["leaf_penalty"]
         return cls(file, is_plain and file.weights_column is None and file.solution.objective == errors_of(file))
-
-    @property
-    def kicker(self) -> str:
-        """What kind of tree it is."""
-        return "Classification tree"
 
     @property
     def noun(self) -> str:
@@ -155,11 +153,6 @@ class OfClasses(Measure):
             "wrong."
         )
 
-    @property
-    def detail_heading(self) -> str:
-        """Heading of the tables of confusions."""
-        return "Which classes the tree confuses"
-
     def details(self, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
         """Return samples by true and predicted class, in training and held out."""
         found = [_confusion("Training samples", confusion_of(self.file), wording)]
@@ -170,15 +163,10 @@ class OfClasses(Measure):
             found.append(_confusion("Samples held out", counts, wording))
         return found
 
-    @property
-    def leaf_columns(self) -> tuple[str, ...]:
-        """Heads of the table of leaves, behind answer, samples and share."""
-        return ("wrong",)
-
-    def leaf_cells(self, evidence: Evidence | None) -> list[list[Any]]:
+    def leaf_cells(self, evidence: Evidence | None) -> list[Any]:
         """Return how many samples of each leaf are wrong."""
         rows = zip(leaves(self.file.tree), self.file.leaf_counts, strict=True)
-        return [[int(counts.sum()) - int(counts[leaf.label])] for leaf, counts in rows]
+        return [int(counts.sum()) - int(counts[leaf.label]) for leaf, counts in rows]
 
     def answer(self, leaf: Leaf, wording: Wording) -> str:
         """Return the name of the class."""

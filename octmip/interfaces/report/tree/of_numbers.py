@@ -24,10 +24,9 @@ MEASURES = {"mae": "mean absolute error", "rmse": "root of the mean squared erro
 class OfNumbers(Measure):
     """The words about numbers."""
 
-    @property
-    def kicker(self) -> str:
-        """What kind of tree it is."""
-        return "Regression tree"
+    kicker = "Regression tree"
+    detail_heading = "How far off it is"
+    leaf_column = "off by, on average"
 
     @property
     def noun(self) -> str:
@@ -125,14 +124,6 @@ class OfNumbers(Measure):
         first = [f"{self._error} per held-out sample", *each, differs(costs[1] - costs[0])]
         return [first, *_rows(scores, "held out")]
 
-    def recounted(self) -> str:
-        """Return nothing: the objective says it all."""
-        return ""
-
-    def legend(self) -> list[str]:
-        """Return no names: there is one colour."""
-        return []
-
     @property
     def leaf_note(self) -> str:
         """What a leaf shows."""
@@ -143,11 +134,6 @@ class OfNumbers(Measure):
         if self.file.settings["leaf_model"] == "linear":
             return shows
         return f"{shows} Its bar says where the answer lies between the least of all leaves and the greatest."
-
-    @property
-    def detail_heading(self) -> str:
-        """Heading of the tables of misses."""
-        return "How far off it is"
 
     def details(self, evidence: Evidence | None, wording: Wording) -> list[dict[str, Any]]:
         """Return how far off shares of the samples are, in training and held out."""
@@ -161,16 +147,11 @@ class OfNumbers(Measure):
             found.append(_misses("Samples held out", off))
         return found
 
-    @property
-    def leaf_columns(self) -> tuple[str, ...]:
-        """Heads of the table of leaves, behind answer, samples and share."""
-        return ("off by, on average",)
-
-    def leaf_cells(self, evidence: Evidence | None) -> list[list[Any]]:
+    def leaf_cells(self, evidence: Evidence | None) -> list[Any]:
         """Return how far off each leaf is on average."""
         if evidence is None:
-            return [[figure(None)] for _ in leaves(self.file.tree)]
-        return [[figure(float(off.mean()), DIGITS) if len(off) else figure(None)] for off in self._off(evidence)]
+            return [figure(None) for _ in leaves(self.file.tree)]
+        return [figure(float(off.mean()), DIGITS) if len(off) else figure(None) for off in self._off(evidence)]
 
     def _off(self, evidence: Evidence) -> list[NDArray[np.float64]]:
         """Return how far off each training sample is, those of each leaf together, leaves from the left."""
@@ -182,10 +163,6 @@ class OfNumbers(Measure):
     def answer(self, leaf: Leaf, wording: Wording) -> str:
         """Return the number, or the sum of a linear leaf."""
         return value_words(leaf, wording, self.file.target_column)
-
-    def risk(self) -> dict[str, Any]:
-        """Return nothing: the loss stands in the settings."""
-        return {"sentences": [], "rows": []}
 
     def settings(self) -> list[tuple[str, str | None]]:
         """Return the column of the target, the loss, and what a leaf holds."""
