@@ -26,7 +26,8 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.main_program import run_main
 from femlib.assembly import matrix_modes
 from femlib.export.calculix import Deck
-from femlib.structure.calculix import element_points, tensors
+from femlib.export.calculix_results import element_points
+from femlib.structure.calculix import tensors
 from femlib.wing import Wing, bend, inertial_load, tapered_wing, uav_wing, vortex_lattice
 from femlib.wing.built import built_wing
 from femlib.wing.export.calculix import read_gauges, write_deck

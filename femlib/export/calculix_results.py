@@ -1,15 +1,20 @@
-"""What CalculiX found: displacements from its .frd file, frequencies and buckling factors from its .dat file."""
+"""What CalculiX found: displacements from its .frd file; strains, frequencies, buckling factors from its .dat file."""
 
 from pathlib import Path
 
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.checked import shown
 from femlib.errors import InputError
 from femlib.files import read_bytes
 
 START, WIDTH = 13, 12
 """Columns of a row of displacements: 3 of a mark, 10 of the node, then numbers 12 wide."""
+LARGEST = 1e3
+"""Strain that is believed, at most."""
+MOST_DIGITS = 9
+"""Digits of an element's number."""
 
 
 def read_displacements(path: str | Path, n_nodes: int) -> FloatArray:
@@ -48,6 +53,35 @@ def _read_row(line: str, found: FloatArray, where: str) -> None:
         raise InputError(f"{where}: {line.strip()[:60]!r} is no row of displacements; run the deck again") from error
     if 0 <= node < len(found):
         found[node] = values
+
+
+def element_points(path: str | Path) -> dict[int, list[list[float]]]:
+    """Return the strains (xx, yy, zz, xy, xz, yz) at the points of each printed element, in the last increment (.dat).
+
+    Raises
+    ------
+    InputError
+        If the file is missing, or a strain is none.
+    """
+    text = read_bytes(Path(path), "CalculiX's .dat file; run the deck").decode("ascii", errors="replace")
+    found: dict[int, list[list[float]]] = {}  # of another file nothing is found
+    for number, line in enumerate(text.splitlines(), start=1):
+        if line.lstrip().startswith("strains"):
+            found.clear()  # a new increment: the last one counts
+        words = line.split()
+        if len(words) >= 8 and words[0].isdigit() and words[1].isdigit() and len(words[0]) <= MOST_DIGITS:
+            try:
+                found.setdefault(int(words[0]) - 1, []).append([_strain(word) for word in words[2:8]])
+            except ValueError as error:
+                raise InputError(f"{path}, line {number}: {error}; expected six strains; run the deck again") from error
+    return found
+
+
+def _strain(word: str) -> float:
+    strain = float(word)
+    if not abs(strain) <= LARGEST:
+        raise ValueError(f"{shown(word)} is no strain")
+    return strain
 
 
 def read_frequencies(path: str | Path) -> FloatArray:

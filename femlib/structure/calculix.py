@@ -14,12 +14,11 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.errors import InputError
 from femlib.export import calculix
 from femlib.export.calculix import Analysis, Deck
-from femlib.files import read_bytes, whole_file
+from femlib.export.calculix_results import element_points
+from femlib.files import whole_file
 from femlib.sensors import StrainGauge, element_weights
 from femlib.structure.model import MICRO, Structure
 
-LARGEST = 1e3
-"""Strain that is believed, at most."""
 LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
 """By the number of integration points, 8 of S8R and 9 of S6: points a layer, the lowest first, and the height of the
 outer layers over half the thickness."""
@@ -77,7 +76,7 @@ def read_gauges(structure: Structure, path: str | Path, gauges: Sequence[StrainG
     InputError
         If the file is missing or lacks an element that a gauge reads.
     """
-    points = element_points(Path(path))
+    points = element_points(path)
     mesh, strains = structure.built.mesh, []
     for gauge, weights in zip(gauges, weights_of(structure, gauges), strict=True):
         total = 0.0
@@ -103,27 +102,6 @@ def tensors(rows: FloatArray) -> FloatArray:
     """Return strains (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
     xx, yy, zz, xy, xz, yz = rows.T
     return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
-
-
-def element_points(path: Path) -> dict[int, list[list[float]]]:
-    """Return the strains at the points of each printed element."""
-    text = read_bytes(path, "CalculiX's .dat file; run the deck").decode("ascii", errors="replace")
-    found: dict[int, list[list[float]]] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = line.split()
-        if len(words) >= 8 and words[0].isdigit() and words[1].isdigit():
-            try:
-                found.setdefault(int(words[0]) - 1, []).append([_strain(word) for word in words[2:8]])
-            except ValueError as error:
-                raise InputError(f"{path}, line {number}: {error}; expected six strains; run the deck again") from error
-    return found
-
-
-def _strain(word: str) -> float:
-    strain = float(word)
-    if not abs(strain) <= LARGEST:
-        raise ValueError(f"{word} is no strain")
-    return strain
 
 
 def _others(structure: Structure, factor: FloatArray) -> list[str]:

@@ -1,15 +1,13 @@
-"""A structure in one state as a VTU file for ParaView and its kin, through meshio."""
+"""A structure in one state as a VTU file for ParaView and its kin."""
 
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.elements import quad4, tria3
-from femlib.errors import InputError, needed_by
-from femlib.files import whole_file
+from femlib.export.vtu import vtu_path, write_fields
 from femlib.sensors import STEEPEST
 from femlib.structure.model import MICRO, Structure
 
@@ -25,35 +23,19 @@ def write_vtu(structure: Structure, path: str | Path, state: Mapping[str, float]
     ------
     InputError
         If the state or load is bad, the ending is not .vtu, or the folder cannot be written to.
-    MissingExtraError
-        If meshio is not installed.
     """
-    target = Path(path)
-    if target.suffix != ".vtu":
-        raise InputError(f"picture path {target} ends in {target.suffix!r}; expected .vtu; rename it")
-    with needed_by("a VTU file of a structure"):
-        meshio = import_module("meshio")
+    target = vtu_path(path)
     moved, built = structure.solve(state, load), structure.built
-    n_quads, n_shells = len(built.mesh.quads), built.mesh.n_elements
-    parts = (slice(0, n_quads), slice(n_quads, n_shells), slice(n_shells, n_shells + len(built.beams.ends)))
     top, bottom = face_strains(structure, moved, structure.axis)
     beams = np.full(len(built.beams.ends), np.nan)
     values = {
-        "stiffness_left": structure.stiffness_left(state),
+        "stiffness_left": structure.stiffness_left(state)[: built.mesh.n_elements + len(beams)],
         "section": np.concatenate([built.section, len(built.laminates) + built.beams.section]).astype(np.float64),
         "strain_top_microstrain": np.concatenate([top, beams]),
         "strain_bottom_microstrain": np.concatenate([bottom, beams]),
     }
-    blocks = [("quad", built.mesh.quads), ("triangle", built.mesh.trias), ("line", built.beams.ends)]
-    kept = [k for k, (_, corners) in enumerate(blocks) if len(corners)]
-    picture = meshio.Mesh(
-        built.mesh.nodes,
-        [blocks[k] for k in kept],
-        point_data={"displacement_m": moved[:, :3], "rotation_rad": moved[:, 3:]},
-        cell_data={name: [own[parts[k]] for k in kept] for name, own in values.items()},
-    )
-    with whole_file(target) as temporary:
-        picture.write(temporary, file_format="vtu")
+    points = {"displacement_m": moved[:, :3], "rotation_rad": moved[:, 3:]}
+    write_fields(target, built.mesh.nodes, [built.mesh.quads, built.mesh.trias, built.beams.ends], points, values)
 
 
 def face_strains(structure: Structure, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:

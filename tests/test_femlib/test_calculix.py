@@ -52,7 +52,7 @@ def test_damage_lowers_the_modulus_of_its_region(coarse: Wing, tmp_path: Path) -
 
 def test_a_result_without_a_gauges_element_is_refused(coarse: Wing, tmp_path: Path) -> None:
     (tmp_path / "wing.dat").write_text("\n")
-    with pytest.raises(InputError, match=r"wing.dat has no strains of element \d+, which gauge g01 reads"):
+    with pytest.raises(InputError, match=r"wing.dat has 0 strains of element \d+, which gauge g01 reads"):
         read_gauges(coarse, tmp_path / "wing.dat")
 
 

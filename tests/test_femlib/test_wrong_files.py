@@ -15,9 +15,9 @@ import pytest
 
 from femlib.dataset import grid_states, open_dataset, published_strains, stream_dataset
 from femlib.errors import InputError, frozen_ints, is_number
+from femlib.export.calculix_results import element_points
 from femlib.rom import ReducedModel
 from femlib.rom.bound import LEVELS, ErrorBound
-from femlib.wing.export.calculix import _centre_strains
 from tests.test_femlib.test_stream import QUIET, Slope
 
 
@@ -75,7 +75,7 @@ def test_nothing_but_a_regular_file_is_read(tmp_path: Path) -> None:
         lambda: published_strains(tmp_path / "data.csv"),
         lambda: ReducedModel.load_file(tmp_path / "model.npz"),
         lambda: ReducedModel.load_file(tmp_path),
-        lambda: _centre_strains(tmp_path / "model.npz"),
+        lambda: element_points(tmp_path / "model.npz"),
     ]
     for read in readers:
         with pytest.raises(InputError, match=r"it is no regular file|does not exist"):
@@ -163,15 +163,14 @@ def test_a_packed_or_incomplete_model_is_refused(tmp_path: Path, members: dict[s
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        (" 1 1 0. 1e999 0. 0. 0. 0. S", "line 2: strain is '1e999'; expected a number"),
-        (" 1 1 0. x 0. 0. 0. 0. S", "line 2: strain is 'x'"),
-        (" 1 1 0. 0. 0. 0. 0. 0. S", "has 1 points of element 1; expected 8"),
+        (" 1 1 0. 1e999 0. 0. 0. 0. S", "line 2: '1e999' is no strain; expected six"),
+        (" 1 1 0. x 0. 0. 0. 0. S", "line 2: could not convert string to float: 'x'"),
     ],
 )
 def test_a_hostile_result_is_refused(tmp_path: Path, line: str, sentence: str) -> None:
     (tmp_path / "wing.dat").write_text(f" strains\n{line}\n {'9' * 5000} 1 0. 0. 0. 0. 0. 0. S\n")
     with pytest.raises(InputError, match=sentence):
-        _centre_strains(tmp_path / "wing.dat")
+        element_points(tmp_path / "wing.dat")
 
 
 def test_numbers_beyond_float64_are_no_numbers() -> None:

@@ -5,7 +5,6 @@ of the elements that the gauges read; two points through the thickness lie at +-
 the skin: the height of the carbon face that a gauge reads.
 """
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -13,20 +12,15 @@ import numpy as np
 
 from femlib import sensors
 from femlib.arrays import FloatArray
-from femlib.checked import shown
 from femlib.components import checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.export import calculix
 from femlib.export.calculix import Deck
-from femlib.files import read_bytes
+from femlib.export.calculix_results import element_points
 from femlib.wing.model import MICRO, Wing
 
 N_POINTS = 8
 """Integration points of a quadratic shell."""
-MOST_STRAIN = 1e6
-"""Beyond it no material is left."""
-MOST_DIGITS = 9
-"""Digits of an element's number."""
 
 
 def write_deck(
@@ -93,47 +87,19 @@ def read_gauges(wing: Wing, path: str | Path) -> FloatArray:
     InputError
         If the file is missing or lacks an element that a gauge reads.
     """
-    centre = _centre_strains(Path(path))
-    strains = []
+    points, strains = element_points(path), []
     for name, weights in zip(wing.gauges.names, _gauge_elements(wing), strict=True):
-        missing = [element for element in weights if element not in centre]
-        if missing:
-            raise InputError(
-                f"{path} has no strains of element {missing[0] + 1}, which gauge {name} reads; run the deck"
-            )
-        strains.append(sum(weight * centre[element] for element, weight in weights.items()))
+        total = 0.0
+        for element, weight in weights.items():
+            if len(points.get(element, ())) != N_POINTS:
+                raise InputError(
+                    f"{path} has {len(points.get(element, ()))} strains of element {element + 1}, which gauge {name} "
+                    f"reads; expected {N_POINTS}; run the deck"
+                )
+            # points 1 to 4 lie in the lower half, 5 to 8 in the upper, along the gauge the second strain of each
+            total += weight * float(np.mean([point[1] for point in points[element][4:]]))
+        strains.append(total)
     return -MICRO * np.array(strains)
-
-
-def _centre_strains(path: Path) -> dict[int, float]:
-    """Return the spanwise strain at the upper face's middle of each printed element."""
-    content = read_bytes(path, "CalculiX's .dat file; run the deck")
-    text = content.decode(encoding="ascii", errors="replace")  # of another file nothing is found below
-    points: dict[int, list[float]] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
-        if line.lstrip().startswith("strains"):
-            points.clear()  # a new increment: the last one counts
-        words = line.split()
-        if len(words) >= 8 and words[0].isdigit() and words[1].isdigit() and len(words[0]) <= MOST_DIGITS:
-            points.setdefault(int(words[0]) - 1, []).append(_strain(words[3], path, number))
-    short = [element for element, values in points.items() if len(values) < N_POINTS]
-    if short:
-        got = len(points[short[0]])
-        raise InputError(f"{path} has {got} points of element {short[0] + 1}; expected {N_POINTS}; run the deck again")
-    # points 1 to 4 lie in the lower half, 5 to 8 in the upper
-    return {element: float(np.mean(values[4:8])) for element, values in points.items()}
-
-
-def _strain(word: str, path: Path, number: int) -> float:
-    try:
-        strain = float(word)
-    except ValueError:
-        strain = math.nan
-    if not abs(strain) <= MOST_STRAIN:
-        raise InputError(
-            f"{path}, line {number}: strain is {shown(word)}; expected a number up to {MOST_STRAIN:g}; run the deck"
-        )
-    return strain
 
 
 def _gauge_elements(wing: Wing) -> list[dict[int, float]]:

@@ -1,26 +1,18 @@
-"""A state of the wing as a VTU file, for ParaView and its kin.
-
-Source: The VTK User's Guide (2010), XML unstructured grids, ASCII. Written here in thirty lines instead of through
-meshio, whose last release is of January 2024: meshio 5.3.5 and VTK read the files.
-"""
+"""A state of the wing as a VTU file, for ParaView and its kin."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from femlib.arrays import FloatArray, IntArray
+from femlib.arrays import FloatArray
 from femlib.assembly import Deflection
-from femlib.errors import InputError
-from femlib.files import whole_file
+from femlib.export.vtu import vtu_path, write_fields
 from femlib.mesh import dofs_of_nodes
 from femlib.sensors import point_strain_row
 from femlib.wing.bent import bend
 from femlib.wing.gauges import SPANWISE
 from femlib.wing.model import MICRO, Wing
-
-QUAD, TRIANGLE = 9, 5
-"""The format's numbers of the two shapes."""
 
 
 def write_vtu(
@@ -41,9 +33,7 @@ def write_vtu(
     InputError
         If the state is bad, the ending is not .vtu, or the folder cannot be written to.
     """
-    target = Path(path)
-    if target.suffix != ".vtu":
-        raise InputError(f"picture path {target} ends in {target.suffix!r}; expected .vtu; rename it")
+    target = vtu_path(path)
     mesh = wing.structure.shells.mesh
     if large_deflection:
         moved, strains = far_shape(wing, bend(wing, state, load_factor, lift).deflection)
@@ -53,9 +43,7 @@ def write_vtu(
         "spanwise_strain_microstrain": strains,
         "patch": mesh.patch_of_element.astype(np.float64),
     }
-    text = _document(mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved}, cells)
-    with whole_file(target) as temporary:
-        temporary.write_text(text, encoding="ascii")
+    write_fields(target, mesh.nodes, [mesh.quads, mesh.trias], {"displacement_m": moved}, cells)
 
 
 def near_shape(wing: Wing, moved: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -84,34 +72,3 @@ def face_strains(wing: Wing, deformation: FloatArray) -> FloatArray:
         row = point_strain_row(corners, 0.0, 0.0, SPANWISE, height, f"element {element}")
         strains[element] = -MICRO * float(row @ deformation[element])
     return strains
-
-
-def _document(
-    nodes: FloatArray, shapes: list[IntArray], points: dict[str, FloatArray], cells: dict[str, FloatArray]
-) -> str:
-    sizes = np.concatenate([np.full(len(corners), corners.shape[1]) for corners in shapes])
-    kinds = np.where(sizes == 4, QUAD, TRIANGLE)
-    joined = np.concatenate([corners.ravel() for corners in shapes])
-    lines = [
-        '<?xml version="1.0"?>',
-        '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian"><UnstructuredGrid>',
-        f'<Piece NumberOfPoints="{len(nodes)}" NumberOfCells="{len(sizes)}">',
-        "<Points>",
-        _array("points", nodes, "Float64"),
-        "</Points><Cells>",
-        _array("connectivity", joined, "Int64"),
-        _array("offsets", np.cumsum(sizes), "Int64"),
-        _array("types", kinds, "UInt8"),
-        "</Cells><PointData>",
-        *(_array(name, values, "Float64") for name, values in points.items()),
-        "</PointData><CellData>",
-        *(_array(name, values, "Float64") for name, values in cells.items()),
-        "</CellData></Piece></UnstructuredGrid></VTKFile>",
-    ]
-    return "\n".join(lines) + "\n"
-
-
-def _array(name: str, values: FloatArray | IntArray, kind: str) -> str:
-    width = values.shape[1] if values.ndim == 2 else 1
-    words = " ".join(f"{v:.9g}" for v in values.ravel())
-    return f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{width}" format="ascii">\n{words}\n</DataArray>'
