@@ -251,18 +251,18 @@ def _is_number(value: object) -> bool:
         return False
 
 
-def read_table(path: PathLike, form: str | None = None, as_text: str | None = None) -> Table:
+def read_table(path: PathLike, as_text: str | None = None) -> Table:
     """Return the table of a file, or of standard input for "-".
 
-    .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet; `form` ("csv", "tsv",
-    "parquet") says what a file with another ending holds. The column `as_text` is read as text: 007 is no 7.
+    .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet. The column `as_text`
+    is read as text: 007 is no 7.
 
     Raises
     ------
     DataError
         the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
-    source = open_source(path, form)
+    source = open_source(path)
     frame, notes = (read_parquet(source), ()) if source.format == "parquet" else read_delimited(source, as_text)
     if frame.empty:
         raise DataError(

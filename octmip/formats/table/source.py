@@ -13,7 +13,6 @@ from octmip.input import files
 from octmip.input.files import PathLike, decoded, read_bytes
 from octmip.input.messages import shown
 
-FORMATS = ("csv", "tsv", "parquet")
 STANDARD_INPUT = "-"
 GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
 PIECE = 2**20  # bytes that are unpacked at a time
@@ -84,22 +83,22 @@ class Source:
 
 
 def open_source(path: PathLike, form: str | None = None) -> Source:
-    """Return the source of a table: its format is given, or said by the file's ending, or (standard input) found.
+    """Return the source of a table: its format is given or said by the file's ending, that of standard input is found.
 
     Raises
     ------
     DataError
-        the ending says nothing and no format is given, or standard input is empty or too long.
+        the ending says nothing, or standard input is empty or too long.
     """
     if str(path) == STANDARD_INPUT:
         held = _standard_input()
-        return Source(Path(STANDARD_INPUT), form or ("parquet" if held.startswith(PARQUET) else "csv"), held)
+        return Source(Path(STANDARD_INPUT), "parquet" if held.startswith(PARQUET) else "csv", held)
     path = Path(path)
     found = form or form_by_ending(path)
     if found is None:
         raise DataError(
             f"{path} does not say what it holds: it ends with {shown(path.suffix)}; expected .csv, .tsv (either may be "
-            f"compressed: .gz) or .parquet; rename it, or add --format {', '.join(FORMATS[:-1])} or {FORMATS[-1]}"
+            "compressed: .gz) or .parquet; rename it"
         )
     return Source(path, found)
 

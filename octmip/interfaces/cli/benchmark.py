@@ -128,7 +128,7 @@ def _found(arguments: argparse.Namespace, tables: Sequence[Path], limits: Limits
 def _on_table(arguments: argparse.Namespace, path: Path, limits: Limits) -> Found:
     own = {"data": str(path)}
     if arguments.label is None and arguments.target is None:
-        own["label"] = read_table(path, arguments.format).columns[-1]
+        own["label"] = read_table(path).columns[-1]
     of_table = argparse.Namespace(**{"holdout": None, "test": None, **vars(arguments), **own})
     asked = read_problem(of_table)
     rows = compared(of_table, asked, limits)

@@ -24,7 +24,6 @@ def run(arguments: argparse.Namespace) -> int:
         training = read_training(
             file,
             arguments.data,
-            form=arguments.format,
             label=arguments.label,
             weights=arguments.weights,
             source=arguments.tree,

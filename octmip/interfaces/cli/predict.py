@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
             "it out"
         )
     trained = None if file.preparation is None else file.preparation.index
-    table = read_table(arguments.data, arguments.format, as_text=arguments.index or trained)
+    table = read_table(arguments.data, as_text=arguments.index or trained)
     features = _features(file, table)
     reached = leaf_index(file.tree, features)
     predicted = _predicted(file, features, reached)

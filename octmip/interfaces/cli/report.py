@@ -83,7 +83,7 @@ def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -
     from octmip.trees.run import Run
     from octmip.trees.solution import Limits
 
-    training = read_training(file, arguments.data, form=arguments.format, source=arguments.tree)
+    training = read_training(file, arguments.data, source=arguments.tree)
     seconds = arguments.seconds if has_depths else 0.0
     found = gather(file, training.problem, seconds=seconds)
     found = replace(found, table=training.rows.frame)

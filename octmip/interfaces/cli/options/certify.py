@@ -9,7 +9,7 @@ import argparse
 
 from octmip.interfaces.cli.arguments import add_json_argument
 from octmip.interfaces.cli.samples.file_arguments import reads
-from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.interfaces.cli.samples.options import TABLE_HELP
 
 EXAMPLES = """\
   octmip certify tree.json iris.csv
@@ -28,7 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("table")
     group.add_argument("--label", metavar="COL", help="column with the class or number (default: that of the training)")
     group.add_argument("--weights", metavar="COL", help="column with the weights (default: that of the training)")
-    add_format_argument(group)
     group = parser.add_argument_group("run")
     group.add_argument("--threads", metavar="N", type=int, default=1, help="threads of the proof check (default 1)")
     add_json_argument(group)

@@ -14,7 +14,7 @@ import argparse
 
 from octmip.interfaces.cli.arguments import add_json_argument
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
-from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument
+from octmip.interfaces.cli.samples.options import TABLE_HELP
 
 EXAMPLES = """\
   octmip predict tree.json new.csv
@@ -41,5 +41,4 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--index", metavar="COL", help="column that names the rows (default: that of the training)")
     group = parser.add_argument_group("more")
-    add_format_argument(group)
     add_json_argument(group)

@@ -10,7 +10,7 @@ import argparse
 
 from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
-from octmip.interfaces.cli.samples.options import TABLE_HELP, add_format_argument, add_held_out_arguments
+from octmip.interfaces.cli.samples.options import TABLE_HELP, add_held_out_arguments
 
 KINDS = (".html", ".md", ".dot", ".txt", ".svg", ".png", ".pdf")
 EXAMPLES = """\
@@ -50,4 +50,3 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="time for trees of lower depth and the tree of --holdout, a tenth of it for other columns at the splits "
         "(default 10; 0: only the tree of --holdout)",
     )
-    add_format_argument(group)

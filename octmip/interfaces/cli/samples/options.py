@@ -4,7 +4,6 @@ import argparse
 
 from octmip.interfaces.cli.samples.file_arguments import reads
 
-FORMATS = ("csv", "tsv", "parquet")
 TABLE_HELP = "table: .csv, .tsv (also .gz), .parquet, or - for standard input"
 
 
@@ -35,13 +34,6 @@ def add_leaf_model(group: argparse._ArgumentGroup) -> argparse.Action:
         "--leaf-model",
         choices=("constant", "linear"),
         help="with --target: one number in a leaf, or a ridge regression, by search (default constant)",
-    )
-
-
-def add_format_argument(group: argparse._ActionsContainer) -> argparse.Action:
-    """Add --format."""
-    return group.add_argument(
-        "--format", choices=FORMATS, help="what DATA holds (default: by its ending; CSV on standard input)"
     )
 
 
@@ -84,7 +76,6 @@ def add_column_arguments(group: argparse._ArgumentGroup) -> list[argparse.Action
         group.add_argument(
             "--numbers-are-classes", action="store_true", help="the label's many numbers are classes, not a quantity"
         ),
-        add_format_argument(group),
     ]
 
 

@@ -71,7 +71,6 @@ def read_training(
     file: TreeFile,
     data: str,
     *,
-    form: str | None = None,
     label: str | None = None,
     weights: str | None = None,
     source: str = "the tree file",
@@ -82,8 +81,8 @@ def read_training(
     ----------
     file
         the tree file.
-    data, form
-        the table and its format.
+    data
+        the table.
     label, weights
         columns, those of the training by default.
     source
@@ -99,7 +98,7 @@ def read_training(
     label, weights = label or file.target_column, weights or file.weights_column
     if label is None:
         raise DataError(f"{source} does not say which column held the target; name it with --label")
-    table = prepared(file, read_table(data, form), label, weights)
+    table = prepared(file, read_table(data), label, weights)
     labels, features = targets_of(file, table, label), features_of(file, table)
     weighed = table.numbers([weights], "weight")[:, 0] if weights else np.ones(len(labels))
     claim = file.held_out
@@ -117,7 +116,7 @@ def read_training(
     return Training(problem, table.rows(~is_held), held)
 
 
-def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = None) -> Samples:
+def read_test(file: TreeFile, problem: Problem, data: str) -> Samples:
     """Return the samples of another table that a tree is tested on.
 
     Raises
@@ -127,7 +126,7 @@ def read_test(file: TreeFile, problem: Problem, data: str, form: str | None = No
     """
     if file.target_column is None:
         raise DataError("the tree file does not say which column held the target; write it again with octmip solve")
-    table = prepared(file, read_table(data, form), file.target_column, file.weights_column)
+    table = prepared(file, read_table(data), file.target_column, file.weights_column)
     labels = targets_of(file, table, file.target_column)
     weights = table.numbers([file.weights_column], "weight")[:, 0] if file.weights_column else np.ones(len(labels))
     return samples_of(problem, features_of(file, table), labels, weights)
