@@ -4,16 +4,18 @@ Each takes a problem and returns a function that solves it within so many second
 that function is measured: ranking, binarising and copying for a rival are not.
 """
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.solution import Limits, Solution
 
 # STreeD and DL8.5 know binary features only. They take part where one for each threshold is not more than this, so that
 # they solve the same question; a few quantiles instead is another question (it loses to plain CART, see the docs).
@@ -48,24 +50,31 @@ class Rival:
         return f"{self.package} {version(self.package)}"
 
 
-def _octmip(problem: Problem) -> Fit:
-    from octmip.trees.solver import solve
+def _octmip(settings: str, load: Callable[[], Callable[..., Solution]], **more: Any) -> Callable[[Problem], Fit]:
+    """Return how a solver of ours is prepared: it is loaded, and called with further arguments."""
 
-    def fit(seconds: float, threads: int) -> Answer:
-        solution = solve(problem, method="exact", limits=Limits(seconds=seconds), n_jobs=threads)
-        return Answer(solution.objective, solution.bound, "solve(method='exact')", solution.n_nodes)
+    def prepare(problem: Problem) -> Fit:
+        solver = load()
 
-    return fit
+        def fit(seconds: float, threads: int) -> Answer:
+            solution = solver(problem, limits=Limits(seconds=seconds), n_jobs=threads, **more)
+            return Answer(solution.objective, solution.bound, settings, solution.n_nodes)
+
+        return fit
+
+    return prepare
 
 
-def _octmip_core(problem: Problem) -> Fit:
-    from octmip.trees.methods.exact import branch_and_bound
+def _loaded(module: str, name: str) -> Callable[..., Solution]:
+    solver: Callable[..., Solution] = getattr(importlib.import_module(f"octmip.trees.{module}"), name)
+    return solver
 
-    def fit(seconds: float, threads: int) -> Answer:
-        solution = branch_and_bound(problem, limits=Limits(seconds=seconds), n_jobs=threads)
-        return Answer(solution.objective, solution.bound, "branch_and_bound, no incumbent", solution.n_nodes)
 
-    return fit
+def _flow(fix: int) -> Callable[..., Solution]:
+    from octmip.trees.mip.engine import solver_of
+    from octmip.trees.mip.flow import formulate
+
+    return solver_of("flow", partial(formulate, fix=fix))
 
 
 def _pycontree(problem: Problem) -> Fit:
@@ -169,42 +178,6 @@ def _odtlearn(name: str) -> Callable[[Problem], Fit]:
     return prepare
 
 
-def _benders(problem: Problem) -> Fit:
-    from octmip.trees.mip.benders.solver import solve_benders
-
-    def fit(seconds: float, threads: int) -> Answer:
-        solution = solve_benders(problem, limits=Limits(seconds=seconds), n_jobs=threads)
-        return Answer(solution.objective, solution.bound, "benders", solution.n_nodes)
-
-    return fit
-
-
-def _oct(problem: Problem) -> Fit:
-    from octmip.trees.mip.oct import solve_oct
-
-    def fit(seconds: float, threads: int) -> Answer:
-        solution = solve_oct(problem, limits=Limits(seconds=seconds), n_jobs=threads)
-        return Answer(solution.objective, solution.bound, "oct", solution.n_nodes)
-
-    return fit
-
-
-def _flow(fix: int) -> Callable[[Problem], Fit]:
-    def prepare(problem: Problem) -> Fit:
-        from octmip.trees.mip.engine import solver_of
-        from octmip.trees.mip.flow import formulate
-
-        solve_flow = solver_of("flow", partial(formulate, fix=fix))
-
-        def fit(seconds: float, threads: int) -> Answer:
-            solution = solve_flow(problem, limits=Limits(seconds=seconds), n_jobs=threads)
-            return Answer(solution.objective, solution.bound, f"flow fix={fix}", solution.n_nodes)
-
-        return fit
-
-    return prepare
-
-
 def _fast_small_tree(problem: Problem) -> Fit:
     import warnings
 
@@ -231,8 +204,16 @@ def can_be_binary(features: NDArray[np.float64]) -> bool:
 
 
 RIVALS = {
-    "octmip": Rival(_octmip, "octmip", is_threaded=True),
-    "octmip-core": Rival(_octmip_core, "octmip", is_threaded=True),
+    "octmip": Rival(
+        _octmip("solve(method='exact')", partial(_loaded, "solver", "solve"), method="exact"),
+        "octmip",
+        is_threaded=True,
+    ),
+    "octmip-core": Rival(
+        _octmip("branch_and_bound, no incumbent", partial(_loaded, "methods.exact", "branch_and_bound")),
+        "octmip",
+        is_threaded=True,
+    ),
     "pycontree": Rival(_pycontree, "pycontree"),
     "pystreed": Rival(_pystreed, "pystreed"),
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
@@ -240,8 +221,8 @@ RIVALS = {
     "fastsmalltree": Rival(_fast_small_tree, "imodels"),
     "odtlearn": Rival(_odtlearn("FlowOCT"), "odtlearn"),
     "odtlearn-benders": Rival(_odtlearn("BendersOCT"), "odtlearn"),
-    "octmip-benders": Rival(_benders, "octmip"),
-    "octmip-oct": Rival(_oct, "octmip"),
-    "octmip-flow1": Rival(_flow(fix=1), "octmip"),
-    "octmip-flow2": Rival(_flow(fix=2), "octmip"),
+    "octmip-benders": Rival(_octmip("benders", partial(_loaded, "mip.benders.solver", "solve_benders")), "octmip"),
+    "octmip-oct": Rival(_octmip("oct", partial(_loaded, "mip.oct", "solve_oct")), "octmip"),
+    "octmip-flow1": Rival(_octmip("flow fix=1", partial(_flow, 1)), "octmip"),
+    "octmip-flow2": Rival(_octmip("flow fix=2", partial(_flow, 2)), "octmip"),
 }
