@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.page_check import check_page
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import WEAR, Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import GUST, MOST, STEP, Capable, chance_of_failing
@@ -200,25 +199,3 @@ def test_the_page_says_what_the_flight_says(aircraft: Aircraft, flight: Flight):
         assert step["belief"][0]["median"] == pytest.approx(median, abs=1e-4)
         assert step["truth"] == pytest.approx([own.truth["mu1"], own.truth["mu2"]], abs=1e-4)
         assert step["at"] == pytest.approx(own.at, abs=0.01)
-
-
-def test_the_page_opens_in_every_window_and_plays(browser, aircraft: Aircraft, flight: Flight, tmp_path: Path):
-    path = tmp_path / "mission.html"
-    path.write_text(flight_page(aircraft, flight))
-    assert check_page(path, browser, presses=False) == []
-    page, last = browser.new_page(viewport={"width": 1280, "height": 900}), len(flight.steps) - 1
-    page.goto(path.as_uri())
-    page.locator("#slider").fill("30")
-    assert page.locator("#step").inner_text() == f"step 30 of {last}"
-    assert page.locator("#reason").inner_text() == flight.steps[30].reason
-    lit = page.locator("#tree1 .lit").count()
-    assert lit == len(held(path.read_text())["steps"][30]["paths"][0])
-    page.locator("#slider").fill(str(last - 3))
-    page.locator("#play").click()
-    assert page.locator("#play").inner_text() == "Pause"
-    expect = pytest.importorskip("playwright.sync_api").expect
-    expect(page.locator("#play")).to_have_text("Play", timeout=30_000)
-    assert page.locator("#step").inner_text() == f"step {last} of {last}"
-    assert page.locator("#decision").inner_text() == "2 g, wide turns"
-    assert page.locator("#course line.cautious").count() == sum(s.is_cautious for s in flight.steps[:-1])
-    page.close()
