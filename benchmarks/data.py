@@ -107,25 +107,24 @@ def numeric_sets() -> tuple[list[str], dict[str, str]]:
 
 
 @cache
-def synthetic_uav(target: str, seed: int = 0, n_samples: int = 1750) -> Table:
+def synthetic_uav(target: str) -> Table:
     """Return the synthetic UAV set: 20 strains of 25 states; target A labels the first damage, B the second.
 
     x = base_s + g_s mu1 / (1 - .8 mu1) + h_s mu2 / (1 - .8 mu2) + N(0, 10.5), base_s ~ U(200, 900), g_s falling
     from 150 at sensor 1 to 0 at sensor 20, h_s a bell of height 40 about sensor 16, 8 sensors wide (one sigma);
     100 samples per state, 70 % kept.
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     sensor = np.arange(1, 21)
     base = rng.uniform(200, 900, 20)
     near = np.linspace(150, 0, 20)
     far = 40 * np.exp(-0.5 * ((sensor - 16) / 8.0) ** 2)
-    per_state = -(-n_samples * 10 // (7 * 25))
-    level = np.repeat(np.arange(25), per_state)
+    level = np.repeat(np.arange(25), 100)
     states = np.column_stack([level // 5, level % 5])
     loss = states / 5.0
     effect = loss / (1 - 0.8 * loss)
     features = base + effect[:, :1] * near + effect[:, 1:] * far + rng.normal(0, 10.5, (len(level), 20))
-    kept = np.sort(rng.permutation(len(level))[:n_samples])
+    kept = np.sort(rng.permutation(len(level))[:1750])
     return Table(features[kept], states[kept, 0 if target == "A" else 1])
 
 

@@ -78,13 +78,12 @@ def statistic(
     values: Iterable[float | None],
     take: Callable[[FloatArray], np.floating | float] = np.mean,
     must: Must | None = None,
-    seed: int = 0,
 ) -> Figure:
     """Return a statistic with its bootstrap interval."""
     finite = np.asarray([v for v in values if v is not None and np.isfinite(v)], dtype=float)
     if not len(finite):
         return none(name, must)
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     draws = np.array([take(finite[rng.integers(len(finite), size=len(finite))]) for _ in range(1000)])
     low, high = np.quantile(draws, [0.025, 0.975]).tolist()
     return Figure(name, float(take(finite)), low, high, len(finite), must)

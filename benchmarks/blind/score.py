@@ -267,11 +267,11 @@ def _variance(strain: FloatArray, load: float, is_calibrated: bool) -> FloatArra
     return noise + (load * OWN * strain) ** 2 * 2.0 + (load * LEAST) ** 2 * np.mean(strain**2)
 
 
-def strata(cases: Sequence[Pair], edges: Sequence[float] = (0, 3, 5, 10, 30, np.inf)) -> list[Figure]:
+def strata(cases: Sequence[Pair]) -> list[Figure]:
     """Return top-1 of single effects by d', by kind of state and by number of loads."""
     single = [(f, a) for f, a in cases if a["case"]["stratum"].startswith("single")]
     rows = []
-    for low, high in pairwise(edges):
+    for low, high in pairwise((0, 3, 5, 10, 30, np.inf)):
         part = [(f, a) for f, a in single if low <= d_prime(f, a) < high]
         rows.append(share(f"top-1 of single effects, d' {low:g} to {high:g}", [top(f, a) for f, a in part]))
     clear = [(f, a) for f, a in single if d_prime(f, a) >= CLEAR]

@@ -250,13 +250,13 @@ def answer(stretch: Stretch, known: Knowledge) -> Answer:
     return Answer(stretch.case, judged, closed, "closed: the second frequency, with the size from the first")
 
 
-def knowledge_of(folder: Path, without: str = "") -> tuple[Knowledge, list[Stretch]]:
-    """Return what commissioning and practice teach, one stretch left out, and all stretches."""
+def knowledge_of(folder: Path) -> tuple[Knowledge, list[Stretch]]:
+    """Return what commissioning and practice teach, and all stretches."""
     tests = pd.read_csv(folder / "tests.csv")
     stretches = {
         case: read_stretch(folder, case, series) for case, series in zip(tests.segment, tests.series, strict=True)
     }
-    return learn_from(folder, stretches, without), list(stretches.values())
+    return learn_from(folder, stretches), list(stretches.values())
 
 
 def learn_from(folder: Path, stretches: Mapping[str, Stretch], without: str = "") -> Knowledge:

@@ -88,7 +88,6 @@ def mapped(
     n_u: int,
     n_v: int,
     laminate: Laminate,
-    limits: QualityLimits = SLENDER,
     axis: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Shells, IntArray]:
     """Return shells on the image of the unit square under `place`, and the nodes (n_u + 1, n_v + 1)."""
@@ -97,7 +96,7 @@ def mapped(
     quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
     nodes = place(u, v).reshape(-1, 3)
     zeros = np.zeros(len(quads), dtype=np.int64)
-    mesh = Mesh(nodes, quads, np.zeros((0, 3), dtype=np.int64), ("shell",), zeros, limits)
+    mesh = Mesh(nodes, quads, np.zeros((0, 3), dtype=np.int64), ("shell",), zeros, SLENDER)
     return Shells(mesh, (laminate,), zeros, np.ones(len(quads)), np.array(axis)), number
 
 

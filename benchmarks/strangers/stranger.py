@@ -108,6 +108,6 @@ def _signed(rng: np.random.Generator, low: float, high: float) -> float:
     return float(rng.choice([-1.0, 1.0]) * rng.uniform(low, high))
 
 
-def off(rng: np.random.Generator, low: float = 0.03, high: float = 0.12) -> float:
+def off(rng: np.random.Generator) -> float:
     """Return a factor that is 3 to 12 % off one."""
-    return 1.0 + _signed(rng, low, high)
+    return 1.0 + _signed(rng, 0.03, 0.12)

@@ -15,7 +15,6 @@ from octmip import ClassCosts, Limits, OctmipError, Problem, certify, solve
 from octmip.formats.tree_file import TreeFile, read_tree_file, record_tree, write_tree_file
 from octmip.monitor import (
     Filter,
-    GaussianLikelihood,
     LeafLikelihood,
     Library,
     ModelSelector,
@@ -84,18 +83,18 @@ class Aircraft:
         grid = grid_states([centres, centres])
         return library_of(self.twin, grid, NOISE_SD, gauges=self.gauges, widths=(width, width))
 
-    def filter(self, n_cells: int = 16, *, is_whole: bool = False, wear: float = 1.0) -> Filter:
-        """Return the filter on the trees' leaves, or on whole readings; damage grows `wear` times as fast as at 3 g."""
+    def filter(self, n_cells: int = 16, *, wear: float = 1.0) -> Filter:
+        """Return the filter on the trees' leaves; damage grows `wear` times as fast as at 3 g."""
         cells = self.cells(n_cells)
-        likelihood = GaussianLikelihood(cells) if is_whole else LeafLikelihood(self.selector.tree, cells)
+        likelihood = LeafLikelihood(self.selector.tree, cells)
         return Filter(likelihood, steady_growth(cells, [wear * rate for rate in RATES], SUDDEN, CHANGE))
 
-    def watch(self, rate: float = 0.01) -> Watch:
+    def watch(self) -> Watch:
         """Return the watch, with the twin's damage outside the library as candidates."""
         levels = np.linspace(0.0, 0.8, 9).tolist()
         library = library_of(self.twin, grid_states([levels, levels]), NOISE_SD, gauges=self.gauges)
         effect = self.twin.effects["damage_outside_library"]
-        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)), rate)
+        return Watch(library, effect_candidates(self.twin, effect, library, (20.0, 40.0, 80.0)))
 
 
 class _EffectOfWing:

@@ -66,10 +66,10 @@ def chance_of_failing(bears: Floats, load: Floats | float) -> Floats:
     return np.asarray(ndtr((1.0 - bears / load) / GUST))
 
 
-def capable_wing(folder: Path, refinement: float = REFINEMENT) -> Capable:
+def capable_wing(folder: Path) -> Capable:
     """Return the table, kept in `folder` for the same wing."""
     third = next(region for region in built_library() if region.name == THIRD)
-    wing = built_wing(refinement=refinement, regions=(*BUILT_REGIONS, third))
+    wing = built_wing(refinement=REFINEMENT, regions=(*BUILT_REGIONS, third))
     path = folder / f"capability-{wing.model_hash[:12]}.npz"
     if path.exists():
         with np.load(path) as kept:

@@ -53,13 +53,13 @@ def losses_of(data: Dataset, task: str) -> NDArray[np.float64]:
     return np.stack([data.mu1, data.mu2], axis=1)[:, REGIONS[task]] / 100.0
 
 
-def decision_rows(data: Dataset, seed: int, depth: int, prices: Sequence[float] = PRICES) -> Iterator[Row]:
+def decision_rows(data: Dataset, seed: int, depth: int) -> Iterator[Row]:
     """Yield trees of two classes, the decisions, for every task and price."""
     is_train = data.is_train
     for task in REGIONS:
         losses, start = losses_of(data, task), time.process_time()
         points = trace_risk_frontier(
-            RiskModel(), data.features[is_train], losses[is_train], prices, depth=depth, method="exact"
+            RiskModel(), data.features[is_train], losses[is_train], PRICES, depth=depth, method="exact"
         )
         seconds = (time.process_time() - start) / len(points)
         for point in points:
@@ -70,13 +70,13 @@ def decision_rows(data: Dataset, seed: int, depth: int, prices: Sequence[float] 
             yield Row("decisions", task, seed, price, point.solution, point.rates, test, seconds)
 
 
-def state_rows(data: Dataset, seed: int, depth: int, prices: Sequence[float] = PRICES) -> Iterator[Row]:
+def state_rows(data: Dataset, seed: int, depth: int) -> Iterator[Row]:
     """Yield trees of five classes, the states of one region, with what each state leads to in their costs."""
     is_train = data.is_train
     for task in ("mu1", "mu2"):
         labels, losses = getattr(data, task), losses_of(data, task)
         states = {int(label): float(label) / 100.0 for label in np.unique(labels)}
-        for price in prices:
+        for price in PRICES:
             model, start = RiskModel(failure_loss=price), time.process_time()
             problem = model.state_problem(data.features[is_train], labels[is_train], states, depth=depth)
             if price == UNWEIGHTED:  # wrong states alone are counted, as in the paper

@@ -50,12 +50,12 @@ class Asset:
         return shown(self.names.get(parameter, parameter))
 
 
-def traced_gauges(library: Library, trees: Sequence[ParameterTree], most: int = 3) -> tuple[str, ...]:
-    """Return the gauges that move most over the library's states, those that the trees read first."""
+def traced_gauges(library: Library, trees: Sequence[ParameterTree]) -> tuple[str, ...]:
+    """Return the three gauges that move most over the library's states, those that the trees read first."""
     spread = np.ptp(library.strains, axis=0)
     read = {tree.gauges[j] for tree in trees for j in _features(tree.tree)}
     order = sorted(range(len(library.gauges)), key=lambda g: (library.gauges[g] not in read, -float(spread[g])))
-    return tuple(library.gauges[g] for g in sorted(order[:most]))
+    return tuple(library.gauges[g] for g in sorted(order[:3]))
 
 
 def _features(tree: Node) -> set[int]:

@@ -15,7 +15,7 @@ from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.proof import ProofReport
 from octmip.trees.run import Run
-from octmip.trees.solution import Limits, ProgressCallback, Solution
+from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
 from octmip.trees.tradeoff.folds import part_of
@@ -109,13 +109,7 @@ class Evidence:
     edits: Mapping[str, tuple[EditPrice, ...]] = field(default_factory=dict)
 
 
-def gather(
-    file: TreeFile,
-    problem: Problem,
-    *,
-    seconds: float = 10.0,
-    progress: ProgressCallback | None = None,
-) -> Evidence:
+def gather(file: TreeFile, problem: Problem, *, seconds: float = 10.0) -> Evidence:
     """Return the evidence of a tree file and its training samples.
 
     Parameters
@@ -126,8 +120,6 @@ def gather(
         its training samples.
     seconds
         time for trees of lower depth, all together [s], and a tenth of it for other splits; 0 leaves them out.
-    progress
-        as in `solve`.
 
     Raises
     ------
@@ -143,7 +135,7 @@ def gather(
     if problem.has_parts:  # fewer levels may not hold them
         return out
     each = seconds / max(1, _levels(file, problem) - 1)
-    run = Run(limits=Limits(seconds=each), seed=file.solution.seed, progress=progress)
+    run = Run(limits=Limits(seconds=each), seed=file.solution.seed)
     return replace(out, depths=_depths(file, problem, greedy, run), seconds=each)
 
 
