@@ -1,4 +1,4 @@
-"""A million rows: time and memory of a proof, of searches, of scikit-learn's tree and of the first tree of a boosting.
+"""A million rows: time and memory of a proof, of searches and of scikit-learn's tree.
 
 The data are `three_classes`, in a table that nobody can write to, as the command hands it over. Each row is
 measured in a process of its own: processor seconds of the call alone, the largest resident memory up to its end, the
@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.ensemble import HistGradientBoostingClassifier
 from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.cpu import cpu_seconds
@@ -95,27 +94,13 @@ def _sklearn(depth: int) -> Callable[[Floats, Classes, float], Answer]:
     return answer
 
 
-def _boosted(depth: int) -> Callable[[Floats, Classes, float], Answer]:
-    def answer(features: Floats, labels: Classes, limit: float) -> Answer:
-        del limit
-        boosting = HistGradientBoostingClassifier(
-            max_iter=1, learning_rate=1.0, max_depth=depth, max_leaf_nodes=None, early_stopping=False, random_state=0
-        )
-        boosting.fit(features, labels)
-        return "a tree a class", int((boosting.predict(features) != labels).sum()), boosting.predict
-
-    return answer
-
-
 WAYS: dict[str, Callable[[Floats, Classes, float], Answer]] = {
     "proof, depth 2": _proof,
     FLOAT32: _proof,
     "search, depth 4": _search(4),
     "scikit-learn, depth 4": _sklearn(4),
-    "boosting's first trees, depth 4": _boosted(4),
     "search, depth 8": _search(8),
     "scikit-learn, depth 8": _sklearn(8),
-    "boosting's first trees, depth 8": _boosted(8),
 }
 
 
