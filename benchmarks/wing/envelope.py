@@ -1,12 +1,12 @@
-"""What load factor a damaged wing bears: curves with their uncertainty, the flight envelope, all 28 regions.
+"""What load factor a damaged wing bears: curves with their uncertainty, and the flight envelope.
 
-    python -m benchmarks.wing.envelope [--refinement 0.5] [--tables FOLDER] [--picture FILE.png] [--library]
+    python -m benchmarks.wing.envelope [--refinement 0.5] [--tables FOLDER] [--picture FILE.png]
     python -m benchmarks.wing.envelope --trim 25 35 [--tables FOLDER]
 
 `built_wing` under its elliptic lift. The uncertainty has two parts: the modulus scale that the authors measured (their
 100 samples) and the strains that plies bear (a coefficient of variation of `STRENGTH_CV`, assumed). Both scale the
-limits: a modulus scale e multiplies all three, a strength the first. With --library each of the 28 regions as well.
-With --trim only what the lift that moves as the wing twists changes, at these speeds [m/s].
+limits: a modulus scale e multiplies all three, a strength the first. With --trim only what the
+lift that moves as the wing twists changes, at these speeds [m/s].
 """
 
 import argparse
@@ -23,8 +23,8 @@ from benchmarks.data import SHARED
 from benchmarks.main_program import run_main
 from femlib.rom.capability import LIMITS, Capability, drawn_states
 from femlib.wing import FlightPoint, ReducedWing, Wing, reduce_wing, uav_wing
-from femlib.wing.built import BUILT_MASS, built_library, built_wing
-from femlib.wing.strength import full_capability, wing_capability, wing_stresses
+from femlib.wing.built import BUILT_MASS, built_wing
+from femlib.wing.strength import wing_capability, wing_stresses
 from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
 from femlib.wing.trim import trim_wing
 from octmip.input.files import write_bytes
@@ -51,7 +51,6 @@ def main() -> None:
     parser.add_argument("--refinement", type=float, default=0.5)
     parser.add_argument("--tables", help="folder for CSV files")
     parser.add_argument("--picture", help="PNG file to write")
-    parser.add_argument("--library", action="store_true", help="all 28 regions as well")
     parser.add_argument("--trim", type=float, nargs="*", help="speeds [m/s] of a wing in trim, instead")
     options = parser.parse_args()
     wing = built_wing(refinement=options.refinement)
@@ -71,8 +70,6 @@ def main() -> None:
     print(f"first ply: {weakest(wing)}")
     print(f"first ply of uav_wing: {weakest(uav_wing(refinement=options.refinement))}")
     tables = {"capability": curve_rows(capable), "crossings": crossing_rows(capable)}
-    if options.library:
-        tables["regions"] = region_rows(options.refinement)
     for name, rows in tables.items():
         kept(name, rows, options.tables, 5 if name == "capability" else 1)
     if options.picture:
@@ -173,30 +170,6 @@ def crossing_rows(capable: Capability) -> list[dict[str, object]]:
 
 def _percent(value: float) -> str:
     return f"{value:.0f}" if np.isfinite(value) else "never"
-
-
-def region_rows(refinement: float) -> list[dict[str, object]]:
-    """Return what each of the 28 regions alone does to the capability, and the check against the full model."""
-    wing = built_wing(refinement=refinement, regions=built_library())
-    start = time.process_time()
-    capable = wing_capability(wing, reduce_wing(wing), n_checks=4)
-    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
-    print(f"\n28 regions: {words}; {cost(capable)}", flush=True)
-    sound, each = capable.load_factors(np.zeros((1, 28)))[0], np.eye(28)
-    rows: list[dict[str, object]] = []
-    for k, region in enumerate(wing.regions):
-        limits = {mu: capable.limits(mu * each[k : k + 1])[0] for mu in (0.4, 0.8)}
-        row: dict[str, object] = {"region": region.name, "surface": region.surface}
-        row |= {"eta": f"{region.eta_min:.3f} to {region.eta_max:.3f}"}
-        row |= {f"bears at {100 * mu:.0f} % lost": round(float(own.min()), 3) for mu, own in limits.items()}
-        row["share of sound at 80 %"] = round(float(limits[0.8].min() / sound), 3)
-        rows.append(row | {"limit at 80 %": LIMITS[int(limits[0.8].argmin())]})
-    full = full_capability(wing, {"mu1": 0.8, "mu9": 0.5})
-    both = 0.8 * each[0] + 0.5 * each[8]
-    print(
-        f"mu1 80 %, mu9 50 %: full {full.round(3).tolist()}, reduced {capable.limits(both[None])[0].round(3).tolist()}"
-    )
-    return rows
 
 
 def picture(capable: Capability, wing: Wing) -> Figure:

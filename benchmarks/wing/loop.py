@@ -1,6 +1,6 @@
 """The loop of the wing: a damage that no library holds, from the watch's alarm to a tree that reads it.
 
-    python -m benchmarks.wing.loop [--region R25] [--size 0.6] [--refinement 0.35] [--tables FOLDER] [--alarms FOLDER]
+    python -m benchmarks.wing.loop [--refinement 0.35] [--tables FOLDER] [--alarms FOLDER]
 
 The reduced wing of 28 regions is made once and kept in the folder. `octmip monitor` trains trees of mu1 and mu2 on it.
 Then an asset flies 100 readings at load factor 3 with the paper's noise: mu1 and mu2 grow to 30 %, and from reading 40
@@ -38,6 +38,8 @@ WORDS = ["monitor", "--twin", "benchmarks.wing.loop:twin", "--depth", "3", "--se
 GROWN = 0.3
 """Damage of the two known regions at the last reading."""
 N_FLIGHTS = 200
+REGION, SIZE = "R25", 0.6
+"""The region that no library holds, and the share of stiffness that it loses."""
 LEVELS = (0.4, 0.6, 0.8)
 
 
@@ -49,8 +51,6 @@ def twin() -> WingTwin:
 def main() -> None:
     """Print what the command says, and its time."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.loop", description=__doc__)
-    parser.add_argument("--region", default="R25", help="the region that no library holds")
-    parser.add_argument("--size", type=float, default=0.6, help="share of stiffness that it loses")
     parser.add_argument("--refinement", type=float, default=0.35)
     parser.add_argument("--tables", help="folder for the CSV file of all regions")
     parser.add_argument("--alarms", help="folder for the CSV file of the alarms of the watch, instead of the loop")
@@ -68,12 +68,12 @@ def main() -> None:
     given = ["--only", "mu1,mu2", "--load", f"load_factor={LOAD_FACTOR:g}", "--noise", f"{NOISE_SD:.6g}"]
     octmip_command([*WORDS, *given, "--out", str(folder / "deployed")])
     if not options.tables:
-        flight(wing, options.region, options.size).to_csv(folder / "flight.csv", index=False)
+        flight(wing, REGION, SIZE).to_csv(folder / "flight.csv", index=False)
         start = time.perf_counter()
         octmip_command([*WORDS, *again()])
         print(f"from the readings to the trees: {time.perf_counter() - start:.1f} s")
         return
-    rows = [closed(wing, own.name, options.size) for own in wing.regions[2:]]
+    rows = [closed(wing, own.name, SIZE) for own in wing.regions[2:]]
     print(markdown_table(rows))
     Path(options.tables).mkdir(parents=True, exist_ok=True)
     write_bytes(Path(options.tables) / "loop.csv", pd.DataFrame(rows).to_csv(index=False).encode())

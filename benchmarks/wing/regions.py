@@ -38,6 +38,8 @@ N_FRESH = 200
 """Fresh readings of each state on which limits and trees are counted."""
 Named = Callable[[Floats], Ints]
 """Readings (n, n_gauges) -> the region (n,) that a rule names."""
+SAMPLES = 6
+"""Training readings of each damaged state."""
 N_NAMES = 29
 """No damage, and each region."""
 SHOWN = 0.05
@@ -48,7 +50,6 @@ def main() -> None:
     """Print and write."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.regions", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.35)
-    parser.add_argument("--samples", type=int, default=6, help="training readings of each damaged state")
     parser.add_argument("--seconds", type=float, default=240.0, help="limit of each proof of which region")
     parser.add_argument("--tables", help="folder for CSV files")
     parser.add_argument("--picture", help="PNG file of what the gauges see")
@@ -63,13 +64,13 @@ def main() -> None:
     rows, whole, found = region_rows(wing, means, columns), [], dict[str, Floats]()
     for kind, chosen in columns.items():
         own = means[:, chosen]
-        solution = named_by_tree(own, options.samples, options.seconds)
+        solution = named_by_tree(own, SAMPLES, options.seconds)
         assert solution.tree is not None
         found[f"Bayes's rule, {kind}"] = confusion(own, partial(bayes, own))
         found[f"tree, {kind}"] = confusion(own, partial(predict, solution.tree))
         whole.append(which_row(kind, solution, *list(found.values())[-2:]))
         print(whole[-1], flush=True)
-    amounts = amount_rows(wing, means[:, columns["placed"]], columns["placed"], options.samples)
+    amounts = amount_rows(wing, means[:, columns["placed"]], columns["placed"], SAMPLES)
     pairs = pair_rows(found, ["none", *(own.name for own in wing.regions)])
     tables = {"seen": rows, "which": whole, "amount": amounts, "confusion": pairs}
     for name, table in tables.items():
