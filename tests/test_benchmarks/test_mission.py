@@ -18,7 +18,6 @@ from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot
 from benchmarks.uav.mission.policy_table import wilson
 from benchmarks.uav.mission.simulation import damage_at, fly
 from benchmarks.uav.mission.table_twin import TableTwin
-from benchmarks.uav.mission.watch_study import told_limit
 from femlib.dataset import published_strains
 from femlib.wing import reduced_twin, uav_wing
 
@@ -165,12 +164,6 @@ def test_policies_keep_their_order(aircraft: Aircraft):
 def test_the_interval_of_a_share_is_wilsons():
     assert wilson(0, 100) == pytest.approx((0.0, 0.0370), abs=1e-4)
     assert wilson(50, 100) == pytest.approx((0.4038, 0.5962), abs=1e-4)
-
-
-def test_the_limit_of_the_watch_is_that_of_a_test_told_everything():
-    rng = np.random.default_rng(0)
-    power = (rng.normal(told_limit(0.01), 1.0, 20_000) > 2.326).mean()  # one normal, a false alarm in a hundred
-    assert power == pytest.approx(0.95, abs=0.006)
 
 
 # The page (what every mission page keeps is tested with octmip.interfaces.report.mission)

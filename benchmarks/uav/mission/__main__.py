@@ -3,20 +3,16 @@
 import argparse
 import json
 import time
-from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.main_program import run_main
-from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
+from benchmarks.uav.mission.aircraft import build_aircraft
 from benchmarks.uav.mission.flight import recorded
 from benchmarks.uav.mission.histories import KINDS
 from benchmarks.uav.mission.page import flight_page
 from benchmarks.uav.mission.policy_table import policy_rows
-from benchmarks.uav.mission.watch_study import false_alarm_row, outside_rows, search_limit, told_limit
 from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
-
-TABLES = ("watch", "policies")
 
 
 def main() -> None:
@@ -31,31 +27,20 @@ def main() -> None:
         path = folder / f"mission_{kind.replace(' ', '_')}.html"
         write_bytes(path, flight_page(aircraft, recorded(aircraft, kind, options.seed)).encode())
         print(f"page: {path.resolve()}", flush=True)
-    for name in options.tables:
-        for title, rows in _tables(name, aircraft, folder, options.missions, options.seed, options.kinds):
-            write_bytes(folder / f"{title}.json", (json.dumps(rows, indent=1) + "\n").encode())
-            print(f"\n{title}\n{markdown_table(rows)}", flush=True)
+    if options.tables:
+        rows = policy_rows(aircraft, options.missions, options.seed, options.kinds)
+        write_bytes(folder / "policies.json", (json.dumps(rows, indent=1) + "\n").encode())
+        print(f"\npolicies\n{markdown_table(rows)}", flush=True)
     print(f"{time.perf_counter() - start:.0f} s; all lies in {folder.resolve()}")
-
-
-def _tables(
-    name: str, aircraft: Aircraft, folder: Path, n: int, seed: int, kinds: Sequence[str] = KINDS
-) -> Sequence[tuple[str, Sequence[dict[str, object]]]]:
-    if name == "policies":
-        return [("policies", policy_rows(aircraft, n, seed, kinds))]
-    watch = aircraft.watch()
-    print(f"limits of d: told {told_limit(watch.rate):.2f}, searching {search_limit(watch):.2f}", flush=True)
-    alarms = [false_alarm_row(aircraft, watch, max(50, n // 10), seed)]
-    return [("false_alarms", alarms), ("outside", outside_rows(aircraft, watch, folder, max(50, n // 50), seed))]
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.uav.mission", description=__doc__)
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--pages", nargs="*", choices=KINDS, default=KINDS[:1], help="missions to play")
-    parser.add_argument("--tables", nargs="*", choices=TABLES, default=(), help="tables to make as well")
+    parser.add_argument("--tables", nargs="*", choices=["policies"], default=(), help="tables to make as well")
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS, help="missions of the policy table")
-    parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy; tables take fewer")
+    parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", default="results/uav/mission/wing")
     return parser

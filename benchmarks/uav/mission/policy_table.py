@@ -17,7 +17,7 @@ CHUNK = 1000
 CELLS = 10
 """Cells of the filter in each parameter: the 40 % lies on an edge, and 10^4 missions take minutes."""
 WATCHED = ("dead gauge", "outside")
-"""Missions in which the watch has something to find; elsewhere it can only raise false alarms (watch_study.py)."""
+"""Missions in which the watch has something to find; elsewhere it can only raise false alarms."""
 Z = 1.959964
 
 
