@@ -1,15 +1,14 @@
 """Incumbent and bound over time: published strains, mu2, depths 4 to 6, whole calls until proven or out of time."""
 
-import resource
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+from benchmarks.cpu import Stopwatch
 from benchmarks.data import published
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Progress
 from octmip.trees.solver import solve
@@ -29,9 +28,9 @@ def results(limit: float, threads: Sequence[int], depths: Sequence[int] = DEPTHS
             if not course or [state.objective, state.bound] != course[-1][1:]:
                 course.append([round(state.seconds, 3), state.objective, state.bound])
 
-        before, start = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter()
+        watch = Stopwatch()
         solution = solve(problem, method="exact", limits=Limits(seconds=limit), n_jobs=max(threads), progress=note)
-        after, wall = resource.getrusage(resource.RUSAGE_SELF), time.perf_counter() - start
+        cpu, wall = watch.read()
         yield {
             "size": f"mu2, depth {depth}",
             "seed": 0,
@@ -40,7 +39,7 @@ def results(limit: float, threads: Sequence[int], depths: Sequence[int] = DEPTHS
             "outcome": "proven" if solution.is_optimal else "not proven",
             "objective": solution.objective,
             "bound": solution.bound,
-            "cpu_seconds": round(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, 2),
+            "cpu_seconds": round(cpu, 2),
             "wall_seconds": round(wall, 2),
             "course": [*course, [round(wall, 3), solution.objective, solution.bound]],
         }
@@ -65,9 +64,7 @@ def picture(lines: Sequence[Line], path: Path) -> None:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return a table of what each depth came to."""
-    rows = [
-        f"| {line['depth']} | {line['objective']:g} | {line['bound']:g} | {line['outcome']} | {line['cpu_seconds']} | "
-        f"{line['wall_seconds']} |"
-        for line in lines
-    ]
-    return "\n".join(["| depth | errors | bound | | CPU s | wall s |", "|---|---|---|---|---|---|", *rows])
+    head = ("depth", "errors", "bound", "", "CPU s", "wall s")
+    keys = ("outcome", "cpu_seconds", "wall_seconds")
+    rows = ([one["depth"], f"{one['objective']:g}", f"{one['bound']:g}", *(one[key] for key in keys)] for one in lines)
+    return markdown(head, rows)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch, cpu_limit
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.problem import Problem
 
@@ -76,10 +76,8 @@ def summary(lines: Sequence[Line]) -> str:
     rows = []
     for boundary in dict.fromkeys(line["boundary"] for line in lines):
         found = {line["n"]: line for line in lines if line["boundary"] == boundary}
-        cells = [_cell(found.get(n)) for n in sizes]
-        rows.append(f"| {boundary} | {' | '.join(cells)} | {_exponent(found.values()):.2f} |")
-    head = ["boundary", *(f"{n:,} rows" for n in sizes), "exponent"]
-    return "\n".join([f"| {' | '.join(head)} |", "|" + "---|" * len(head), *rows])
+        rows.append([boundary, *(_cell(found.get(n)) for n in sizes), f"{_exponent(found.values()):.2f}"])
+    return markdown(["boundary", *(f"{n:,} rows" for n in sizes), "exponent"], rows)
 
 
 def _exponent(lines: Iterable[Line]) -> float:

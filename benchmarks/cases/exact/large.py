@@ -18,7 +18,7 @@ from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.cpu import cpu_seconds
 from benchmarks.data import three_classes
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip import Limits, Problem, predict
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import SearchOptions
@@ -110,11 +110,11 @@ def _megabytes() -> int:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table."""
-    head = "| size | way | errors | CPU s | wall s | MB before | MB at most | predictions a second, millions |"
-    rows = [
-        f"| {line['size']} | {line['solver']} | {line['objective']}, {line['outcome']} | {line['cpu_seconds']:.3g} "
-        f"| {line['wall_seconds']:.3g} | {line['table_megabytes']} | {line['megabytes']} "
-        f"| {line['predictions_per_second'] / 1e6:.1f} |"
-        for line in lines
-    ]
-    return "\n".join([head, "|---|---|---|---|---|---|---|---|", *rows])
+    head = ("size", "way", "errors", "CPU s", "wall s", "MB before", "MB at most", "predictions a second, millions")
+    keys = ("cpu_seconds", "wall_seconds", "table_megabytes", "megabytes")
+    rows = []
+    for line in lines:
+        figures = [f"{line[key]:.4g}" for key in keys]
+        errors, speed = f"{line['objective']}, {line['outcome']}", f"{line['predictions_per_second'] / 1e6:.1f}"
+        rows.append([line["size"], line["solver"], errors, *figures, speed])
+    return markdown(head, rows)

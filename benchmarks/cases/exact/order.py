@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.data import Table, published
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip import Limits, Problem, predict, solve
 
 SEED, NEW = 0, 1
@@ -54,11 +54,7 @@ def _line(problem: Problem, new: Table, limit: float, n_threads: int) -> Line:
 
 def summary(lines: list[Line]) -> str:
     """Return the table of docs/sensing.md."""
-    head = ["label", "depth", "tree", "errors", "bound", "wrong on new rows", "CPU s"]
-    rows = [
-        [one["label"], one["depth"], one["tree"], one["errors"], one["bound"], one["new_errors"], one["cpu_seconds"]]
-        for one in lines
-    ]
-    table = [head, ["---"] * len(head), *rows]
-    cells = [[f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in row] for row in table]
-    return "\n".join(f"| {' | '.join(row)} |" for row in cells)
+    keys = ("label", "depth", "tree", "errors", "bound", "new_errors", "cpu_seconds")
+    head = ("label", "depth", "tree", "errors", "bound", "wrong on new rows", "CPU s")
+    values = ([line[key] for key in keys] for line in lines)
+    return markdown(head, ([f"{one:g}" if isinstance(one, float) else one for one in row] for row in values))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, synthetic_uav, uci
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
@@ -93,18 +93,16 @@ def _seconds(work: Callable[[], object]) -> Seconds:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the table of sizes and seconds."""
-    head = (
-        "| case | proven | log, kB | solve, CPU s | solve again and write | check | check / solve | solve, wall s on "
-        f"{max(line['threads'] for line in lines)} threads | check | check / solve |"
-    )
-    rows = [
-        f"| {line['size']} | {line['bound']:g} | {line['log_bytes'] / 1000:.3g} | {line['solve_cpu_seconds']:.3g} "
-        f"| {line['solve_and_write_cpu_seconds']:.3g} | {line['check_cpu_seconds']:.3g} "
-        f"| {_ratio(line, 'cpu_seconds')} | {line['solve_wall_seconds_on_threads']:.3g} "
-        f"| {line['check_wall_seconds_on_threads']:.3g} | {_ratio(line, 'wall_seconds_on_threads')} |"
-        for line in lines
-    ]
-    return "\n".join([head, "|" + "---|" * 10, *rows])
+    threads = max(line["threads"] for line in lines)
+    head = ["case", "proven", "log, kB", "solve, CPU s", "solve again and write", "check", "check / solve"]
+    head += [f"solve, wall s on {threads} threads", "check", "check / solve"]
+    rows = []
+    for line in lines:
+        spent = [f"{line[f'{what}_cpu_seconds']:.3g}" for what in ("solve", "solve_and_write", "check")]
+        walls = [f"{line[f'{what}_wall_seconds_on_threads']:.3g}" for what in ("solve", "check")]
+        cells = [line["size"], f"{line['bound']:g}", f"{line['log_bytes'] / 1000:.3g}", *spent]
+        rows.append([*cells, _ratio(line, "cpu_seconds"), *walls, _ratio(line, "wall_seconds_on_threads")])
+    return markdown(head, rows)
 
 
 def _ratio(line: Line, kind: str) -> str:
