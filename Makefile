@@ -11,7 +11,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
 
-# The page of one mission; every table of docs/mission.md: make mission ARGS="--tables policies"
+# The page of one mission; every table of docs/mission.md: make mission ARGS="--policies"
 mission: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav.mission $(if $(STRAINS),--strains $(STRAINS) --out results/uav/mission/published) $(ARGS)
 

@@ -1,35 +1,11 @@
-"""Tables of policies joined, as a CSV file and a picture.
+"""The table of policies as a picture."""
 
-    python -m benchmarks.uav.mission.policy_picture POLICIES.json ... --table FILE.csv --picture FILE.png
-
-The files are those that `python -m benchmarks.uav.mission --tables policies` writes as policies.json.
-"""
-
-import argparse
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
-import pandas as pd
 from matplotlib.figure import Figure
-
-from benchmarks.main_program import run_main
-from octmip.input.files import write_bytes
 
 LEAST = 0.01
 """Loss that is drawn for none of 10,000 [%]."""
-
-
-def main() -> None:
-    """Join and draw."""
-    parser = argparse.ArgumentParser(prog="benchmarks.uav.mission.policy_picture", description=__doc__)
-    parser.add_argument("files", nargs="+")
-    parser.add_argument("--table", required=True)
-    parser.add_argument("--picture", required=True)
-    options = parser.parse_args()
-    rows = [row for name in options.files for row in json.loads(Path(name).read_text(encoding="utf-8"))]
-    write_bytes(options.table, pd.DataFrame(rows).to_csv(index=False).encode())
-    picture(rows).savefig(options.picture, dpi=110)
 
 
 def picture(rows: Sequence[dict[str, object]]) -> Figure:
@@ -50,7 +26,3 @@ def picture(rows: Sequence[dict[str, object]]) -> Figure:
     axes[0].set_ylabel(f"aircraft lost [%], at least {LEAST:g} drawn")
     axes[-1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
-
-
-if __name__ == "__main__":
-    run_main(main)
