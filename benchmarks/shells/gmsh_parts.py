@@ -8,8 +8,6 @@ is a mesh of quadrilaterals of 4 mm (S8R), on which CalculiX's strains and femli
 """
 
 import argparse
-import shutil
-import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -20,8 +18,8 @@ import gmsh
 import numpy as np
 import pandas as pd
 
+from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.main_program import run_main
-from benchmarks.wing.calculix import run_deck
 from femlib.arrays import FloatArray
 from femlib.errors import SolveError
 from femlib.material import isotropic_plate
@@ -62,8 +60,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks.shells.gmsh_parts", description=__doc__)
     parser.add_argument("--tables", type=Path, help="folder for the CSV file")
     options = parser.parse_args()
-    if shutil.which("ccx") is None:
-        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    need_ccx()
     rows = [row for name in PARTS for row in part_rows(name)]
     print(markdown_table(rows))
     if options.tables:
@@ -103,9 +100,10 @@ def answered(structure: Structure, load: FloatArray, gauges: list[StrainGauge], 
 def calculix_strains(structure: Structure, part: Part, gauges: list[StrainGauge]) -> FloatArray:
     """Return CalculiX's gauge strains (n_gauges,) [microstrain]."""
     with tempfile.TemporaryDirectory() as folder:
-        write_deck(structure, Path(folder) / "wing.inp", {}, part.load(structure), gauges)
-        run_deck(folder)
-        return read_gauges(structure, Path(folder) / "wing.dat", gauges)
+        deck = Path(folder) / "wing.inp"
+        write_deck(structure, deck, {}, part.load(structure), gauges)
+        run_deck(deck)
+        return read_gauges(structure, deck.with_suffix(".dat"), gauges)
 
 
 def meshed(part: Part, size: float, is_quads: bool) -> Structure:

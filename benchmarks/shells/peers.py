@@ -5,14 +5,12 @@ stands on the nodes of the case, one of its elements for four of the case's: the
 what a node in its centre carries goes to its eight by their shape functions.
 """
 
-import os
-import shutil
-import subprocess
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.ccx import run_deck
 from benchmarks.shells.case import Case
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Shells, Supports, assemble, factorise
@@ -20,11 +18,6 @@ from femlib.export.calculix import Deck, edges, write_deck
 from femlib.export.calculix_results import read_displacements
 from femlib.material import Laminate
 from femlib.mesh import DOFS_PER_NODE, Mesh, dofs_of_nodes
-
-
-def has_calculix() -> bool:
-    """Return whether CalculiX can be run."""
-    return shutil.which("ccx") is not None
 
 
 def pyfe3d_ratio(case: Case) -> float:
@@ -111,13 +104,10 @@ def calculix_ratio(case: Case, is_quadratic: bool) -> float:
 def _run(deck: Deck, n_nodes: int) -> FloatArray:
     """Return the translations (n_nodes, 3) that CalculiX finds."""
     with tempfile.TemporaryDirectory() as folder:
-        write_deck(deck, Path(folder) / "case.inp")
-        one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-        done = subprocess.run(["ccx", "case"], cwd=folder, check=False, capture_output=True, env=one_thread, text=True)
-        if done.returncode:
-            reason = [line.strip() for line in done.stdout.splitlines() if "*ERROR" in line] or [f"{done.returncode}"]
-            raise RuntimeError(f"CalculiX stopped: {reason[0]}")
-        return read_displacements(Path(folder) / "case.frd", n_nodes)
+        path = Path(folder) / "case.inp"
+        write_deck(deck, path)
+        run_deck(path)
+        return read_displacements(path.with_suffix(".frd"), n_nodes)
 
 
 def _on_the_same_nodes(case: Case) -> tuple[Deck, IntArray]:

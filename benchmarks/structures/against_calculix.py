@@ -8,11 +8,7 @@ runs the code of docs/examples/structures/*.md, writes their structures as decks
 
 import contextlib
 import io
-import os
 import re
-import shutil
-import subprocess
-import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.main_program import run_main
 from femlib.export.calculix_results import read_frequencies
 from femlib.structure import Structure
@@ -33,8 +30,7 @@ N_MODES = 3
 
 def main() -> None:
     """Print a table for each page."""
-    if shutil.which("ccx") is None:
-        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    need_ccx()
     for page in sorted(PAGES.glob("*.md")):
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
             print_page(page, Path(folder))
@@ -51,7 +47,7 @@ def print_page(page: Path, folder: Path) -> None:
     for state in states:
         ours = structure.strain_microstrain(state, load, gauges)
         write_deck(structure, folder / "own.inp", state, load, gauges)
-        run(folder)
+        run_deck(folder / "own.inp")
         theirs = read_gauges(structure, folder / "own.dat", gauges)
         pairs = " | ".join(f"{a:.1f} ({b:.1f})" for a, b in zip(ours, theirs, strict=True))
         worst = np.abs(ours - theirs).max() / np.abs(theirs).max()
@@ -77,15 +73,9 @@ def frequencies(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the lowest frequencies of both programs [Hz]."""
     write_deck(structure, folder / "own.inp", state, load, analysis="frequencies", n_modes=N_MODES)
-    run(folder)
+    run_deck(folder / "own.inp")
     ours = np.array([mode.frequency for mode in structure.natural_modes(N_MODES, state)])
     return ours, read_frequencies(folder / "own.dat")[:N_MODES]
-
-
-def run(folder: Path) -> None:
-    """Run the deck own.inp of a folder."""
-    one_thread = os.environ | {"OMP_NUM_THREADS": "1"}
-    subprocess.run(["ccx", "own"], cwd=folder, check=True, capture_output=True, env=one_thread)
 
 
 def words(state: Mapping[str, float]) -> str:

@@ -7,13 +7,15 @@ also those of quadratic shells on the same corners.
 """
 
 import argparse
-import shutil
-import sys
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 
+from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.main_program import run_main
-from benchmarks.wing.calculix import WINGS, run_deck
+from benchmarks.wing.calculix import WINGS
+from femlib.arrays import FloatArray
+from femlib.export.calculix_results import read_buckling_factors
 from femlib.wing import Wing, buckle
 from femlib.wing.export.calculix import write_deck
 
@@ -38,8 +40,8 @@ def main() -> None:
     parser.add_argument("--sound", action="store_true", help="the undamaged state alone")
     parser.add_argument("--calculix", action="store_true", help="solve the same states by CalculiX")
     options = parser.parse_args()
-    if options.calculix and shutil.which("ccx") is None:
-        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    if options.calculix:
+        need_ccx()
     wing = WINGS[options.wing](refinement=options.refinement)
     print("| state | load factors, femlib |" + (" CalculiX | first, difference |" if options.calculix else ""))
     print("|---|---|" + ("---|---|" if options.calculix else ""))
@@ -52,7 +54,7 @@ def main() -> None:
         print("| " + " | ".join(cells) + " |", flush=True)
 
 
-def calculix_factors(wing: Wing, state: dict[str, float]) -> list[float]:
+def calculix_factors(wing: Wing, state: dict[str, float]) -> FloatArray:
     """Return the load factors at which CalculiX's model of the wing buckles."""
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder) / "wing.inp"
@@ -62,13 +64,11 @@ def calculix_factors(wing: Wing, state: dict[str, float]) -> list[float]:
         forces = step.partition("*CLOAD")[2].partition("*EL PRINT")[0]
         ending = f"*STEP\n*BUCKLE\n{N_MODES}\n*CLOAD{forces}*END STEP\n"
         deck.write_text(structure + ending, encoding="ascii")
-        run_deck(folder)
-        result = (Path(folder) / "wing.dat").read_text(encoding="ascii")
-    rows = [line.split() for line in result.partition("B U C K L I N G")[2].splitlines()]
-    return [float(row[1]) for row in rows if len(row) == 2 and row[0].isdigit()]
+        run_deck(deck)
+        return read_buckling_factors(deck.with_suffix(".dat"))
 
 
-def _listed(factors: list[float]) -> str:
+def _listed(factors: Iterable[float]) -> str:
     return ", ".join(f"{factor:.3g}" for factor in factors)
 
 

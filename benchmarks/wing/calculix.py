@@ -11,16 +11,13 @@ nearest to failure.
 """
 
 import argparse
-import os
-import shutil
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.cpu import Stopwatch
 from benchmarks.main_program import run_main
 from femlib.export.calculix import Deck
@@ -45,8 +42,7 @@ def main() -> None:
     parser.add_argument("--states", type=int, default=0, help="so many random states, up to 95 %% damaged, instead")
     parser.add_argument("--plies", action="store_true", help="strains of the plies nearest to failure instead")
     options = parser.parse_args()
-    if shutil.which("ccx") is None:
-        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
+    need_ccx()
     wing = WINGS[options.wing](refinement=options.refinement)
     if options.plies:
         print_plies(wing)
@@ -91,9 +87,10 @@ def print_plies(wing: Wing) -> None:
     deck = Deck(wing.structure.shells, wing.structure.supports, LOAD_FACTOR * wing.lift, printed=elements)
     with tempfile.TemporaryDirectory() as folder:
         lines = [own + ", GLOBAL=YES" if own.startswith("*EL PRINT") else own for own in deck.lines()]
-        (Path(folder) / "wing.inp").write_text("\n".join(lines) + "\n", encoding="ascii")
-        run_deck(folder)
-        points = element_points(Path(folder) / "wing.dat")
+        path = Path(folder) / "wing.inp"
+        path.write_text("\n".join(lines) + "\n", encoding="ascii")
+        run_deck(path)
+        points = element_points(path.with_suffix(".dat"))
     print("| part | span | plies fail at | femlib, microstrain | CalculiX | difference |\n|---|---|---|---|---|---|")
     for element in elements.tolist():
         own = found.element == element
@@ -115,19 +112,13 @@ def _principal(strain: Floats) -> float:
     return float(1e6 * both[np.abs(both).argmax()])
 
 
-def run_deck(folder: str) -> None:
-    """Solve the deck wing.inp of a folder on one thread."""
-    one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-    subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
-
-
 def calculix(wing: Wing, state: dict[str, float], large: bool = False) -> Floats:
     """Return the gauge strains that CalculiX finds [microstrain]."""
     with tempfile.TemporaryDirectory() as folder:
         deck = Path(folder) / "wing.inp"
         write_deck(wing, deck, state, LOAD_FACTOR, large_deflection=large)
-        run_deck(folder)
-        return read_gauges(wing, Path(folder) / "wing.dat")
+        run_deck(deck)
+        return read_gauges(wing, deck.with_suffix(".dat"))
 
 
 def print_changes(names: tuple[str, ...], ours: Floats, theirs: Floats, usable: NDArray[np.bool_]) -> None:

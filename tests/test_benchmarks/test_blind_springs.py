@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.blind.assets.beam.asset import BeamAsset
-from benchmarks.blind.assets.calculix import is_installed
 from benchmarks.blind.assets.springs import loads
 from benchmarks.blind.assets.springs.asset import SpringsAsset
 from benchmarks.blind.assets.springs.solids import LINES, Shape, inward, loop, solids, without
+from benchmarks.ccx import has_ccx
 
 HEALTHY = (0.0, 0.0)
 SHAPE = Shape(refinement=0.5)
@@ -87,7 +87,7 @@ class Short(SpringsAsset):
         return {key: make for key, make in super()._decks().items() if key == "lift 0 0"}
 
 
-@pytest.mark.skipif(not is_installed(), reason="ccx is not installed")
+@pytest.mark.skipif(not has_ccx(), reason="ccx is not installed")
 def test_bricks_in_calculix_strain_as_the_strips_do(tmp_path):
     store = tmp_path / "strains.json"
     asset = Short(1, store, refinement=0.5)

@@ -1,6 +1,5 @@
 """The wing's benchmark cases at sizes that take a second each: their lines and their tables."""
 
-import shutil
 import sys
 from types import ModuleType
 
@@ -11,13 +10,14 @@ import pytest
 from benchmarks.cases.fem import dataset as fem_dataset
 from benchmarks.cases.fem import mesh as fem_mesh
 from benchmarks.cases.fem import shells as fem_shells
+from benchmarks.ccx import has_ccx
 from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS
 from femlib.sensors import StrainGauge
 from femlib.structure import Structure, read
 from tests.test_femlib.own_meshes import ALUMINIUM
 
-needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+needs_calculix = pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")
 
 
 def test_mesh_lines_shrink_with_the_step():

@@ -1,12 +1,11 @@
 """The deck says what the model says; CalculiX, where installed, agrees on the strains."""
 
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.ccx import has_ccx, run_deck
 from femlib.assembly import thermal_load
 from femlib.errors import InputError
 from femlib.wing import Wing, tapered_wing, uav_wing
@@ -89,7 +88,7 @@ def test_other_forces_a_gradient_and_a_temperature_by_element_reach_the_deck(coa
         write_deck(coarse, path, {}, 3.0, lift=np.where(np.arange(len(forces)) == 1, np.nan, 0.0))
 
 
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+@pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")
 @pytest.mark.parametrize(("kind", "alike"), [("gradient", 0.85), ("one warm skin", 0.98)])
 def test_calculix_feels_the_same_heat(kind: str, alike: float, tmp_path: Path) -> None:
     wing = tapered_wing(refinement=0.15)
@@ -97,7 +96,7 @@ def test_calculix_feels_the_same_heat(kind: str, alike: float, tmp_path: Path) -
     top = np.isin(mesh.patch_of_element, [mesh.patches.index(name) for name in ("top", "R1", "R2")])
     warming, gradient = (0.0, 5000.0) if kind == "gradient" else (20.0 * top, 0.0)
     write_deck(wing, tmp_path / "wing.inp", {}, 0.0, warming=warming, gradient=gradient)
-    subprocess.run(["ccx", "wing"], cwd=tmp_path, check=True, capture_output=True)
+    run_deck(tmp_path / "wing.inp")
     n = mesh.n_elements
     heat = thermal_load(wing.structure.shells, np.broadcast_to(warming, n), np.full(n, gradient))
     ours, theirs = wing.strain_microstrain({}, 1.0, heat), read_gauges(wing, tmp_path / "wing.dat")
@@ -106,11 +105,11 @@ def test_calculix_feels_the_same_heat(kind: str, alike: float, tmp_path: Path) -
     assert np.linalg.norm(ours) == pytest.approx(np.linalg.norm(theirs), rel=0.25)
 
 
-@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+@pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")
 def test_calculix_reads_the_same_gauges(tmp_path: Path) -> None:
     wing = uav_wing(refinement=0.25)
     write_deck(wing, tmp_path / "wing.inp", {}, 3.0)
-    subprocess.run(["ccx", "wing"], cwd=tmp_path, check=True, capture_output=True)
+    run_deck(tmp_path / "wing.inp")
     ratio = wing.strain_microstrain({}, 3.0) / read_gauges(wing, tmp_path / "wing.dat") - 1.0
     usable = wing.gauges.is_usable
     assert np.sqrt(np.mean(ratio[usable] ** 2)) < 0.02

@@ -1,14 +1,12 @@
 """Any shells as a CalculiX deck: what it says, what is refused, and that CalculiX finds the same."""
 
-import os
-import shutil
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.ccx import has_ccx, run_deck
 from benchmarks.shells.curved import scordelis_lo_roof
 from benchmarks.shells.peers import calculix_ratio
 from femlib.arrays import FloatArray
@@ -23,7 +21,7 @@ from tests.test_femlib.plates import grid_mesh, patch, rotation
 PLATE = isotropic_plate(70e9, 0.3, 5e-3, density=2700.0)
 CARBON = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 1e-3, 0.3, 1600.0)
 CROSSED = laminate([CARBON, replace(CARBON, angle=1.2), replace(CARBON, angle=0.3)])
-needs_calculix = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+needs_calculix = pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")
 
 
 def cantilever(section: Laminate, n: int = 8) -> Deck:
@@ -44,8 +42,7 @@ def solved(deck: Deck) -> FloatArray:
 
 def run(deck: Deck, folder: Path) -> None:
     write_deck(deck, folder / "a.inp")
-    one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-    subprocess.run(["ccx", "a"], cwd=folder, check=True, capture_output=True, env=one_thread)
+    run_deck(folder / "a.inp")
 
 
 @pytest.mark.parametrize(("shape", "is_quadratic"), [("quad4", True), ("tria3", True), ("quad4", False)])

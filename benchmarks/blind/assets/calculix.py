@@ -6,9 +6,6 @@ left to femlib: nonlinearity (its relative change alone) and, as no debonds are 
 """
 
 import json
-import os
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +15,7 @@ from typing import ClassVar, TypedDict
 
 import numpy as np
 
+from benchmarks import ccx
 from benchmarks.blind.assets import forces
 from benchmarks.blind.assets.asset import DAMAGED, PARAMETERS, STATES, Flaw, neighbours
 from benchmarks.blind.assets.moment import State
@@ -33,11 +31,6 @@ REFINEMENT = 0.6
 WARMER = 10.0
 """Temperature of the decks [K]: their results are printed with few digits."""
 FORCE = 10.0
-
-
-def is_installed() -> bool:
-    """Return whether CalculiX can be run."""
-    return shutil.which("ccx") is not None
 
 
 class Settings(TypedDict, total=False):
@@ -134,9 +127,8 @@ def run_deck(deck: Deck) -> FloatArray:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.inp"
         write_deck(deck.wing, path, dict(zip(PARAMETERS, deck.state, strict=True)), 1.0, **deck.settings)
-        one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-        subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
-        return read_gauges(deck.wing, Path(folder) / "wing.dat")
+        ccx.run_deck(path)
+        return read_gauges(deck.wing, path.with_suffix(".dat"))
 
 
 def _patched(wing: Wing, flaw: Flaw) -> Wing:

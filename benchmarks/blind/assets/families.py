@@ -5,9 +5,10 @@ from pathlib import Path
 
 from benchmarks.blind.assets.asset import Asset
 from benchmarks.blind.assets.beam.asset import BeamAsset
-from benchmarks.blind.assets.calculix import CalculixAsset, is_installed
+from benchmarks.blind.assets.calculix import CalculixAsset
 from benchmarks.blind.assets.shells import REFINEMENT, FemlibAsset
 from benchmarks.blind.assets.springs.asset import SpringsAsset
+from benchmarks.ccx import has_ccx
 
 FAMILIES = ("femlib", "calculix", "springs", "beam")
 OWN = "femlib"
@@ -17,7 +18,7 @@ NEED_CALCULIX = ("calculix", "springs")
 
 def available() -> tuple[str, ...]:
     """Return the families that this machine can compute: without `ccx` there are none of CalculiX."""
-    return tuple(name for name in FAMILIES if is_installed() or name not in NEED_CALCULIX)
+    return tuple(name for name in FAMILIES if has_ccx() or name not in NEED_CALCULIX)
 
 
 def made(name: str, seed: int, keys: Path, refinement: float = REFINEMENT, jobs: int = 1) -> Asset:

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.ccx import has_ccx
 from benchmarks.shells.case import DIAGONALS, Case
-from benchmarks.shells.peers import calculix_ratio, has_calculix, pyfe3d_ratio
+from benchmarks.shells.peers import calculix_ratio, pyfe3d_ratio
 from benchmarks.shells.picture import draw
 from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS, Problem
 from benchmarks.shells.random_panels import random_shape
@@ -51,7 +52,7 @@ SOLVERS: Mapping[str, Solver] = {
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
     """Yield a line for each problem, mesh and solver, for each beam of MacNeal and Harder, and for the panels."""
-    solvers = [name for name in SOLVERS if has_calculix() or not name.startswith("CalculiX")]
+    solvers = [name for name in SOLVERS if has_ccx() or not name.startswith("CalculiX")]
     yield from compared({**CONVERGING, **LAMINATED}, SIZES, solvers)
     yield from compared(STRIPS, FINER, solvers)
     yield from beams(solvers)

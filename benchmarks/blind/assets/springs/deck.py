@@ -1,7 +1,5 @@
 """CalculiX on the bricks: deck, run, strains of the skin's outer half."""
 
-import os
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.blind.assets.springs.solids import TIE, Solids
+from benchmarks.ccx import run_deck
 from femlib.arrays import FloatArray, IntArray
 
 SKIN, WOOD = (1.11e9, 0.31, 2.0e-6), (3.25e9, 0.30, 5.0e-6)
@@ -49,9 +48,8 @@ def strains(deck: Deck, skin: float) -> FloatArray:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "wing.inp"
         path.write_text("\n".join(lines(deck, skin)) + "\n", encoding="ascii")
-        one_thread = {**os.environ, "OMP_NUM_THREADS": "1"}
-        subprocess.run(["ccx", "wing"], cwd=folder, check=True, capture_output=True, env=one_thread)
-        return read(deck.wing, Path(folder) / "wing.dat")
+        run_deck(path)
+        return read(deck.wing, path.with_suffix(".dat"))
 
 
 def read(wing: Solids, path: Path) -> FloatArray:
