@@ -1,13 +1,12 @@
 """Parts that gmsh meshes with triangles: strains of femlib beside CalculiX's S8R on fine quadrilaterals.
 
-    python -m benchmarks.shells.gmsh_parts [--tables FOLDER]        needs `pip install gmsh` and `ccx`
+    python -m benchmarks.shells.gmsh_parts        needs `pip install gmsh` and `ccx`
 
 A curved panel under pressure, a bracket of two plates and a gusset, and a T-joint whose stem is pulled aside. Gauges
 stand on both sides. Each mesh of triangles is answered or refused by the estimates that every call makes; the reference
 is a mesh of quadrilaterals of 4 mm (S8R), on which CalculiX's strains and femlib's are averaged over the same elements.
 """
 
-import argparse
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -16,7 +15,6 @@ from typing import Any
 
 import gmsh
 import numpy as np
-import pandas as pd
 
 from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.main_program import run_main
@@ -26,7 +24,6 @@ from femlib.material import isotropic_plate
 from femlib.sensors import StrainGauge
 from femlib.structure import Structure, read
 from femlib.structure.calculix import read_gauges, write_deck
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 SECTION = isotropic_plate(70e9, 0.33, 0.004, 2700.0)
@@ -56,15 +53,9 @@ class Part:
 
 
 def main() -> None:
-    """Print and write."""
-    parser = argparse.ArgumentParser(prog="benchmarks.shells.gmsh_parts", description=__doc__)
-    parser.add_argument("--tables", type=Path, help="folder for the CSV file")
-    options = parser.parse_args()
+    """Print the table."""
     need_ccx()
-    rows = [row for name in PARTS for row in part_rows(name)]
-    print(markdown_table(rows))
-    if options.tables:
-        write_bytes(options.tables / "gmsh-parts.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+    print(markdown_table([row for name in PARTS for row in part_rows(name)]))
 
 
 def part_rows(name: str) -> Iterator[dict[str, Any]]:

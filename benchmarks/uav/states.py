@@ -1,6 +1,6 @@
 """The trees that name one of the paper's 25 states: one tree of 25 labels, and mu2's tree under every leaf of mu1's.
 
-    python -m benchmarks.uav.states [--strains ../shared/uav/strains.csv] [--out results/uav/states] [--tables FOLDER]
+    python -m benchmarks.uav.states [--strains ../shared/uav/strains.csv] [--out results/uav/states]
 
 Both learn from the study's readings (seed 0). Trees of depth 3 are proven; the 25 labels need depth 5 at least, where
 the tree is one of local search. Each is written as a tree file and as a C function.
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.main_program import run_main
@@ -48,12 +47,11 @@ class StateTree:
 
 
 def main() -> None:
-    """Print the table, and write trees and table."""
+    """Print the table, and write the trees."""
     parser = argparse.ArgumentParser(prog="benchmarks.uav.states", description=__doc__)
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--out", default="results/uav/states", help="folder of tree files and C functions")
     parser.add_argument("--seconds", type=float, default=60.0, help="limit of each solve")
-    parser.add_argument("--tables", help="folder for the CSV file")
     options = parser.parse_args()
     means = published_strains(options.strains) if options.strains else simulated_strains(uav_wing())
     data = build_dataset(means, Recipe())
@@ -64,9 +62,6 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for one in trees:
         export(folder, one)
-    if options.tables:
-        kind = "published" if options.strains else "wing"
-        write_bytes(Path(options.tables) / f"states-{kind}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
 
 
 def names_of(data: Dataset) -> tuple[str, ...]:

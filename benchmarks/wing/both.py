@@ -1,6 +1,6 @@
 """All wings beside the published table: figures as Markdown, a picture and region 2's answers gauge by gauge.
 
-python -m benchmarks.wing.both [--refinement R] [--picture FILE] [--table FILE.csv]
+python -m benchmarks.wing.both [--refinement R] [--picture FILE]
 """
 
 import argparse
@@ -9,7 +9,6 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.data import SHARED, tip_test, vibration_test
@@ -19,7 +18,6 @@ from benchmarks.wing.calculix import WINGS
 from femlib.assembly import matrix_modes, point_masses
 from femlib.dataset import MeanStrains, build_dataset, published_strains, simulated_strains
 from femlib.wing import Wing
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Floats = NDArray[np.float64]
@@ -45,16 +43,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks.wing.both", description=__doc__)
     parser.add_argument("--refinement", type=float, default=1.0)
     parser.add_argument("--picture", type=Path)
-    parser.add_argument("--table", type=Path, help="CSV file of the gauges that answer region 2")
     options = parser.parse_args()
     table = published_strains(SHARED / "uav" / "strains.csv")
     wings = {name: make(refinement=options.refinement) for name, make in WINGS.items()}
     means = {"published table": table, **{name: simulated_strains(wing) for name, wing in wings.items()}}
     print("\n".join(figures(means, wings)))
-    rows = answering(means)
-    print(f"\n{markdown_table(rows)}")
-    if options.table is not None:
-        write_bytes(options.table, pd.DataFrame(rows).to_csv(index=False).encode())
+    print(f"\n{markdown_table(answering(means))}")
     if options.picture is not None:
         picture(means, options.picture)
 

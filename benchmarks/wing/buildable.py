@@ -1,6 +1,6 @@
 """What it costs in fit that the wing's skin is smooth along the span, and when it buckles.
 
-    python -m benchmarks.wing.buildable [--refinement 0.3] [--skin NAME] [--tables FOLDER] [--picture FILE.png]
+    python -m benchmarks.wing.buildable [--refinement 0.3] [--skin NAME] [--picture FILE.png]
 
 Each skin is a calibration of `built_wing`'s layout to the published data (`benchmarks.wing.published`): one step down
 at mid-span (two layups: `built_wing`), or any exponential and any step under a prior of smoothness, normal about a skin
@@ -18,7 +18,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -40,7 +39,6 @@ from femlib.dataset import MeanStrains, published_strains
 from femlib.wing import buckle, uav_wing
 from femlib.wing.built import ROOT, built_materials
 from femlib.wing.structure import WingMaterials
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Row = dict[str, object]
@@ -105,7 +103,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="benchmarks.wing.buildable", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.3)
     parser.add_argument("--skin", choices=SKINS, action="append", help="that one alone")
-    parser.add_argument("--tables", type=Path, help="folder for CSV files")
     parser.add_argument("--picture", type=Path, help="PNG file to write")
     options = parser.parse_args()
     table = published_strains(SHARED / "uav" / "strains.csv")
@@ -118,11 +115,8 @@ def main() -> None:
     free = started((*PARAMETERS, *SKINS["free"]), start)
     inside = calibrate(design, free, observations(table, is_all_fitted=True), UNSEEN)
     print("\n".join(values(inside)))
-    found = {"skin-tradeoff": rows, "gauges-in-regions": inside_rows(inside, table)}
-    for name, own in found.items():
+    for own in (rows, inside_rows(inside, table)):
         print(f"\n{markdown_table(own)}")
-        if options.tables:
-            write_bytes(options.tables / f"{name}.csv", pd.DataFrame(own).to_csv(index=False).encode())
     if options.picture:
         picture(rows).savefig(options.picture, dpi=110)
 

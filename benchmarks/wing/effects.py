@@ -1,38 +1,31 @@
 """What a real wing has and `uav_wing` lacks: prior of each effect, and the strain that it adds.
 
-    python -m benchmarks.wing.effects [--refinement 1] [--tables FOLDER]
+    python -m benchmarks.wing.effects [--refinement 1]
 
 The strain is that of one prior standard deviation at load factor 3, rms over the 20 usable gauges, at the worst place;
 creep after an hour.
 """
 
 import argparse
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.main_program import run_main
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 LOAD_FACTOR, HOUR = 3.0, 3600.0
 
 
 def main() -> None:
-    """Print and write the table."""
+    """Print the table."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.effects", description=__doc__)
     parser.add_argument("--refinement", type=float, default=1.0)
-    parser.add_argument("--tables", help="folder for the CSV file")
     options = parser.parse_args()
     wing = uav_wing(refinement=options.refinement)
-    rows = effect_rows(WingTwin(wing, wing_effects(wing)), wing.gauges.is_usable)
-    print(markdown_table(rows))
-    if options.tables:
-        write_bytes(Path(options.tables) / "effects.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+    print(markdown_table(effect_rows(WingTwin(wing, wing_effects(wing)), wing.gauges.is_usable)))
 
 
 def effect_rows(twin: WingTwin, is_usable: NDArray[np.bool_]) -> list[dict[str, object]]:

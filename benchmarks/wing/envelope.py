@@ -1,7 +1,7 @@
 """What load factor a damaged wing bears: curves with their uncertainty, and the flight envelope.
 
-    python -m benchmarks.wing.envelope [--refinement 0.5] [--tables FOLDER] [--picture FILE.png]
-    python -m benchmarks.wing.envelope --trim 25 35 [--tables FOLDER]
+    python -m benchmarks.wing.envelope [--refinement 0.5] [--picture FILE.png]
+    python -m benchmarks.wing.envelope --trim 25 35
 
 `built_wing` under its elliptic lift. The uncertainty has two parts: the modulus scale that the authors measured (their
 100 samples) and the strains that plies bear (a coefficient of variation of `STRENGTH_CV`, assumed). Both scale the
@@ -11,10 +11,8 @@ lift that moves as the wing twists changes, at these speeds [m/s].
 
 import argparse
 import time
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -27,7 +25,6 @@ from femlib.wing.built import BUILT_MASS, built_wing
 from femlib.wing.strength import wing_capability, wing_stresses
 from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
 from femlib.wing.trim import trim_wing
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 
 Floats = NDArray[np.float64]
@@ -46,10 +43,9 @@ COLOURS = {"mu1": "#c2410c", "mu2": "#1d4ed8", "mu1 and mu2": "#222222"}
 
 
 def main() -> None:
-    """Print tables and write what is asked for."""
+    """Print the tables, and draw what is asked for."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.envelope", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.5)
-    parser.add_argument("--tables", help="folder for CSV files")
     parser.add_argument("--picture", help="PNG file to write")
     parser.add_argument("--trim", type=float, nargs="*", help="speeds [m/s] of a wing in trim, instead")
     options = parser.parse_args()
@@ -58,9 +54,7 @@ def main() -> None:
     reduced = reduce_wing(wing)
     capable = wing_capability(wing, reduced)
     if options.trim:
-        kept(
-            "trim", [row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)], options.tables
-        )
+        print(markdown_table([row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)]))
         return
     words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
     print(f"{words}; {cost(capable)}")
@@ -69,19 +63,10 @@ def main() -> None:
     )
     print(f"first ply: {weakest(wing)}")
     print(f"first ply of uav_wing: {weakest(uav_wing(refinement=options.refinement))}")
-    tables = {"capability": curve_rows(capable), "crossings": crossing_rows(capable)}
-    for name, rows in tables.items():
-        kept(name, rows, options.tables, 5 if name == "capability" else 1)
+    for rows in (curve_rows(capable), crossing_rows(capable)):
+        print(f"\n{markdown_table(rows)}", flush=True)
     if options.picture:
         picture(capable, wing).savefig(options.picture, dpi=110)
-
-
-def kept(name: str, rows: list[dict[str, object]], folder: str | None, step: int = 1) -> None:
-    """Print every `step`-th row, and write all to a CSV file of a folder if there is one."""
-    print(f"\n{name}\n{markdown_table(rows[::step])}", flush=True)
-    if folder:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-        write_bytes(Path(folder) / f"{name}.csv", pd.DataFrame(rows).to_csv(index=False).encode())
 
 
 def trim_rows(wing: Wing, reduced: ReducedWing, capable: Capability, speed: float) -> list[dict[str, object]]:

@@ -1,6 +1,6 @@
 """Placement over kinds of sensors: gauges, a deflection, frequencies and an inspection's result share one budget.
 
-    python -m benchmarks.wing.kinds [--budget 4] [--refinement 0.5] [--seconds 120] [--tables FOLDER]
+    python -m benchmarks.wing.kinds [--budget 4] [--refinement 0.5] [--seconds 120]
 
 The 25 states of the study, the damage mu2 of region 2, a proven tree of depth 3 of least absolute error. A gauge costs
 1, the deflection of the tip at 3 g 2, an accelerometer that gives the first three frequencies 2, and an inspection of
@@ -11,10 +11,8 @@ and so are the noises of deflection and frequencies.
 import argparse
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from benchmarks.main_program import run_main
@@ -22,7 +20,6 @@ from femlib.dataset.samples import study_states_percent
 from femlib.mesh import DOFS_PER_NODE
 from femlib.wing import Wing, uav_wing, vibrate
 from octmip import ClassCosts, Limits, Problem, certify
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_tree, place_sensors
 from octmip.trees.prediction import predict
@@ -77,13 +74,9 @@ def main() -> None:
     parser.add_argument("--budget", type=float, default=4.0)
     parser.add_argument("--refinement", type=float, default=0.5)
     parser.add_argument("--seconds", type=float, default=120.0, help="limit of each proof")
-    parser.add_argument("--tables", help="folder for the CSV file")
     options = parser.parse_args()
     kinds = measured(uav_wing(refinement=options.refinement))
-    rows = [row_of(kinds, chosen, options.budget, options.seconds) for chosen in KINDS]
-    print(markdown_table(rows))
-    if options.tables:
-        write_bytes(Path(options.tables) / "kinds.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+    print(markdown_table([row_of(kinds, chosen, options.budget, options.seconds) for chosen in KINDS]))
 
 
 def measured(wing: Wing) -> dict[str, Kind]:

@@ -1,11 +1,11 @@
 """The loop of the wing: a damage that no library holds, from the watch's alarm to a tree that reads it.
 
-    python -m benchmarks.wing.loop [--refinement 0.35] [--tables FOLDER] [--alarms FOLDER]
+    python -m benchmarks.wing.loop [--refinement 0.35] [--all | --alarms]
 
 The reduced wing of 28 regions is made once and kept in the folder. `octmip monitor` trains trees of mu1 and mu2 on it.
 Then an asset flies 100 readings at load factor 3 with the paper's noise: mu1 and mu2 grow to 30 %, and from reading 40
 on another region has lost a share of its stiffness at once. Its strains are those of the full wing on the same mesh.
-`octmip monitor` with these readings is timed. With --tables each of the 26 regions is damaged in turn. With --alarms
+`octmip monitor` with these readings is timed. With --all each of the 26 regions is damaged in turn. With --alarms
 the watch alone sees `N_FLIGHTS` flights with each damage, and sound ones. d is the length of what a damage changes, in
 standard deviations of a gauge: what states of the library could change as well is no sign of it and is left out.
 """
@@ -24,7 +24,6 @@ from numpy.typing import NDArray
 from benchmarks.main_program import run_main
 from femlib.wing import Wing, WingTwin, reduce_wing, saved_twin, uav_wing
 from femlib.wing.damage import damage_library
-from octmip.input.files import write_bytes
 from octmip.interfaces.cli import main as octmip_command
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.monitor import Watch, grid_states, library_of, state_candidates
@@ -52,8 +51,10 @@ def main() -> None:
     """Print what the command says, and its time."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.loop", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.35)
-    parser.add_argument("--tables", help="folder for the CSV file of all regions")
-    parser.add_argument("--alarms", help="folder for the CSV file of the alarms of the watch, instead of the loop")
+    parser.add_argument("--all", action="store_true", help="close the loop over each region, and print the table")
+    parser.add_argument(
+        "--alarms", action="store_true", help="the table of the alarms of the watch, instead of the loop"
+    )
     options = parser.parse_args()
     folder = Path(FOLDER)
     folder.mkdir(parents=True, exist_ok=True)
@@ -61,22 +62,17 @@ def main() -> None:
     if not (folder / "wing.npz").exists():
         reduce_wing(wing).save(folder / "wing.npz")
     if options.alarms:
-        rows = alarm_rows(wing)
-        print(markdown_table(rows))
-        write_bytes(Path(options.alarms) / "alarms.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+        print(markdown_table(alarm_rows(wing)))
         return
     given = ["--only", "mu1,mu2", "--load", f"load_factor={LOAD_FACTOR:g}", "--noise", f"{NOISE_SD:.6g}"]
     octmip_command([*WORDS, *given, "--out", str(folder / "deployed")])
-    if not options.tables:
+    if not options.all:
         flight(wing, REGION, SIZE).to_csv(folder / "flight.csv", index=False)
         start = time.perf_counter()
         octmip_command([*WORDS, *again()])
         print(f"from the readings to the trees: {time.perf_counter() - start:.1f} s")
         return
-    rows = [closed(wing, own.name, SIZE) for own in wing.regions[2:]]
-    print(markdown_table(rows))
-    Path(options.tables).mkdir(parents=True, exist_ok=True)
-    write_bytes(Path(options.tables) / "loop.csv", pd.DataFrame(rows).to_csv(index=False).encode())
+    print(markdown_table([closed(wing, own.name, SIZE) for own in wing.regions[2:]]))
 
 
 def again() -> list[str]:

@@ -1,6 +1,6 @@
 """Which of the 28 regions is damaged, and how much: what gauges can see, by Bayes, by proven trees, by placed gauges.
 
-    python -m benchmarks.wing.regions [--refinement 0.35] [--samples 6] [--seconds 240] [--tables FOLDER]
+    python -m benchmarks.wing.regions [--refinement 0.35] [--seconds 240]
         [--picture FILE.png] [--confusion FILE.png]
 
 One region at a time loses 20, 40, 60 or 80 %, or none does. A reading is the strain at load factor 3 with the paper's
@@ -12,10 +12,8 @@ which region either rule takes for which.
 import argparse
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -23,7 +21,6 @@ from benchmarks.main_program import run_main
 from femlib.wing import Wing, uav_wing
 from femlib.wing.damage import damage_library
 from octmip import ClassCosts, Limits, Problem, certify, solve
-from octmip.input.files import write_bytes
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.sensing import by_information
 from octmip.trees.solution import Solution
@@ -43,15 +40,14 @@ SAMPLES = 6
 N_NAMES = 29
 """No damage, and each region."""
 SHOWN = 0.05
-"""Least share of the readings of one region for which a pair stands in the CSV file."""
+"""Least share of the readings of one region for which a pair stands in the table."""
 
 
 def main() -> None:
-    """Print and write."""
+    """Print the tables, and draw what is asked for."""
     parser = argparse.ArgumentParser(prog="benchmarks.wing.regions", description=__doc__)
     parser.add_argument("--refinement", type=float, default=0.35)
     parser.add_argument("--seconds", type=float, default=240.0, help="limit of each proof of which region")
-    parser.add_argument("--tables", help="folder for CSV files")
     parser.add_argument("--picture", help="PNG file of what the gauges see")
     parser.add_argument("--confusion", help="PNG file of which region is taken for which")
     options = parser.parse_args()
@@ -75,9 +71,6 @@ def main() -> None:
     tables = {"seen": rows, "which": whole, "amount": amounts, "confusion": pairs}
     for name, table in tables.items():
         print(f"\nregions-{name}\n{markdown_table(table)}", flush=True)
-        if options.tables:
-            Path(options.tables).mkdir(parents=True, exist_ok=True)
-            write_bytes(Path(options.tables) / f"regions-{name}.csv", pd.DataFrame(table).to_csv(index=False).encode())
     if options.picture:
         picture(rows).savefig(options.picture, dpi=110)
     if options.confusion:

@@ -1,10 +1,8 @@
-"""`python -m benchmarks.uav.mission`: the page of one mission; with --policies their table and picture as well."""
+"""`python -m benchmarks.uav.mission`: the page of one mission; with --policies their table, and a picture of it."""
 
 import argparse
 import time
 from pathlib import Path
-
-import pandas as pd
 
 from benchmarks.main_program import run_main
 from benchmarks.uav.mission.aircraft import build_aircraft
@@ -31,9 +29,8 @@ def main() -> None:
         print(f"page: {path.resolve()}", flush=True)
     if options.policies:
         rows = policy_rows(aircraft, options.missions, options.seed, options.kinds)
-        write_bytes(folder / "policies.csv", pd.DataFrame(rows).to_csv(index=False).encode())
         picture(rows).savefig(folder / "policies.png", dpi=110)
-        print(f"\npolicies\n{markdown_table(rows)}", flush=True)
+        print(f"\n{markdown_table(rows)}", flush=True)
     print(f"{time.perf_counter() - start:.0f} s; all lies in {folder.resolve()}")
 
 
@@ -41,7 +38,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.uav.mission", description=__doc__)
     parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
     parser.add_argument("--pages", nargs="*", choices=KINDS, default=KINDS[:1], help="missions to play")
-    parser.add_argument("--policies", action="store_true", help="write their table and its picture as well")
+    parser.add_argument("--policies", action="store_true", help="print their table and draw it as well")
     parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS, help="missions of the policy table")
     parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy")
     parser.add_argument("--seed", type=int, default=0)
