@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import threading
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ import pytest
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.trees import registry, solver
+from octmip.trees.losses.errors_of_numbers import SquaredError
+from octmip.trees.methods import interruption
 from octmip.trees.methods.options import ExactOptions, SearchOptions
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
@@ -177,3 +180,21 @@ def test_a_better_tree_does_not_make_a_search_that_was_cut_off_optimal(registere
     registered("exact", answering(tree=two, objective=2.0, bound=-1.0, stop=Stop.TIME))
     solution = solve(STRIPES, "exact", incumbent=ZERO_ERRORS)
     assert (solution.objective, solution.stop, solution.is_optimal) == (0.0, Stop.TIME, False)
+
+
+@pytest.mark.parametrize("loss", [None, SquaredError()], ids=["classes", "numbers"])
+def test_a_signal_ends_a_proof_in_another_thread(loss):
+    random = np.random.default_rng(0)
+    features, label = random.normal(size=(3000, 8)), random.integers(0, 2, size=3000)
+    given = {"targets": label} if loss is None else {"targets": label * 1.0, "loss": loss}
+    problem, begun, found = Problem(features, **given, depth=5), threading.Event(), []
+
+    def work():
+        found.append(solve(problem, "exact", incumbent=problem.best_leaf(), progress=lambda state: begun.set()))
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    assert begun.wait(60)
+    interruption.note()
+    thread.join(60)
+    assert found[0].stop is Stop.INTERRUPTED

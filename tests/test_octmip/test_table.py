@@ -2,6 +2,7 @@
 
 import gzip
 import io
+import zipfile
 
 import numpy as np
 import pandas as pd
@@ -114,9 +115,21 @@ def test_a_byte_order_mark_is_no_part_of_a_name(tmp_path):
     assert read_table(csv_file(tmp_path, "\ufeffx,y\n1,a\n")).columns == ("x", "y")
 
 
-def test_another_suffix_is_refused(tmp_path):
-    with pytest.raises(DataError, match=r"data\.xlsx does not say what it holds.*rename it"):
-        read_table(tmp_path / "data.xlsx")
+@pytest.mark.parametrize("name", ["iris.data", "iris.txt", "iris"])
+def test_another_ending_leaves_it_to_the_content(tmp_path, name):
+    path = tmp_path / name
+    path.write_text("x\ty\n1\ta\n")
+    assert read_table(path).columns == ("x", "y")
+    pd.DataFrame({"z": [1.0]}).to_parquet(path)
+    assert read_table(path).columns == ("z",)
+
+
+def test_a_workbook_is_refused_with_the_way_out(tmp_path):
+    path = tmp_path / "data.xlsx"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("xl/workbook.xml", "<workbook/>")
+    with pytest.raises(DataError, match=r"data\.xlsx is an archive.*export the sheet as CSV"):
+        read_table(path)
 
 
 @pytest.mark.parametrize("content", [b"", b"PAR1 and then nothing"])

@@ -11,10 +11,9 @@ from pathlib import Path
 from octmip.errors import DataError
 from octmip.input import files
 from octmip.input.files import PathLike, decoded, read_bytes
-from octmip.input.messages import shown
 
 STANDARD_INPUT = "-"
-GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
+GZIP, PARQUET, ARCHIVE = b"\x1f\x8b", b"PAR1", b"PK\x03\x04"
 PIECE = 2**20  # bytes that are unpacked at a time
 SMALL = 2**26  # unpacked bytes that any packed table may have
 MOST_TIMES = (
@@ -82,25 +81,28 @@ class Source:
             )
 
 
-def open_source(path: PathLike, form: str | None = None) -> Source:
-    """Return the source of a table: its format is given or said by the file's ending, that of standard input is found.
+def open_source(path: PathLike) -> Source:
+    """Return the source of a table: its format is said by the ending of its name, or found in what it holds.
 
     Raises
     ------
     DataError
-        the ending says nothing, or standard input is empty or too long.
+        it cannot be read or is an archive such as a workbook, or standard input is empty or too long.
     """
     if str(path) == STANDARD_INPUT:
         held = _standard_input()
-        return Source(Path(STANDARD_INPUT), "parquet" if held.startswith(PARQUET) else "csv", held)
+        return Source(Path(STANDARD_INPUT), _form_of(held, "standard input"), held)
     path = Path(path)
-    found = form or form_by_ending(path)
-    if found is None:
+    return Source(path, form_by_ending(path) or _form_of(read_bytes(path), str(path)))
+
+
+def _form_of(content: bytes, name: str) -> str:
+    if content.startswith(ARCHIVE):
         raise DataError(
-            f"{path} does not say what it holds: it ends with {shown(path.suffix)}; expected .csv, .tsv (either may be "
-            "compressed: .gz) or .parquet; rename it"
+            f"{name} is an archive, such as a workbook (.xlsx, .ods); expected text (.csv, .tsv) or .parquet; export "
+            "the sheet as CSV"
         )
-    return Source(path, found)
+    return "parquet" if content.startswith(PARQUET) else "csv"
 
 
 def form_by_ending(path: Path) -> str | None:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
 from octmip.formats.table.delimited import Marks, marks_of, ragged
-from octmip.formats.table.source import ENDINGS, open_source
+from octmip.formats.table.source import open_source
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.twins import CachedTwin
@@ -81,7 +81,7 @@ def read_campaign_table(path: str | Path) -> CampaignTable:
         no such file, no text, nothing in it, a row with more or fewer cells than the header.
     """
     path = Path(path)
-    source = open_source(path, None if path.suffix.lower() in ENDINGS or path.suffix == ".gz" else "csv")
+    source = open_source(path)
     if source.format == "parquet":
         raise DataError(f"campaign file {path} is Parquet; expected CSV or TSV; export it as one of them")
     text, notes = source.text()

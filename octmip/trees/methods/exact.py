@@ -251,7 +251,7 @@ class _Search:
             saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
         try:
             limits = remaining(self.limits, began, self.n_nodes)
-            progress = native_progress(self.progress, costs, before)
+            progress = native_progress(self.progress, costs.value, before)
             if not self.problem.is_shaped:
                 result = _native.branch_and_bound(
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
@@ -299,7 +299,7 @@ class _Search:
                 self.progress(replace(state, objective=self.objective))
 
         limits = replace(remaining(self.limits, self.started, self.n_nodes), gap=0.0)
-        progress = native_progress(shown, costs, before)
+        progress = native_progress(shown, costs.value, before)
         free = _native.branch_and_bound(native, None, limits, self.n_jobs, self.off, progress)
         self.n_nodes += free.n_nodes
         self.bound = max(self.bound, costs.value(free.bound))

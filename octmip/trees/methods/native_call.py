@@ -86,13 +86,14 @@ def remaining(limits: Limits, started: float, n_nodes: int = 0) -> Limits:
 
 
 def native_progress(
-    progress: ProgressCallback | None, costs: IntegerCosts, before: Progress = BEGINNING
+    progress: ProgressCallback | None, value: Callable[[int], float], before: Progress = BEGINNING
 ) -> NativeProgress:
     """Return what the native core is to call: it reports whole numbers, `progress` gets the problem's units.
 
     It also ends the search where its call was interrupted: the core itself hears of Ctrl-C in the main thread alone.
 
     Args:
+        value: what a whole number of the core is in the problem's units.
         before: what is known and spent before the call; later reports are never worse.
     """
 
@@ -101,12 +102,12 @@ def native_progress(
             raise KeyboardInterrupt
         if progress is None:
             return
-        found = math.inf if objective == NO_TREE else costs.value(objective)
+        found = math.inf if objective >= MOST_WHOLE else value(objective)
         progress(
             Progress(
                 seconds=before.seconds + seconds,
                 objective=min(before.objective, found),
-                bound=max(before.bound, costs.value(bound)),
+                bound=max(before.bound, value(bound)),
                 n_nodes=before.n_nodes + n_nodes,
             )
         )

@@ -98,7 +98,7 @@ def local_search(
             remaining(limits, start),
             n_jobs,
             seed % 2**64,
-            native_progress(progress, costs),
+            native_progress(progress, costs.value),
             n_restarts=n_restarts,
             n_perturbations=n_perturbations,
             submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),

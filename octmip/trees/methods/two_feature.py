@@ -132,7 +132,7 @@ def two_feature_branch_and_bound(
         n_jobs,
         seed % 2**64,
         switched_off(),
-        native_progress(progress, costs),
+        native_progress(progress, costs.value),
     )
     try:
         result = _native.two_feature_branch_and_bound(

@@ -9,8 +9,7 @@ read: a set of trees is solved without the budget, and parted by a sensor of its
 import heapq
 import math
 import time
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import count
 
@@ -20,7 +19,7 @@ from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.encoding import Ranks, tree_from_rows
 from octmip.trees.encoding.numbers import rounded_down
-from octmip.trees.methods.native_call import check_threads, logged
+from octmip.trees.methods.native_call import check_threads, logged, native_progress, remaining
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.grid import Grid
@@ -181,14 +180,13 @@ class _Search:
 
     def _solve_part(self, part: _Part) -> tuple[Node | None, float]:
         """Return the best tree of a part that costs less than the best so far, if there is one, and the bound."""
-        spent = time.perf_counter() - self.started
-        seconds, nodes = max(0.0, self.limits.seconds - spent), max(0.0, self.limits.nodes - self.n_cuts)
         grid, problem = self.grid, self.problem
+        before = Progress(time.perf_counter() - self.started, self.objective, -math.inf, self.n_cuts)
         found = _native.regression(
             None if math.isinf(self.room) else self.room,
-            replace(self.limits, seconds=seconds, nodes=nodes),
+            remaining(self.limits, self.started, self.n_cuts),
             self.n_jobs,
-            self._native_progress(spent),
+            native_progress(self.progress, lambda whole: whole / PARTS * self.leaf, before),
             ranks=self.ranks.ranks,
             n_ranks=list(self.ranks.n_values),
             targets=grid.targets,
@@ -214,20 +212,6 @@ class _Search:
         left = problem.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
         is_free = [s in part.held or (s not in part.banned and costs[s] <= left) for s in range(len(costs))]
         return [is_free[s] and problem.is_allowed((f,)) for f, s in enumerate(problem.sensor_index.tolist())]
-
-    def _native_progress(self, spent: float) -> Callable[[float, int, int, int], None] | None:
-        progress = self.progress
-        if progress is None:
-            return None
-
-        def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
-            found = math.inf if objective >= 2**62 else objective / PARTS * self.leaf
-            known = Progress(
-                spent + seconds, min(found, self.objective), bound / PARTS * self.leaf, n_nodes + self.n_cuts
-            )
-            progress(known)
-
-        return report
 
     @property
     def to_prove(self) -> Fraction:

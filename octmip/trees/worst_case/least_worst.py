@@ -231,7 +231,7 @@ class _Search:
             -1,
             limits,
             self.n_jobs,
-            native_progress(self.progress, costs, before),
+            native_progress(self.progress, costs.value, before),
         )
         tree = tree_from_rows(found.rows, native.ranks)
         if (cost := native.cost(tree)) != found.objective:
