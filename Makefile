@@ -5,6 +5,8 @@ BIN := $(VENV)/bin
 ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/dev/null 2>&1 && echo --zig --compatibility manylinux2014)
 NATIVE := $(shell find octmip/trees/native/src octmip/trees/native/check octmip/trees/native/Cargo.toml -type f)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+# The tests start hundreds of processes: modules are compiled once, whatever the environment says.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site verified tools benchmarks clean
 
