@@ -21,7 +21,7 @@ from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.confounding import EXACT, SEPARABLE, VISIBLE, distances_from
 from octmip.gap.inference.evidence import Members
 from octmip.gap.inference.inference import Judged, neighbours
-from octmip.gap.inference.posterior import Posterior, fit_together
+from octmip.gap.inference.posterior import fit_together
 from octmip.gap.shrinkage import Shrinkage, chance_of_rest
 from octmip.gap.sizes import Parameter, parameters
 
@@ -140,9 +140,12 @@ class Cause:
         return tuple(alike.get(name, frozenset({name})) for name in self.effects)
 
 
-def causes_of(posterior: Posterior) -> tuple[Cause, ...]:
-    """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are)."""
-    left = with_identifiable(posterior.judged)
+def causes_of(judged: Sequence[Judged]) -> tuple[Cause, ...]:
+    """Return the explanations, most probable first, down to `CREDIBLE` together (at least three if there are).
+
+    The hypotheses are those of `with_identifiable`.
+    """
+    left = list(judged)
     found: list[Cause] = []
     covered = 0.0
     while left and len(found) < MOST_CAUSES and (covered < CREDIBLE or len(found) < 3):
@@ -175,7 +178,7 @@ def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
         else:
             kept.append(h)
     gained = [0.0 if h.has_unknown else added.get(h.members, 0.0) for h in kept]
-    kept = [replace(h, probability=h.probability + more) for h, more in zip(kept, gained, strict=True)]
+    kept = [replace(h, probability=h.probability + more) if more else h for h, more in zip(kept, gained, strict=True)]
     return sorted(kept, key=lambda h: -h.probability)
 
 

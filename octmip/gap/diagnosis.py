@@ -198,13 +198,14 @@ def diagnose(
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
         inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, odds, trust_run)
         posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
-        which, closing, unknown_probability = _which(posterior)
+        judged = with_identifiable(posterior.judged)
+        which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
             which=which,
             shrinkage=closing,
-            next_test=next_tests(model, with_identifiable(posterior.judged), load_limits),
+            next_test=next_tests(model, judged, load_limits),
             noise=model.inputs.noise,
             inclusion=posterior.inclusion(),
             unknown_probability=unknown_probability,
@@ -292,14 +293,14 @@ def _typical(campaign: Campaign, twin: Twin) -> dict[str, float]:
     return {unit: float(np.sqrt(np.mean(values))) if values else 1.0 for unit, values in squares.items()}
 
 
-def _which(posterior: Posterior) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:
+def _which(judged: Sequence[Judged], unknown_probability: float) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:
     """Return the causes, how far the first of the library closes the gap, and the probability of the unknown."""
-    which = causes_of(posterior)
+    which = causes_of(judged)
     best = next((cause for cause in which if UNKNOWN not in cause.effects), None)
     closing = None
     if best is not None and best.effects:
         closing = measure_shrinkage(best.judged.inference, best.judged.members)
-    which, unknown_probability = with_misfit(which, best, closing, posterior.unknown_probability)
+    which, unknown_probability = with_misfit(which, best, closing, unknown_probability)
     return which, closing, unknown_probability
 
 

@@ -243,7 +243,11 @@ class CachedTwin(TwinAround):
         key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
             with self._answering(state, load_factor, f"effect {effect.name}"):
-                rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
+                at_once = getattr(effect, "at_places", None)
+                if at_once is not None:
+                    rows = at_once(self, state, load_factor, places, time)
+                else:
+                    rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
             self._asked[id(effect)] = effect
             named = zip(places, rows, strict=True)
             checked = [self._checked(row, f"effect {effect.name}", f"place {place!r}") for place, row in named]

@@ -38,6 +38,16 @@ def test_a_run_of_a_wrong_load_cell_or_of_crossed_wires_is_doubted(run, words):
     assert words in diagnosis.doubts[0]
 
 
+def test_a_run_is_doubted_beside_a_channel_that_is_left_out():
+    """Before: the run had a gauge more than the campaign, and an IndexError ended the diagnosis."""
+    campaign = measured(21000)
+    readings = np.array(campaign.readings)
+    readings[:, 2] = 0.0
+    diagnosis = diagnose(replace(campaign, readings=readings), TWIN, commissioning=measured(31000, stiffer(0.05)))
+    assert diagnosis.noise.stuck == ("g03",)
+    assert "modulus, -5 %, acted while it was taken" in diagnosis.doubts[0]
+
+
 def test_a_run_that_may_be_wrong_is_mentioned():
     diagnosis = diagnose(measured(21001), TWIN, commissioning=measured(31002, stiffer(0.03)))
     assert not diagnosis.doubts

@@ -91,8 +91,9 @@ def _stuck(campaign: Campaign, gauge: int, sd: float, step_of_all: float) -> lis
 
 def _runs(values: NDArray[np.float64], recorded: NDArray[np.int64]) -> list[NDArray[np.int64]]:
     """Return the rows of every run of equal readings, in the order of recording."""
-    runs = np.split(recorded, np.flatnonzero(np.diff(values[recorded]) != 0.0) + 1)
-    return [run for run in runs if len(run) >= LEAST_OF_A_CELL]
+    ends = np.array([0, *(np.flatnonzero(np.diff(values[recorded]) != 0.0) + 1), len(recorded)])
+    long = np.flatnonzero(np.diff(ends) >= LEAST_OF_A_CELL)
+    return [recorded[ends[k] : ends[k + 1]] for k in long.tolist()]
 
 
 def _is_still(campaign: Campaign, values: NDArray[np.float64], run: NDArray[np.int64]) -> bool:

@@ -13,7 +13,7 @@ Angle and place are asked of strain gauges alone. Where one instrument gives sev
 (`octmip.twin.channels_of`), its faults act on all of them, and it is never exchanged.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -63,6 +63,8 @@ class ChainEffect:
         between the two gauges of a place; "" where a place is one instrument or the whole.
     load_name
         the load that is wrong, of a twin with several.
+    change_at
+        `change` at several places at once (n_places, n_gauges), where it has such a form.
     is_nameless, commonness
         whether it is a cell of the families without a name of its own, and how probable it is beside other effects.
 
@@ -85,6 +87,7 @@ class ChainEffect:
     uses_time: bool = False
     is_nameless: bool = False
     commonness: float = 1.0
+    change_at: Callable[[Moment, Sequence[str]], Floats] | None = None
     seen_by: tuple[str, ...] = ()
     words: str = ""
     words_at: str = ""
@@ -103,6 +106,12 @@ class ChainEffect:
         """Return the change of the readings (n_gauges,) per unit of size."""
         gauges = self._numbers(twin, place)
         return self.change(Moment(twin, state, load_factor, place, time, gauges, self.load_name))
+
+    def at_places(self, twin: Twin, state: State, load: Load, places: Sequence[str], time: float) -> Floats:
+        """Return the signatures (n_places, n_gauges) at several places."""
+        if self.change_at is not None:
+            return self.change_at(Moment(twin, state, load, time=time), places)
+        return np.array([self.signature(twin, state, load, place, time) for place in places])
 
     def _numbers(self, twin: Twin, place: str) -> tuple[int, ...]:
         if self.separator:

@@ -199,16 +199,18 @@ class Cell:
             return tuple(_batches(twin))
         return ("",) if sum(own) > 1 or not self.unit else ()
 
-    def change(self, moment: Moment) -> Floats:
-        """Return the change of the readings (n_gauges,) per unit of size."""
-        twin, weight = moment.twin, np.array(self._own(moment.twin), dtype=np.float64)
+    def change(self, moment: Moment, places: Sequence[str]) -> Floats:
+        """Return the change of the readings (n_places, n_gauges) per unit of size."""
+        return np.asarray(self._weights(moment.twin, places) * self._course(moment.time) * self._law(moment))
+
+    def _weights(self, twin: Twin, places: Sequence[str]) -> Floats:
+        own = np.array(self._own(twin), dtype=np.float64)
         if self.who == "one":
-            weight *= np.isin(np.arange(len(weight)), moment.gauges)
-        elif self.who == "batch":
-            weight *= np.isin(twin.gauges, _batches(twin)[moment.place])
-        elif self.who in AXES:
-            weight *= on_axis(twin, AXES.index(self.who))
-        return np.asarray(weight * self._course(moment.time) * self._law(moment))
+            return np.asarray(own * (np.array(channels_of(twin)) == np.array(places)[:, None]))
+        if self.who == "batch":
+            return np.array([own * np.isin(twin.gauges, _batches(twin)[place]) for place in places])
+        along = on_axis(twin, AXES.index(self.who)) if self.who in AXES else 1.0
+        return np.tile(own * along, (len(places), 1))
 
     def _own(self, twin: Twin) -> list[bool]:
         return [self.unit in ("", unit) for unit in units_of(twin)]
@@ -313,7 +315,8 @@ def _family(
     own = Cell(*cell, unit, typical, history)
     return ChainEffect(
         unit=size_unit,
-        change=own.change,
+        change=lambda moment: own.change(moment, (moment.place,))[0],
+        change_at=own.change,
         places_in=own.places,
         load_power=0 if law == "constant" else None,
         uses_time=course != "steady",

@@ -125,8 +125,10 @@ def ties(model: LinearModel) -> tuple[tuple[str, ...], ...]:
     kept = np.flatnonzero(~priors.is_discrete & (lengths * priors.sd > EXACT))
     unit = columns[:, kept] / lengths[kept]
     alike = np.abs(unit.T @ unit) > 1.0 - SAME
-    name, names = priors.name[kept], np.unique(priors.name[kept])
-    within = np.array([[alike[np.ix_(name == a, name == b)].any(axis=1).all() for b in names] for a in names])
+    names, first = np.unique(priors.name[kept], return_index=True)  # places of one effect lie side by side
+    if not len(names):
+        return ()
+    within = np.logical_and.reduceat(np.logical_or.reduceat(alike, first, axis=1), first, axis=0)
     called = {int(j): candidate.name for j, candidate in zip(priors.name, model.inputs.candidates, strict=True)}
     groups = {tuple(called[int(n)] for n in names[row]) for row in (within & within.T).reshape(len(names), len(names))}
     return tuple(sorted(group for group in groups if len(group) > 1))

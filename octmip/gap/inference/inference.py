@@ -17,7 +17,7 @@ the sizes are plugged in (empirical Bayes), which for a large effect is exact to
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +27,7 @@ from octmip.gap.inference.confounding import VISIBLE
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.signatures import on_readings
-from octmip.gap.inference.states import distance, log_box, moved_states
+from octmip.gap.inference.states import distance, highest, log_box, moved_states
 from octmip.gap.inference.whitening import Whitening
 from octmip.twin import amounts_of
 
@@ -115,12 +115,12 @@ def scales_of(model: LinearModel, near: Sequence[int], candidate: int) -> Floats
     return np.asarray(model.white[:, near].T @ model.white[:, candidate] / model.lengths[near])
 
 
-def propagated(model: LinearModel, members: Members) -> Floats:
-    """Return the members' signatures (n, n_members), propagated through those that act on readings."""
-    own = model.signatures[:, list(members)]
+def propagated(model: LinearModel, members: Members) -> Floats | None:
+    """Return the members' signatures (n, n_members), propagated through those that act on readings; None if none do."""
     acting = [j for j in members if model.inputs.candidates[j].acts_on_readings]
     if not acting or len(members) == len(acting):
-        return own
+        return None
+    own = model.signatures[:, list(members)]
     changes = [
         np.sum([_change(model, j, through) for through in acting], axis=0) if j not in acting else np.zeros(model.n)
         for j in members
@@ -134,7 +134,7 @@ def _change(model: LinearModel, candidate: int, through: int) -> Floats:
     rows = np.zeros((len(inputs.averages), len(inputs.order)))
     rows[model.average, model.gauge] = model.signatures[:, candidate]
     chosen = inputs.candidates[through]
-    moved = np.array([on_readings(inputs, chosen.effect, (chosen.place,), row)[0] for row in rows])
+    moved = on_readings(inputs, chosen.effect, (chosen.place,), rows)[:, 0]
     return np.asarray(moved[model.average, model.gauge])
 
 
@@ -162,6 +162,10 @@ class Inference:
         self._allowing: dict[Members, Inference] = {}
         self._identifiable: dict[Members, Members] = {}
         self._stands: dict[Members, tuple[float, float]] = {}
+
+    @cached_property
+    def _most(self) -> Floats:
+        return highest(self.model.inputs)
 
     @cached_property
     def _correlation(self) -> Floats:
@@ -198,8 +202,9 @@ class Inference:
         """Return the Gram matrix (m, m) and projections (m,) of a set under an added covariance, and log p0' / p0."""
         model, own = self.model, propagated(self.model, members)
         if error is None:
-            white = model.whiten(own)
+            white = model.white[:, list(members)] if own is None else model.whiten(own)
             return white.T @ white, white.T @ model.left, 0.0
+        own = model.signatures[:, list(members)] if own is None else own
         whitening = Whitening.of(model.covariance + error)
         white = whitening.of_columns(np.column_stack([own, model.residual]))
         columns, left = white[:, :-1], white[:, -1]
@@ -225,10 +230,17 @@ class Inference:
     def stand(self, members: Members) -> tuple[float, float]:
         """Return how far the states that a set prefers lie from the model's, and its log evidence inside the box."""
         if members not in self._stands:
-            model, fit = self.model, self.fit(members)
-            away = distance(moved_states(model, fit), model.states) if model.inputs.groups else 0.0
-            self._stands[members] = away, model.log_none + fit.log_factor + log_box(model, fit)
+            away = distance(self.moved(members), self.model.states) if self.model.inputs.groups else 0.0
+            self._stands[members] = away, self.model.log_none + self.fit(members).log_factor + self.log_box(members)
         return self._stands[members]
+
+    def moved(self, members: Members) -> Floats:
+        """Return the states (n_cells, n_parameters) that a set prefers."""
+        return moved_states(self.model, self.fit(members), self._most)
+
+    def log_box(self, members: Members) -> float:
+        """Return the log of the share of a set's states that are possible."""
+        return log_box(self.model, self.fit(members), self._most)
 
     def errors(self, members: Members) -> Floats | None:
         """Return the covariance (n, n) of a set's errors at the level that bears the readings best; None of none."""
@@ -247,7 +259,7 @@ class Inference:
         if members not in self._allowing:
             own, error = self.model, self.errors(members)
             moved = propagated(own, members)
-            if not np.array_equal(moved, own.signatures[:, list(members)]):
+            if moved is not None:
                 own = own.with_signatures(members, moved)
             own = own if error is None else own.with_covariance(error)
             self._allowing[members] = self if own is self.model else Inference(own)
@@ -337,6 +349,7 @@ class Judged:
         candidates = self.model.inputs.candidates
         return tuple(dict.fromkeys(candidates[j].name for j in self.members))
 
-    def times(self, log_factor: float) -> "Judged":
-        """Return the hypothesis with its weight multiplied."""
-        return replace(self, log_weight=self.log_weight + log_factor)
+    def times(self, log_factor: float, probability: float = 0.0) -> "Judged":
+        """Return the hypothesis with its weight multiplied, and with a probability."""
+        weight = self.log_weight + log_factor  # not by `replace`: there are thousands
+        return Judged(self.members, self.has_unknown, weight, self.inference, self.words, probability)

@@ -27,7 +27,7 @@ from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
-from octmip.gap.inference.states import STATE_RESOLUTION, distance, log_box, moved_states, starting_states
+from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
 
 Floats = NDArray[np.float64]
@@ -55,6 +55,8 @@ N_SETTLED, LEADERS, LAPS = 6, 10.0, 3
 """Sets about whose own states the model is taken in each lap, log units behind the best of these, and laps."""
 START_BEHIND = 15.0
 """Log units behind the first starting state beyond which another one is not looked at."""
+WEIGHTLESS = 35.0
+"""Log units behind the best beyond which a hypothesis is not kept: it holds less than 1e-15."""
 N_BESIDE_UNKNOWN = 10
 """Best pairs that are weighed with the unknown beside them."""
 N_BENT, SLIGHT, LINEAR = 16, 0.05, 0.01
@@ -172,7 +174,7 @@ def _with_secants(model: LinearModel) -> LinearModel:
         secant = change[model.average, model.gauge] / size
         if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
             signatures[:, j] = secant
-    return replace(model, signatures=signatures)
+    return model if np.array_equal(signatures, model.signatures) else replace(model, signatures=signatures)
 
 
 def likely_sets(inference: Inference) -> dict[Members, float]:
@@ -206,11 +208,12 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
         keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:N_LONGER]]
+    if any(inputs.candidates[j].is_nameless for j in members):  # two such are no explanation (`log_prior`)
+        keep = np.array([j for j in keep.tolist() if not inputs.candidates[j].is_nameless], dtype=np.int64)
     weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
     weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
     joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
-    pairs = zip(joined, weights.tolist(), strict=True)
-    return {longer: weight for longer, weight in pairs if np.isfinite(log_prior(inputs, longer))}
+    return dict(zip(joined, weights.tolist(), strict=True))
 
 
 def _diverse(inputs: Inputs, ordered: Sequence[Members], most: int) -> list[Members]:
@@ -240,7 +243,7 @@ def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inf
         leaders = sorted((w for w in weighed if w.log_weight > best - LEADERS), key=lambda w: -w.log_weight)
         new: list[Floats] = []
         for w in leaders:
-            states = moved_states(w.inference.model, w.inference.fit(w.members))
+            states = w.inference.moved(w.members)
             known = [*(one.model.states for one in inferences), *new]
             if distance(states, w.inference.model.states) > FAR and all(distance(states, s) > NEAR for s in known):
                 new.append(states)
@@ -272,7 +275,8 @@ def _others(first: Inference, found: dict[Members, float], done: Sequence[Member
     """Return the hypotheses that were not judged exactly as they are, where all states are known."""
     if first.model.inputs.groups:
         return []
-    left = set(found) - set(done)
+    least = max(found.values()) - WEIGHTLESS
+    left = {members for members, weight in found.items() if weight > least} - set(done)
     return [Judged(members, False, first.model.log_none + found[members], first) for members in sorted(left)]
 
 
@@ -281,12 +285,13 @@ def _with_unknown(weighed: Sequence[Judged]) -> list[Judged]:
     best = max(weighed, key=lambda w: w.log_weight).inference
     model, unknown = best.model, weigh_unknown(best.model)
     inputs, odds, allowing = model.inputs, model.inputs.odds.unknown, Inference(unknown.allowing)
-    box = log_box(model, best.fit(()))
+    box = best.log_box(())
     found = [Judged((), True, model.log_none + unknown.log_factor + box + _log(odds[0]), allowing, unknown.words)]
     beside = allowing.model.log_none + box - unknown.log_kinds
     logs = beside + extensions(allowing.model, ())[0] + inputs.priors.log_weight
     logs += _log(odds[1]) - log(max(inputs.priors.n_effects, 1))
-    found += [Judged((j,), True, value, allowing, unknown.words) for j, value in enumerate(logs.tolist())]
+    worth = np.flatnonzero(logs > max(found[0].log_weight, max(w.log_weight for w in weighed)) - WEIGHTLESS)
+    found += [Judged((j,), True, float(logs[j]), allowing, unknown.words) for j in worth.tolist()]
     larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2]
     for members, own in zip(larger[:N_BESIDE_UNKNOWN], allowing.fits(larger[:N_BESIDE_UNKNOWN]), strict=True):
         prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
@@ -360,15 +365,17 @@ def attribute(inputs: Inputs) -> Posterior:
     judged = [_judged(same, total) for same in by_key.values()]
     judged = [h for h in judged if h.probability > NEGLIGIBLE or not h.has_unknown]
     judged.sort(key=lambda h: -h.probability)
+    best: dict[int, Judged] = {}  # by inference: a walk is asked of each once
+    for w in (w for w in weighed if not w.has_unknown):
+        if id(w.inference) not in best or w.log_weight > best[id(w.inference)].log_weight:
+            best[id(w.inference)] = w
     walk = judged[0].model.inputs.noise.walk_sd
-    known = [w for w in weighed if not w.has_unknown]
-    alike = [w for w in known if w.inference.model.inputs.noise.walk_sd == walk]
-    main = max(alike or known, key=lambda w: w.log_weight).inference
+    alike = [w for w in best.values() if w.model.inputs.noise.walk_sd == walk]
+    main = max(alike or best.values(), key=lambda w: w.log_weight).inference
     return Posterior(tuple(judged), main, total)
 
 
 def _judged(same: Sequence[Judged], total: float) -> Judged:
     """Return what one hypothesis weighs under all variants, in the one that bears it most."""
     best = max(same, key=lambda w: w.log_weight)
-    probability = sum(math.exp(w.log_weight - total) for w in same)
-    return replace(best, probability=probability)
+    return best.times(0.0, sum(math.exp(w.log_weight - total) for w in same))

@@ -45,7 +45,10 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
     columns = [np.zeros((0, expected.size))]
     for effect, places in inputs.effects():
         if getattr(effect, "acts_on_readings", False):
-            rows = _of_readings(inputs, effect, places, expected)
+            number = np.array([part.number for part in inputs.averages])
+            first = np.flatnonzero(np.diff(number, prepend=-1) != 0)
+            repeated = np.diff([*first, len(number)])  # halves of one cell have the same
+            rows = list(np.repeat(on_readings(inputs, effect, places, expected[first]), repeated, axis=0))
         else:
             parts = zip(inputs.averages, at, strict=True)
             rows = [_of_twin(inputs, effect, places, part, state, history) for part, state in parts]
@@ -102,9 +105,11 @@ def load_steps(campaign: Campaign) -> Steps:
 
 
 def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings: Floats) -> Floats:
-    """Return what an effect that acts on readings (n_gauges,) changes in them, by place (n_places, n_gauges)."""
-    seen = _Readings(inputs.campaign.gauges, readings, inputs.units, inputs.channels)
-    return np.array([effect.signature(seen, {}, 1.0, place=place) for place in places])
+    """Return what an effect changes in rows of readings (n_rows, n_gauges): (n_rows, n_places, n_gauges)."""
+    gauges = tuple(inputs.twin.gauges[k] for k in inputs.order)  # a run may have more than the campaign
+    units, channels = inputs.units, inputs.channels
+    rows = [_Readings(gauges, row, units, channels) for row in readings]
+    return np.array([[effect.signature(row, {}, 1.0, place=place) for place in places] for row in rows])
 
 
 def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:
@@ -117,15 +122,6 @@ def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:
         inputs.named(place if part.number in is_open else states[part.number])
         for part, place in zip(inputs.averages, near, strict=True)
     ]
-
-
-def _of_readings(inputs: Inputs, effect: Effect, places: tuple[str, ...], expected: Floats) -> list[Floats]:
-    """Return the signatures (n_places, n_gauges) by average; halves of one cell have the same."""
-    rows: list[Floats] = []
-    for k, part in enumerate(inputs.averages):
-        same = k > 0 and inputs.averages[k - 1].number == part.number
-        rows.append(rows[-1] if same else on_readings(inputs, effect, places, expected[k]))
-    return rows
 
 
 def _of_twin(

@@ -73,12 +73,13 @@ def starting_states(inputs: Inputs) -> list[Floats]:
     return [best, *others]
 
 
-def moved_states(model: LinearModel, fit: Fit) -> Floats:
-    """Return the assignment that a hypothesis itself prefers, inside the box."""
+def moved_states(model: LinearModel, fit: Fit, most: Floats) -> Floats:
+    """Return the assignment that a hypothesis itself prefers, between 0 and `most` (n_parameters,)."""
     states = model.states.copy()
     moved = model.moved_by(fit.members, fit.size).reshape(len(model.inputs.groups), -1)
     for group, step in zip(model.inputs.groups, moved, strict=True):
-        states[list(group)] = np.clip(states[list(group)] + step, 0.0, highest(model.inputs))
+        rows = list(group)
+        states[rows] = np.minimum(np.maximum(states[rows] + step, 0.0), most)
     return states
 
 
@@ -87,23 +88,21 @@ def distance(a: Floats, b: Floats) -> float:
     return float(np.abs(a - b).max(initial=0.0))
 
 
-def log_box(model: LinearModel, fit: Fit) -> float:
-    """Return the log of the share of the open states' posterior that lies between 0 and `highest` (marginals only)."""
+def log_box(model: LinearModel, fit: Fit, most: Floats) -> float:
+    """Return the log of the share of the open states' posterior between 0 and `most` (n_parameters,), by marginals."""
     if not model.inputs.groups:
         return 0.0
     mean, covariance = state_posterior(model, fit)
-    sd = np.sqrt(np.maximum(np.diag(covariance), 1e-18))
-    most = np.tile(highest(model.inputs), len(model.inputs.groups))
-    inside = ndtr((most - mean) / sd) - ndtr(-mean / sd)
+    sd = np.sqrt(np.maximum(covariance.diagonal(), 1e-18))
+    inside = ndtr((np.tile(most, len(model.inputs.groups)) - mean) / sd) - ndtr(-mean / sd)
     return float(np.log(np.maximum(inside, 1e-300)).sum())
 
 
 def state_posterior(model: LinearModel, fit: Fit) -> tuple[Floats, Floats]:
     """Return mean (n_open,) and covariance (n_open, n_open) of the open states under a hypothesis."""
     centre = np.array([model.states[group[0]] for group in model.inputs.groups]).ravel()
-    mean = centre + model.moved_by(fit.members, fit.size)
-    covariance = joint_covariance(model, fit)[: len(centre), : len(centre)]
-    return mean, covariance
+    cross = model.sensitivity(fit.members)
+    return centre + model.moved_by(fit.members, fit.size), model.open_covariance + cross @ fit.covariance @ cross.T
 
 
 def joint_covariance(model: LinearModel, fit: Fit) -> Floats:
