@@ -10,8 +10,7 @@ with s_j the effect's own error, A_j the size of S_j at and about each gauge (wh
 no better known than beside), R the correlation of errors (of one gauge, smooth along the structure, and of one kind of
 reading: the same at all loads, along each load and bent over it; o multiplies entry by entry), k the nearest places and
 c_k the best scale. One scalar e says how good the twin's signatures are; it is summed over `LEVELS`. What grows with an
-effect is thus no reason for a second one. A discrete effect of the measuring chain (two wires swapped, a gauge dead)
-also acts on what the others change: their signatures are propagated through it.
+effect is thus no reason for a second one.
 Source: Kennedy and O'Hagan (2001), J. R. Statist. Soc. B 63, section 2 (code inadequacy as a Gaussian of its own);
 the sizes are plugged in (empirical Bayes), which for a large effect is exact to the order of their relative error.
 """
@@ -26,7 +25,6 @@ from numpy.typing import NDArray
 from octmip.gap.inference.confounding import VISIBLE
 from octmip.gap.inference.evidence import Fit, Members, alike, fits_of, mixed
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.signatures import on_readings
 from octmip.gap.inference.states import distance, highest, log_box, moved_states
 from octmip.gap.inference.whitening import Whitening
 from octmip.twin import amounts_of
@@ -115,29 +113,6 @@ def scales_of(model: LinearModel, near: Sequence[int], candidate: int) -> Floats
     return np.asarray(model.white[:, near].T @ model.white[:, candidate] / model.lengths[near])
 
 
-def propagated(model: LinearModel, members: Members) -> Floats | None:
-    """Return the members' signatures (n, n_members), propagated through those that act on readings; None if none do."""
-    acting = [j for j in members if model.inputs.candidates[j].acts_on_readings]
-    if not acting or len(members) == len(acting):
-        return None
-    own = model.signatures[:, list(members)]
-    changes = [
-        np.sum([_change(model, j, through) for through in acting], axis=0) if j not in acting else np.zeros(model.n)
-        for j in members
-    ]
-    return np.asarray(own + np.array(changes).T)
-
-
-def _change(model: LinearModel, candidate: int, through: int) -> Floats:
-    """Return what an effect on readings does to a signature (n,): a dead gauge hides it, a swapped one moves it."""
-    inputs = model.inputs
-    rows = np.zeros((len(inputs.averages), len(inputs.order)))
-    rows[model.average, model.gauge] = model.signatures[:, candidate]
-    chosen = inputs.candidates[through]
-    moved = on_readings(inputs, chosen.effect, (chosen.place,), rows)[:, 0]
-    return np.asarray(moved[model.average, model.gauge])
-
-
 USUAL_LEVEL = float(np.sqrt(sum(share * level**2 for level, share in LEVELS.items())))
 """Root mean square of the levels of errors before any reading."""
 
@@ -182,13 +157,11 @@ class Inference:
             self._fits.update(zip(group, self._fitted(group, [self._reduced(m, None) for m in group]), strict=True))
         uncertain = [members for members in new if is_uncertain(self.model, members)]
         for group in alike(self.model.inputs.priors, uncertain):
-            in_full = [self._reduced(m, self._errors(m, self._fits[m].size, 1.0)[0]) for m in group]
-            self._fits.update(zip(group, self._fitted(group, in_full), strict=True))
             self._fits.update(zip(group, self._over_levels(group), strict=True))
         return [self._fits[members] for members in sets]
 
     def _over_levels(self, group: Sequence[Members]) -> list[Fit]:
-        """Return the fits of sets summed over the levels of their errors, which are as large as their last sizes."""
+        """Return the fits of sets summed over the levels of their errors, these of the sizes without errors."""
         by_set = [[self._reduced(m, e) for e in self._errors(m, self._fits[m].size, *LEVELS)] for m in group]
         fits = [self._fitted(group, at_level) for at_level in zip(*by_set, strict=True)]
         logs = np.array([[shift for _, _, shift in levels] for levels in by_set]) + np.log([*LEVELS.values()])
@@ -200,13 +173,12 @@ class Inference:
 
     def _reduced(self, members: Members, error: Floats | None) -> Reduced:
         """Return the Gram matrix (m, m) and projections (m,) of a set under an added covariance, and log p0' / p0."""
-        model, own = self.model, propagated(self.model, members)
+        model, index = self.model, list(members)
         if error is None:
-            white = model.white[:, list(members)] if own is None else model.whiten(own)
-            return white.T @ white, white.T @ model.left, 0.0
-        own = model.signatures[:, list(members)] if own is None else own
+            white = model.white[:, index]
+            return white.T @ white, model.projection[index], 0.0
         whitening = Whitening.of(model.covariance + error)
-        white = whitening.of_columns(np.column_stack([own, model.residual]))
+        white = whitening.of_columns(np.column_stack([model.signatures[:, index], model.residual]))
         columns, left = white[:, :-1], white[:, -1]
         shift = 0.5 * float(model.left @ model.left - left @ left) - whitening.log_volume + model.whitening.log_volume
         return columns.T @ columns, columns.T @ left, shift
@@ -252,17 +224,10 @@ class Inference:
         return self._errors((candidate,), np.array([size]), max(LEVELS))[0]
 
     def allowing(self, members: Members) -> "Inference":
-        """Return the inference under the errors of a set's signatures, which are propagated through its members.
-
-        Itself, with all that it keeps, where nothing changes.
-        """
+        """Return the inference under the errors of a set's signatures; itself, with all that it keeps, of none."""
         if members not in self._allowing:
-            own, error = self.model, self.errors(members)
-            moved = propagated(own, members)
-            if moved is not None:
-                own = own.with_signatures(members, moved)
-            own = own if error is None else own.with_covariance(error)
-            self._allowing[members] = self if own is self.model else Inference(own)
+            error = self.errors(members)
+            self._allowing[members] = self if error is None else Inference(self.model.with_covariance(error))
         return self._allowing[members]
 
     def visibilities(self, members: Members) -> Floats:

@@ -204,12 +204,6 @@ class LinearModel:
         inputs = replace(self.inputs, noise_of_means=noise or self.inputs.noise_of_means)
         return replace(self, inputs=inputs, given=_given_run(inputs, level, self.means.rows), added=0.0)
 
-    def with_signatures(self, members: Sequence[int], columns: Floats) -> "LinearModel":
-        """Return the model with other signatures (n, n_members) of some candidates."""
-        signatures = self.signatures.copy()
-        signatures[:, list(members)] = columns
-        return replace(self, signatures=signatures)
-
     def with_covariance(self, added: Floats) -> "LinearModel":
         """Return the model with a covariance (n, n) added to C0."""
         return replace(self, added=self.added + added)

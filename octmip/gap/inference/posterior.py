@@ -41,7 +41,7 @@ VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
 """Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
 N_HEADS = (20, 8)
 """Sets of one and of two candidates that are extended."""
-N_LONGER, N_OF_ONE_NAME = 60, 4
+N_LONGER, N_OF_ONE_NAME = 25, 4
 """Larger sets that are kept of each size; sets of the same effects that are extended, so that places do not fill it."""
 TRIPLES = 2.0
 """Log units that the best pair must weigh beyond the best single for triples to be looked at."""
@@ -49,9 +49,9 @@ UNSEEN = 0.1
 """Standard deviations that an effect must be able to move all readings together; others are no explanation."""
 IMITATED = 0.02
 """A candidate is imitated by others when they leave less than this share of its squared length."""
-N_EXACT, EXACT_BEHIND = 60, 15.0
+N_EXACT, EXACT_BEHIND = 25, 15.0
 """Hypotheses whose evidence is computed exactly, at most, and the log units behind the best within which they lie."""
-N_SETTLED, LEADERS, LAPS = 6, 10.0, 3
+N_SETTLED, LEADERS, LAPS = 2, 10.0, 3
 """Sets about whose own states the model is taken in each lap, log units behind the best of these, and laps."""
 START_BEHIND = 15.0
 """Log units behind the first starting state beyond which another one is not looked at."""
