@@ -4,7 +4,7 @@ A diagnosis asks for the same few states and loads over and over. Every answer o
 that keeps them, so there it is checked: that it came, its shape, that it is finite.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -243,16 +243,23 @@ class CachedTwin(TwinAround):
         key = (id(effect), places, time, _key(state, load_factor))
         if key not in self._signatures:
             with self._answering(state, load_factor, f"effect {effect.name}"):
-                at_once = getattr(effect, "at_places", None)
-                if at_once is not None:
-                    rows = at_once(self, state, load_factor, places, time)
-                else:
-                    rows = [effect.signature(self, state, load_factor, place=place, time=time) for place in places]
+                rows = rows_at(effect, self, state, load_factor, places, time)
             self._asked[id(effect)] = effect
-            named = zip(places, rows, strict=True)
-            checked = [self._checked(row, f"effect {effect.name}", f"place {place!r}") for place, row in named]
-            self._signatures[key] = np.array(checked).reshape(len(places), len(self.gauges))
+            if not (isinstance(rows, np.ndarray) and rows.shape[1:] == (len(self.gauges),) and np.isfinite(rows).all()):
+                named = zip(places, rows, strict=True)
+                rows = [self._checked(row, f"effect {effect.name}", f"place {place!r}") for place, row in named]
+            self._signatures[key] = np.array(rows).reshape(len(places), len(self.gauges))
         return self._signatures[key]
+
+
+def rows_at(
+    effect: Effect, twin: Twin, state: State, load: Load, places: Sequence[str], time: float = 0.0
+) -> Floats | list[Floats]:
+    """Return an effect's signatures at its places, row by row, from one question where the effect answers it."""
+    at_once: Callable[..., Floats] | None = getattr(effect, "at_places", None)
+    if at_once is not None:
+        return at_once(twin, state, load, places, time)
+    return [effect.signature(twin, state, load, place=place, time=time) for place in places]
 
 
 def _key(state: State, load: Load) -> Key:

@@ -217,9 +217,14 @@ def _leaking(moment: Moment) -> Floats:
     return _at_gauges(moment, np.array([0.01 * moment.readings[source], 0.0]))
 
 
-def _exchanged(moment: Moment) -> Floats:
-    first, second = moment.readings[list(moment.gauges)]
-    return _at_gauges(moment, np.array([second - first, first - second]))
+def _exchanged(moment: Moment, places: Sequence[str]) -> Floats:
+    """Return the changes (n_places, n_gauges) of all pairs: there are hundreds."""
+    found, readings = np.zeros((len(places), len(moment.twin.gauges))), moment.readings
+    first, second = np.array([pair_of(moment.twin.gauges, place, "/") for place in places]).T
+    row = np.arange(len(places))
+    found[row, first] = readings[second] - readings[first]
+    found[row, second] = readings[first] - readings[second]
+    return found
 
 
 def _more_load(moment: Moment) -> Floats:
@@ -309,7 +314,8 @@ SWAPPED_PAIR = ChainEffect(
     prior_mean=1.0,
     prior_sd=0.02,  # two channels are exchanged or they are not
     separated_by="tapping or heating one gauge shows which channel answers",
-    change=_exchanged,
+    change=lambda moment: _exchanged(moment, (moment.place,))[0],
+    change_at=_exchanged,
     places_in=_all_pairs,
     separator="/",
     is_one_sided=True,

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
+from octmip.gap.twins import rows_at
 from octmip.twin import Effect, Load, State, state_limits_of
 
 Floats = NDArray[np.float64]
@@ -109,7 +110,7 @@ def on_readings(inputs: Inputs, effect: Effect, places: Sequence[str], readings:
     gauges = tuple(inputs.twin.gauges[k] for k in inputs.order)  # a run may have more than the campaign
     units, channels = inputs.units, inputs.channels
     rows = [_Readings(gauges, row, units, channels) for row in readings]
-    return np.array([[effect.signature(row, {}, 1.0, place=place) for place in places] for row in rows])
+    return np.array([rows_at(effect, row, {}, 1.0, places) for row in rows])
 
 
 def _states_of(inputs: Inputs, states: Floats) -> list[dict[str, float]]:

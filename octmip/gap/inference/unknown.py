@@ -1,9 +1,8 @@
 """The unknown: a discrepancy that no effect of the library describes, as a hypothesis with its own evidence.
 
-The asset shows an extra field tau s c u over the gauges: s their scales (`Frame.scale`), c a course over the load
-or over the time of reading, u ~ N(0, kernel). The kernel is white over the gauges or smooth along the structure, one
-field in all tests, or white with a field of its own in each test. With the whitened field's singular values s and the
-residual's components c,
+The asset shows an extra field tau s c u over the gauges: s their scales (`Frame.scale`), c a course over the load,
+u ~ N(0, kernel). The kernel is white over the gauges or smooth along the structure. With the whitened field's singular
+values s and the residual's components c,
 
     log BF = sum (c^2 q - log(1 + tau^2 s^2)) / 2,   q = tau^2 s^2 / (1 + tau^2 s^2).
 
@@ -19,14 +18,12 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
 
 FIELD_WORDS = {
     "rough": "a rough field",
     "smooth": "a smooth field",
-    "rough in each test": "a rough field of its own in each test",
 }
 LOADS: Mapping[str, Callable[[Floats], Floats]] = {
     "constant in load": np.ones_like,
@@ -37,23 +34,10 @@ LOADS: Mapping[str, Callable[[Floats], Floats]] = {
 }
 """Courses over the load, as a share of the greatest one: joints that stick and slip, backlash and friction go with its
 sign or with a root of it, and readings that wander took what no course described (docs/gap/noise.md)."""
-TIMES: Mapping[str, Callable[[Floats], Floats]] = {
-    "growing with time": lambda x: x,
-    "that comes and goes with time": lambda x: 4.0 * x * (1.0 - x),
-    "that changes its sign with time": lambda x: 12.0 * np.sqrt(3.0) * x * (1.0 - x) * (0.5 - x),
-}
-"""Courses over the campaign's time, from 0 to 1: a sun, a supply, lead wires. Each is 1 at most.
-
-Of smooth fields alone: a rough one that goes with time is what gauges do that wander each by itself."""
 SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Sd of the field over the scale of the readings at the greatest load."""
 OF_ONE_LOAD = ("there as soon as there is load", "growing with the root of the load")
 """Courses that need one load: of several, each has a size of its own."""
-OVER_LOADS = "smooth over the loads"
-LOAD_LENGTH, LEAST = 0.5, 1e-3
-"""Length over which it varies, as a share of each load's range, and the least eigenvalue of its covariance."""
-MOMENTS = 4
-"""Averages of different times from which a course over time is told from one over the load."""
 SMOOTH = 0.3
 """Length over which a smooth field varies, as a share of the structure's extent."""
 
@@ -107,38 +91,6 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
     rough = scale * np.eye(len(inputs.order))[gauge]
     smooth = inputs.frame.along(SMOOTH) + 1e-6 * np.eye(len(inputs.order))
     fields = {"rough": rough, "smooth": scale * np.linalg.cholesky(smooth)[gauge]}
-    tests = np.array([cell.test for cell in inputs.campaign.cells])[model.cells]
-    names = list(dict.fromkeys(tests.tolist()))
-    if len(names) > 1:
-        fields["rough in each test"] = np.hstack([rough * (tests == name)[:, None] for name in names])
     n_loads = len(inputs.campaign.load_names)
     courses = {name: course(share) for name, course in LOADS.items() if n_loads == 1 or name not in OF_ONE_LOAD}
-    found = {f"{FIELD_WORDS[f]}, {c}": course * root for f, root in fields.items() for c, course in courses.items()}
-    found |= {f"{FIELD_WORDS['smooth']}, {c}": at * fields["smooth"] for c, at in _over_time(model).items()}
-    over = _over_loads(model)
-    if over.shape[1]:
-        found[f"{FIELD_WORDS['rough']}, {OVER_LOADS}"] = np.hstack([rough * column[:, None] for column in over.T])
-    return found
-
-
-def _over_time(model: LinearModel) -> dict[str, Floats]:
-    """Return the courses (n, 1) over time; none where too few moments were read."""
-    moments = np.array([average.moments.mean() for average in model.inputs.averages])
-    if len(np.unique(moments)) < MOMENTS:
-        return {}
-    at = (moments - moments.min()) / np.ptp(moments)
-    return {name: course(at)[model.average][:, None] for name, course in TIMES.items()}
-
-
-def _over_loads(model: LinearModel) -> Floats:
-    """Return a root (n, r) of the covariance of what varies smoothly with several loads; r is 0 of one load."""
-    applied = np.array([amounts_of(load) for load in model.loads])
-    width = np.ptp(applied, axis=0)
-    if np.sum(width > 0.0) < 2:
-        return np.zeros((model.n, 0))
-    at = applied[:, width > 0.0] / (LOAD_LENGTH * width[width > 0.0])
-    cells, row = np.unique(at, axis=0, return_inverse=True)
-    alike = np.exp(-0.5 * np.sum((cells[:, None] - cells[None]) ** 2, axis=2))
-    s, u = np.linalg.eigh(alike)
-    kept = s > LEAST * s[-1]
-    return np.asarray((u[:, kept] * np.sqrt(s[kept]))[row.ravel()])
+    return {f"{FIELD_WORDS[f]}, {c}": course * root for f, root in fields.items() for c, course in courses.items()}
