@@ -14,7 +14,7 @@ several noises and levels adds up; it is shown in the one that bears it most.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from math import comb, inf, log
 
@@ -26,7 +26,6 @@ from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
-from octmip.gap.inference.signatures import exact_change, ratios
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
 
@@ -59,9 +58,6 @@ WEIGHTLESS = 35.0
 """Log units behind the best beyond which a hypothesis is not kept: it holds less than 1e-15."""
 N_BESIDE_UNKNOWN = 10
 """Best pairs that are weighed with the unknown beside them."""
-N_BENT, SLIGHT, LINEAR = 16, 0.05, 0.01
-"""Best single effects whose signature is taken between none and the size found; prior standard deviations of a size
-below which it is linear, and what a signature may bend by unnoticed."""
 FAR, NEAR = STATE_RESOLUTION / 2, STATE_RESOLUTION / 5
 """Distance of states beyond which a set is judged about its own, and below which two models are one."""
 
@@ -90,7 +86,7 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     """
     variants = _variants(linearise(inputs, states[0]))
     lead, first = variants[0]
-    inferences = [Inference(first if inputs.groups else _with_secants(first))]
+    inferences = [Inference(first)]
     for assignment in states[1:]:
         model = linearise(first.inputs, assignment, first.level)
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
@@ -156,25 +152,6 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
 def _best_single(model: LinearModel) -> float:
     singles = extensions(model, ())[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
     return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
-
-
-def _with_secants(model: LinearModel) -> LinearModel:
-    """Return the model with the signatures of the best effects that are not linear taken between none and the size."""
-    inputs, inference = model.inputs, Inference(model)
-    expected = np.array(model.means.expected)
-    expected[model.average, model.gauge] = model.predicted
-    best = np.argsort(-extensions(model, ())[0] - inputs.priors.log_weight, kind="stable")[:N_BENT].tolist()
-    signatures = model.signatures.copy()
-    for fit in inference.fits([(j,) for j in best]):
-        j, size = fit.members[0], float(fit.size[0])
-        candidate = inputs.candidates[j]
-        if candidate.forward is None or abs(size) <= SLIGHT * candidate.effect.prior_sd:
-            continue
-        change = exact_change(inputs, model.states, candidate, size) * ratios(inputs, model.states, expected)
-        secant = change[model.average, model.gauge] / size
-        if np.isfinite(secant).all() and not np.allclose(secant, signatures[:, j], rtol=LINEAR, atol=0.0):
-            signatures[:, j] = secant
-    return model if np.array_equal(signatures, model.signatures) else replace(model, signatures=signatures)
 
 
 def likely_sets(inference: Inference) -> dict[Members, float]:
