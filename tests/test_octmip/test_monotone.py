@@ -26,7 +26,7 @@ def asked(**options: object) -> Problem:
 
 
 @pytest.mark.parametrize("kind", MONOTONE_KINDS.values(), ids=MONOTONE_KINDS)
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", [*range(40), 157, 193, 194])
 def test_every_method_against_the_list_of_all_trees(kind, seed):
     problem = kind.draw(np.random.default_rng([kind.stream, seed]))
     truth = kind.truth(problem)
@@ -34,6 +34,17 @@ def test_every_method_against_the_list_of_all_trees(kind, seed):
     assert best.is_optimal
     for solution in (best, solve(problem, "search"), solve(problem, "cart")):
         assert complaint(problem, solution, truth) == ""
+
+
+def test_one_threshold_may_need_its_first_place_and_another_its_last():
+    # Below f = 0.5 the places are 2 to 60 where h = 0 and 40 to 92 where h = 1. Above it 1 is predicted from 10 or 20
+    # on to 80 or 90: where they meet, the 2 below would fall to it. Only 2 to 20 and 80 to 92 keep the order.
+    rows = [(0, 0, 2, (0, 2)), (0, 0, 1, (60, 95)), (0, 1, 1, (0, 40)), (0, 1, 2, (92, 102))]
+    rows += [(1, h, 3, (1, 10, 90, 101)) for h in (0, 1)] + [(1, h, 1, (20, 40, 60, 80)) for h in (0, 1)]
+    samples = [(f, h, g, label) for f, h, label, places in rows for g in places]
+    features, labels = np.array(samples, dtype=float)[:, :3], [label for *_, label in samples]
+    found = solve(Problem(features, labels, depth=3, monotone={"x0": "+"}), "exact")
+    assert (found.objective, found.is_optimal) == (0.0, True)
 
 
 @pytest.mark.parametrize(
