@@ -60,13 +60,13 @@ def test_progress_is_in_the_units_of_the_problem_and_goes_on_from_what_was_known
     light = problem(weights=[0.25] * 9)
     costs, seen = integer_costs(light), []
     whole = costs.whole_objective(light, Leaf(0))
-    report = native_progress(seen.append, costs, Progress(seconds=2.0, objective=1.5, bound=0.5, n_nodes=10))
+    report = native_progress(seen.append, costs.value, Progress(seconds=2.0, objective=1.5, bound=0.5, n_nodes=10))
     report(1.0, 2**63 - 1, 0, 3)
     report(1.5, whole, whole, 4)
     assert seen == [Progress(3.0, 1.5, 0.5, 13), Progress(3.5, 1.25, 1.25, 14)]
-    native_progress(seen.append, costs)(1.0, 2**63 - 1, 0, 3)
+    native_progress(seen.append, costs.value)(1.0, 2**63 - 1, 0, 3)
     assert seen[-1] == Progress(1.0, math.inf, 0.0, 3)
-    assert native_progress(None, costs)(1.0, whole, whole, 3) is None  # asked for signals alone
+    assert native_progress(None, costs.value)(1.0, whole, whole, 3) is None  # asked for signals alone
 
 
 def test_leaves_take_the_label_of_least_cost_and_keep_theirs_where_no_sample_comes():
