@@ -1,5 +1,7 @@
 """Monotone trees: proven against a list of all trees, recounted by the certificate, kept by every method and door."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from octmip.trees.losses import SquaredError
 from octmip.trees.methods.pruning import ordered
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.order import disorder
+from octmip.trees.solution import Progress
 from octmip.trees.tree import predict
 
 RNG = np.random.default_rng(4)
@@ -45,6 +48,18 @@ def test_one_threshold_may_need_its_first_place_and_another_its_last():
     features, labels = np.array(samples, dtype=float)[:, :3], [label for *_, label in samples]
     found = solve(Problem(features, labels, depth=3, monotone={"x0": "+"}), "exact")
     assert (found.objective, found.is_optimal) == (0.0, True)
+
+
+def test_progress_goes_on_from_the_proof_without_the_order():
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(3000, 8))
+    labels = (features[:, :2] + rng.normal(size=(3000, 2)) > 0).sum(axis=1)
+    states: list[Progress] = []
+    problem = Problem(features, labels, depth=3, monotone={"x0": "+", "x1": -1})
+    found = solve(problem, "exact", limits=Limits(seconds=2), progress=states.append)
+    seen = [(one.seconds, one.bound, one.n_nodes) for one in states]
+    assert all(now <= later for column in zip(*seen, strict=True) for now, later in pairwise(column))
+    assert all(one.bound <= one.objective and found.objective <= one.objective for one in states)
 
 
 @pytest.mark.parametrize(

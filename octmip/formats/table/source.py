@@ -33,7 +33,7 @@ class Source:
     format
         "csv", "tsv" or "parquet".
     held
-        the content of standard input, which cannot be read again; None for a file.
+        the content where it was read to find the format; None where the name said it.
     """
 
     path: Path
@@ -43,7 +43,7 @@ class Source:
     @property
     def name(self) -> str:
         """The source as a sentence names it."""
-        return str(self.path) if self.held is None else "standard input"
+        return _name(self.path)
 
     def content(self) -> bytes:
         """Return the bytes of the table, unpacked where they were compressed.
@@ -89,11 +89,16 @@ def open_source(path: PathLike) -> Source:
     DataError
         it cannot be read or is an archive such as a workbook, or standard input is empty or too long.
     """
-    if str(path) == STANDARD_INPUT:
-        held = _standard_input()
-        return Source(Path(STANDARD_INPUT), _form_of(held, "standard input"), held)
     path = Path(path)
-    return Source(path, form_by_ending(path) or _form_of(read_bytes(path), str(path)))
+    form = form_by_ending(path)
+    if form is not None:
+        return Source(path, form)
+    held = _standard_input() if str(path) == STANDARD_INPUT else read_bytes(path)
+    return Source(path, _form_of(held, _name(path)), held)
+
+
+def _name(path: Path) -> str:
+    return "standard input" if str(path) == STANDARD_INPUT else str(path)
 
 
 def _form_of(content: bytes, name: str) -> str:

@@ -242,10 +242,13 @@ class _Search:
         submit = self._submit(costs, self.off)
         now = time.perf_counter()
         began = self.started if self.n_nodes else now
-        before = Progress(now - began, self.objective, self.bound, self.n_nodes)
         first = None
         if self.tree is not None:
             first = whole_cost(self.problem, costs, self.tree), rows_from_tree(self.tree, self.ranks)
+        free = self._in_no_order(native, costs, began)
+        if free is not None and Stop(free.stop) is not Stop.OPTIMAL:
+            return Stop(free.stop)
+        before = self._state(began)
         saving = None
         if self.file is not None:
             saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
@@ -257,11 +260,7 @@ class _Search:
                     native, first, limits, self.n_jobs, self.off, progress, checkpoint=saving, submit=submit
                 )
             else:
-                free = self._in_no_order(native, costs, before)
-                if free is not None and Stop(free.stop) is not Stop.OPTIMAL:
-                    return Stop(free.stop)
                 known = None if free is None else (free.objective, free.rows)
-                limits = remaining(self.limits, began, self.n_nodes)
                 result = _native.shaped_search(native, first, limits, progress, free=known, **self.shape)
         except ValueError as error:
             if self.file is None or not str(error).startswith("known: "):
@@ -287,7 +286,10 @@ class _Search:
             self._keep(relabelled(self.problem, found), least=math.ulp(0.0))
         return stop
 
-    def _in_no_order(self, native: _native.Problem, costs: IntegerCosts, before: Progress) -> _native.Found | None:
+    def _state(self, began: float) -> Progress:
+        return Progress(time.perf_counter() - began, self.objective, self.bound, self.n_nodes)
+
+    def _in_no_order(self, native: _native.Problem, costs: IntegerCosts, began: float) -> _native.Found | None:
         """Return the best tree in no order, which often keeps the one asked for; None where it is no whole tree."""
         if self.problem.monotone is None or self.problem.limited_splits is not None:
             return None
@@ -298,8 +300,8 @@ class _Search:
             if self.progress is not None:
                 self.progress(replace(state, objective=self.objective))
 
-        limits = replace(remaining(self.limits, self.started, self.n_nodes), gap=0.0)
-        progress = native_progress(shown, costs.value, before)
+        limits = replace(remaining(self.limits, began, self.n_nodes), gap=0.0)
+        progress = native_progress(shown, costs.value, self._state(began))
         free = _native.branch_and_bound(native, None, limits, self.n_jobs, self.off, progress)
         self.n_nodes += free.n_nodes
         self.bound = max(self.bound, costs.value(free.bound))

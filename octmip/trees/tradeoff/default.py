@@ -68,8 +68,8 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
         if run.options.cluster is None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=run.n_jobs))
         try:
-            seconds = max(0.0, run.limits.seconds - (time.perf_counter() - start))
-            choice = choose_default(part or problem, seconds=seconds, seed=run.seed, options=run.options)
+            left = max(0.0, run.limits.seconds - (time.perf_counter() - start))
+            choice = choose_default(part or problem, seconds=left, seed=run.seed, options=run.options)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
     if choice is None:
