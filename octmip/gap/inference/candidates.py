@@ -127,6 +127,11 @@ class Priors:
     name: NDArray[np.int64]
     n_effects: int
 
+    def of(self, some: NDArray[np.int64]) -> "Priors":
+        """Return those of some candidates, among as many effects."""
+        bounds, parts = self.bounds[:, some], (self.is_discrete, self.log_weight, self.name)
+        return Priors(self.mean[some], self.sd[some], bounds, *(part[some] for part in parts), self.n_effects)
+
 
 def priors_of(candidates: Sequence[Candidate]) -> Priors:
     """Return the priors of these candidates."""
