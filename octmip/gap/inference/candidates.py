@@ -129,8 +129,8 @@ class Priors:
 
     def of(self, some: NDArray[np.int64]) -> "Priors":
         """Return those of some candidates, among as many effects."""
-        bounds, parts = self.bounds[:, some], (self.is_discrete, self.log_weight, self.name)
-        return Priors(self.mean[some], self.sd[some], bounds, *(part[some] for part in parts), self.n_effects)
+        mean, sd, bounds = self.mean[some], self.sd[some], self.bounds[:, some]
+        return Priors(mean, sd, bounds, self.is_discrete[some], self.log_weight[some], self.name[some], self.n_effects)
 
 
 def priors_of(candidates: Sequence[Candidate]) -> Priors:
