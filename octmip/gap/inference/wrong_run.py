@@ -17,6 +17,7 @@ from scipy.special import logsumexp
 from octmip.gap.campaign.campaign import Cell
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
 from octmip.gap.inference.linear_model import LinearModel
@@ -46,8 +47,9 @@ class WrongRun:
         log of prior times evidence of a sound asset beside a wrong run, all three kinds together.
     words
         the most probable of them.
-    correction, spread
-        (n,) what it added to the run's readings, and one standard deviation of it; None of another asset.
+    correction, spread, own_spread
+        (n,) what it added to the run's readings, and one standard deviation of it: of the whole, and beside that of
+        each gauge by itself; None of another asset.
     log_usual
         what a right run gains, too, where the difference is allowed to be the usual one: logs of evidences compared
         must be under the same alternatives.
@@ -57,6 +59,7 @@ class WrongRun:
     words: str
     correction: Floats | None
     spread: Floats | None
+    own_spread: Floats | None
     log_usual: float = 0.0
 
 
@@ -81,10 +84,11 @@ def weigh_wrong_run(model: LinearModel) -> WrongRun:
 def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
     """Return the inputs with what was wrong taken off the run, or without the run where it is of another asset."""
     run = inputs.run
-    if wrong.correction is None or wrong.spread is None or run is None:
+    if wrong.correction is None or wrong.spread is None or wrong.own_spread is None or run is None:
         return replace(inputs, run=None, difference=inputs.usual)
     means = replace(run.means, measured=run.means.measured - wrong.correction)
-    added = np.outer(wrong.spread, wrong.spread)
+    same = run.means.gauge[:, None] == run.means.gauge
+    added = np.outer(wrong.spread, wrong.spread) + same * np.outer(wrong.own_spread, wrong.own_spread)
     # what was wrong may have looked like a walk: every noise stays open
     noises = tuple(replace(one, covariance=one.covariance + added) for one in run.noises)
     return relearnt(inputs, replace(run, means=means, noises=noises))
@@ -125,14 +129,15 @@ def _nodes(inputs: Inputs) -> Floats:
 
 def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
     """Return the run with an effect of the library in it."""
-    inputs = model.inputs
+    inputs, run = model.inputs, model.inputs.run
+    assert run is not None
     lengths, projection = _weighed(model, columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
     logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
     logs[[one.is_nameless for one in inputs.candidates]] = -np.inf  # too rare
     if not len(logs):
-        return WrongRun(-np.inf, "", None, None)
+        return WrongRun(-np.inf, "", None, None, None)
     best = int(np.argmax(logs))
     prior_sd = inputs.priors.sd[best]
     precision = lengths[best] + (3.0 * prior_sd) ** -2
@@ -141,14 +146,17 @@ def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
     effect: Effect = chosen.effect
     words = f"{words_at(effect, inputs.twin, chosen.place).name}, {size:.3g} {effect.unit}, acted while it was taken"
     total = model.log_none + float(logsumexp(logs))
-    return WrongRun(total, words, size * columns[:, best], precision**-0.5 * columns[:, best])
+    gauges = [inputs.order[k] for k in run.means.gauge.tolist()]
+    share = np.broadcast_to(chosen.signature_errors, len(inputs.twin.gauges))[gauges]
+    correction = size * columns[:, best]
+    return WrongRun(total, words, correction, precision**-0.5 * columns[:, best], share * correction)
 
 
 def _by_state(model: LinearModel, columns: Floats) -> WrongRun:
     """Return the run with another state than it says, the same in all its cells."""
     inputs, nodes = model.inputs, _nodes(model.inputs)
     if not len(nodes):
-        return WrongRun(-np.inf, "", None, None)
+        return WrongRun(-np.inf, "", None, None, None)
     lengths, projection = _weighed(model, columns)
     precision = lengths + NODE_SPREAD**-2
     sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter
@@ -158,8 +166,10 @@ def _by_state(model: LinearModel, columns: Floats) -> WrongRun:
     shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, there, strict=True))
     total = model.log_none + float(logsumexp(logs))
     correction = sizes[best] * columns[:, best]
+    common, own = np.sqrt(ALL_GAUGES), np.sqrt(1.0 - ALL_GAUGES)
     spread = inputs.difference.usual.damage * correction
-    return WrongRun(total, f"its readings are those of the state {shown}", correction, spread)
+    words = f"its readings are those of the state {shown}"
+    return WrongRun(total, words, correction, common * spread, own * spread)
 
 
 def _changed(inputs: Inputs, cells: Sequence[Cell], node: Floats) -> Floats:
@@ -175,7 +185,7 @@ def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in LEVELS.items()]
     total = float(logsumexp(of_levels)) + log_run
-    return WrongRun(total, "it differs from the asset of today as another asset would", None, None)
+    return WrongRun(total, "it differs from the asset of today as another asset would", None, None, None)
 
 
 def _states(run: Run, inputs: Inputs) -> Floats:
