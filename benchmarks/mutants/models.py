@@ -54,7 +54,7 @@ MODELS = (
         ("turned = low > 0.0  #", "turned = low > 1e9  #"),
         ("covariance = covariance * ratio[..., :, None] * ratio[..., None, :]", "covariance = covariance * 1.0"),
         ("covariance = second - size[:, :, None] * size[:, None, :]", "covariance = second"),
-        ("gain = model.white.T @ left - solved[:, :-1].T @ solved[:, -1]", "gain = model.white.T @ left"),
+        ("gain = white.T @ left - solved[:, :-1].T @ solved[:, -1]", "gain = white.T @ left"),
         (
             "share = log_between(size, spread, bounds) - log_between(mean, sd, bounds)",
             "share = log_between(size, spread, bounds)",

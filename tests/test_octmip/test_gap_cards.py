@@ -44,12 +44,12 @@ def twin_of(page: Path, name: str = "twin") -> FunctionTwin:
 
 
 def read(twin: FunctionTwin, loads: list[dict], moved: str = "", seed: int = 0) -> Campaign:
-    """Return a campaign of a twin, one parameter half-way to its greatest value, with a noise of a thousandth."""
+    """Return a campaign of a twin, one parameter at nine tenths of its greatest value, with a noise of a thousandth."""
     rng, blocks = np.random.default_rng(seed), []
     own = twin.card.ranges.get(moved)
     for load in loads:
         at = load_of(twin.loads, tuple(load.values()))
-        clean = twin.ask({}, at, {} if own is None else {moved: (own.nominal + own.high) / 2})
+        clean = twin.ask({}, at, {} if own is None else {moved: 0.1 * own.nominal + 0.9 * own.high})
         blocks.append(Recorded(clean + 1e-3 * (1 + np.abs(clean)) * rng.standard_normal((12, len(clean))), load))
     return gathered(twin, blocks)
 

@@ -61,7 +61,7 @@ def test_an_effect_is_found_where_readings_depend_on_two_loads():
 
 def test_a_wrong_amplitude_is_the_error_of_that_load_alone():
     twin, whole = Shaker(), shaken(1, 0.0)
-    readings = whole.readings + np.array([0.06 * twin.predict({}, Loads(twin.loads, tuple(r))) for r in whole.applied])
+    readings = whole.readings + np.array([0.2 * twin.predict({}, Loads(twin.loads, tuple(r))) for r in whole.applied])
     given = replace(whole, readings=readings)
     diagnosis = diagnose(given, twin)
     names = {name for cause in diagnosis.credible for name in cause.effects}

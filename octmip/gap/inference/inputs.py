@@ -306,8 +306,8 @@ def _read(run: Campaign, frame: Frame, noise: Noise) -> tuple[Run, list[str]]:
 
 
 WITHOUT_RUN = (
-    "No commissioning run: twin and asset may differ by 1 % and more in common and per gauge before any effect; "
-    "effects that scale all readings by less than about 3 % are invisible."
+    "No commissioning run: twin and asset may differ by 2 % and more in common and per gauge before any effect; "
+    "effects that scale all readings by less than some 10 % are invisible."
 )
 
 
