@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 from octmip.errors import ProblemError
-from octmip.trees.encoding.numbers import exact_sum, rounded_down
+from octmip.trees.encoding.costs import exact_sum, rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
 from octmip.trees.run import Run

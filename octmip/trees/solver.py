@@ -183,7 +183,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     ProblemError
         a proof log is asked for, or `weighted_rows` refuses the problem.
     """
-    from octmip.trees.encoding.numbers import rounded_down
+    from octmip.trees.encoding.costs import rounded_down
     from octmip.trees.encoding.sample_costs import weighted_rows
 
     options = run.options

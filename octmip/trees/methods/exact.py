@@ -20,6 +20,7 @@ from octmip.trees.cluster import Cluster, Future, opened
 from octmip.trees.encoding import (
     IntegerCosts,
     Ranks,
+    centred_tree,
     integer_costs,
     native_arguments,
     native_problem,
@@ -51,7 +52,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.proof import log_header
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
-from octmip.trees.tree import Node, centred
+from octmip.trees.tree import Node
 
 SOLVER = "exact"
 
@@ -170,8 +171,11 @@ class _Search:
 
     def solution(self, seed: int, ties: dict[str, str]) -> Solution:
         """Return what was found and proven."""
+        tree = None if self.tree is None else self.problem.with_sides(self.tree)
+        if tree is not None and self.problem.old_tree is not None:
+            tree = with_old_sides(self.problem, tree)
         return Solution(
-            tree=None if self.tree is None else with_old_sides(self.problem, self.problem.with_sides(self.tree)),
+            tree=tree,
             objective=self.objective,
             bound=self.bound,
             stop=self.stop,
@@ -273,11 +277,10 @@ class _Search:
         self.bound = max(self.bound, lower)
         if result.objective == NO_TREE:
             return self._without_tree(stop)
-        found = tree_from_rows(result.rows, self.ranks)
         if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
-            self._keep(found)
+            self._keep(tree_from_rows(result.rows, self.ranks))
             return stop
-        found = centred(found, self.problem.features)
+        found = centred_tree(result.rows, self.ranks, self.problem.features)
         if self.problem.has_parts:
             found = with_given_thresholds(self.problem, found)
         self._keep(found)
@@ -347,7 +350,7 @@ class _Search:
         _, costs, _ = self.proven
         effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
         rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
-        smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        smaller = centred_tree(rows, self.ranks, self.problem.features)
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
 

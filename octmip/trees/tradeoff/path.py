@@ -28,7 +28,7 @@ from itertools import pairwise
 
 from octmip.errors import ProblemError
 from octmip.trees.cluster import opened
-from octmip.trees.encoding.numbers import rounded_down
+from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.methods.pruning import ordered, priced_prunings, pruned, prunings
 from octmip.trees.prediction import predict, predict_values
