@@ -9,9 +9,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.errors import CertificateError, ProblemError
 from octmip.input.messages import several
-from octmip.trees.methods.interruption import held_back
 from octmip.trees.order import disorder
 from octmip.trees.part_check import broken_rule, missing_part, n_changes
 from octmip.trees.problem import Problem
@@ -97,24 +96,6 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         bound=solution.bound,
         gap=solution.gap,
     )
-
-
-def checked_solution(problem: Problem, solution: Solution) -> Solution:
-    """Return a solver's solution once it is certified, or found no tree; a signal waits until then.
-
-    Raises
-    ------
-    SolverError
-        its certificate refutes it.
-    """
-    if solution.tree is None:
-        return solution
-    try:
-        with held_back():  # what hours have found is not lost to a signal in these moments
-            certify(problem, solution)
-    except CertificateError as error:
-        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
-    return solution
 
 
 def checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:

@@ -8,7 +8,6 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 import math
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 from octmip.errors import NoTreeError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
-from octmip.trees.cluster import Cluster, Future, opened
+from octmip.trees.cluster import Cluster, Future
 from octmip.trees.encoding import (
     IntegerCosts,
     Ranks,
@@ -40,7 +39,6 @@ from octmip.trees.methods.native_call import (
     logged,
     native_progress,
     relabelled,
-    remaining,
     switched_off,
     whole_cost,
     write_log,
@@ -86,8 +84,8 @@ def branch_and_bound(
         called with a `Progress` about every 50 ms.
     options
         the proof's log takes a second search, about as long. The checkpoint keeps solved cuts of the root, from depth 3
-        on; a bound that goes on from it rests on it (`details["resumed_from"]`). The processes of a cluster solve the
-        root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
+        on; a bound that goes on from it rests on it (`details["resumed_from"]`). ``cluster`` is an open `Cluster` here,
+        whose processes solve the root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
@@ -114,17 +112,15 @@ def branch_and_bound(
     if options.checkpoint is not None:
         off = tuple(sorted(switched_off()))
         file = Checkpoint(problem, ranks, options.checkpoint, every_of(options), SOLVER, off, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, file)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, file, options.cluster)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "cancelling"]
-    with ExitStack() as stack:
-        search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
-        search.search(start)
-        may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
-        ties = search.smaller() if may_break else dict(UNBROKEN)
-        if proof is not None:
-            with logged(proof, search.stop, lambda: search.solution(seed, ties)):
-                search.bound = search.write_proof(Path(proof))
+    search.search(start)
+    may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
+    ties = search.smaller() if may_break else dict(UNBROKEN)
+    if proof is not None:
+        with logged(proof, search.stop, lambda: search.solution(seed, ties)):
+            search.bound = search.write_proof(Path(proof))
     return search.solution(seed, ties)
 
 
@@ -139,6 +135,7 @@ class _Search:
     started: float
     ranks: Ranks
     file: Checkpoint | None
+    cluster: Cluster | None
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -150,7 +147,6 @@ class _Search:
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
     resumed: ExactState | None = None  # of the checkpoint
-    cluster: Cluster | None = None
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -257,7 +253,7 @@ class _Search:
         if self.file is not None:
             saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
         try:
-            limits = remaining(self.limits, began, self.n_nodes)
+            limits = self.limits.remaining(began, self.n_nodes)
             progress = native_progress(self.progress, costs.value, before)
             if not self.problem.is_shaped:
                 result = _native.branch_and_bound(
@@ -303,7 +299,7 @@ class _Search:
             if self.progress is not None:
                 self.progress(replace(state, objective=self.objective))
 
-        limits = replace(remaining(self.limits, began, self.n_nodes), gap=0.0)
+        limits = replace(self.limits.remaining(began, self.n_nodes), gap=0.0)
         progress = native_progress(shown, costs.value, self._state(began))
         free = _native.branch_and_bound(native, None, limits, self.n_jobs, self.off, progress)
         self.n_nodes += free.n_nodes

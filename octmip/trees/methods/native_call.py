@@ -6,7 +6,6 @@ native core  ->  leaves labelled by the true costs, a proof log written whole or
 
 import contextlib
 import math
-import time
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from dataclasses import replace
@@ -21,7 +20,7 @@ from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.methods.interruption import is_heard, note
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
+from octmip.trees.solution import Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, splits, without_empty_sides
 
 NativeProgress = Callable[[float, int, int, int], None]
@@ -74,15 +73,6 @@ def _refused(reason: str) -> ProblemError:
 def whole_cost(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
     """Return the cost of a tree on the grid, as far as the native core takes it."""
     return min(MOST_WHOLE, costs.whole_objective(problem, tree))
-
-
-def remaining(limits: Limits, started: float, n_nodes: int = 0) -> Limits:
-    """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent.
-
-    No second is left to a call that was interrupted.
-    """
-    seconds = 0.0 if is_heard() else limits.seconds - (time.perf_counter() - started)
-    return replace(limits, seconds=max(0.0, seconds), nodes=max(0.0, limits.nodes - n_nodes))
 
 
 def native_progress(

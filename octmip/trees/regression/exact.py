@@ -19,7 +19,7 @@ from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.encoding import Ranks, centred_tree
 from octmip.trees.encoding.costs import rounded_down
-from octmip.trees.methods.native_call import check_threads, logged, native_progress, remaining
+from octmip.trees.methods.native_call import check_threads, logged, native_progress
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.grid import Grid
@@ -184,7 +184,7 @@ class _Search:
         before = Progress(time.perf_counter() - self.started, self.objective, -math.inf, self.n_cuts)
         found = _native.regression(
             None if math.isinf(self.room) else self.room,
-            remaining(self.limits, self.started, self.n_cuts),
+            self.limits.remaining(self.started, self.n_cuts),
             self.n_jobs,
             native_progress(self.progress, lambda whole: whole / PARTS * self.leaf, before),
             ranks=self.ranks.ranks,
