@@ -123,7 +123,7 @@ CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False, ca
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=(), cannot=PARTS)
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
 SHAPED = replace(EXACT, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every"))
-"""The exact core where `Shape.is_shaped`."""
+"""The exact core where `Problem.is_shaped`."""
 PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 """The exact core where parts of the tree are asked for, which no search before it knows."""
 SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
@@ -218,7 +218,7 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
 
 
 NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "worst_case")
-"""What knows nothing of `Shape.is_shaped`: its searches go through trees level by level."""
+"""What knows nothing of `Problem.is_shaped`: its searches go through trees level by level."""
 
 
 def refuse_shape(problem: Problem, asked: str) -> None:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, DataError, ProblemError, SolverError
 from octmip.input.files import write_bytes
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.certificate import checked_leaf_index, first_forbidden_split
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.methods.interruption import is_heard, note
 from octmip.trees.problem import Problem
@@ -53,7 +53,7 @@ def feasible_incumbent(problem: Problem, incumbent: Node | Solution | None) -> N
         raise ProblemError("the incumbent solution holds no tree; leave it out or give a tree")
     if problem.split == "axis" and any(isinstance(split, HyperplaneSplit) for split in splits(given)):
         raise _refused("it has a split over a hyperplane but split is 'axis'")
-    forbidden = problem.first_forbidden_split(given)  # before samples are routed: a feature may not exist
+    forbidden = first_forbidden_split(problem, given)  # before samples are routed: a feature may not exist
     if forbidden:
         raise _refused(forbidden)
     tree = without_empty_sides(given, problem.features)
