@@ -83,8 +83,8 @@ def to_certificate() -> Callable[[], object]:
 
     Each of its stays has its reason:
 
-    solver       registry, options, exact: the method, what it takes, the proof; problem: what is asked; solution: limits
-                 and result; interruption: Ctrl-C ends the whole call; certificate: the recount
+    solver       registry, options, exact: the method, what it takes, the proof; problem: what is asked;
+                 solution: limits and result; interruption: Ctrl-C ends the whole call; certificate: the recount
     registry     problem: loss and shape, which choose the solver
     exact        ranks, costs, native_call: the input of the core and its answer; problem: true costs of a tree;
                  solution: limits and result
