@@ -1,4 +1,7 @@
-"""The map: which solver answers which pair of loss and split, by method. A new method is a line here."""
+"""The map: which solver answers which pair of loss and split, by method. A new method is a line here.
+
+A `Run` says how a problem is solved: functions that solve several alike hand it on as one.
+"""
 
 import importlib
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """Calls of the native core: what exact, two_feature and search share on the way there and back.
 
-incumbent (checked), limits less what was spent, progress in the problem's units  ->  native core
+incumbent (checked), progress in the problem's units  ->  native core
 native core  ->  leaves labelled by the true costs, a proof log written whole or not at all
 """
 
