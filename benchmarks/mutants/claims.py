@@ -99,7 +99,7 @@ CLAIMS = (
         ),
     ),
     *mutants_of(
-        "octmip/trees/shape.py",
+        "octmip/trees/problem.py",
         ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
         ("else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)", "else self.sensor_budget"),
         (

@@ -16,7 +16,7 @@ PATH = ("test_octmip/test_path.py",)
 
 PROOFS = (
     *mutants_of(
-        "octmip/trees/encoding/grid.py",
+        "octmip/trees/encoding/costs.py",
         COSTS,
         ("self.loss += len(members) + float(past.sum(dtype=float))", "self.loss += 0"),
         ("self.loss += len(equal) * (1.0 + max(past))", "self.loss += 0"),
@@ -27,7 +27,7 @@ PROOFS = (
         ("min(self.cap, int(scaled * price)) for price", "int(scaled * price) for price"),
     ),
     *mutants_of(
-        "octmip/trees/encoding/numbers.py",
+        "octmip/trees/encoding/costs.py",
         COSTS,
         ("return nearest if Fraction(nearest) <= exact else math.nextafter(nearest, -math.inf)", "return nearest"),
     ),

@@ -79,7 +79,21 @@ def _level(name: str) -> int:
 
 
 def to_certificate() -> Callable[[], object]:
-    """Return the call that solves a small problem and certifies the solution."""
+    """Return the call that solves a small problem and certifies the solution.
+
+    Each of its stays has its reason:
+
+    solver       registry, options, exact: the method, what it takes, the proof; problem: what is asked;
+                 solution: limits and result; interruption: Ctrl-C ends the whole call; certificate: the recount
+    registry     problem: loss and shape, which choose the solver
+    exact        ranks, costs, native_call: the input of the core and its answer; problem: true costs of a tree;
+                 solution: limits and result
+    ranks        problem: sensors and allowed features; tree: nodes from rows
+    costs        problem: the cost matrix, and splits that have to stand
+    problem      tree, class_costs: predictions and what they cost
+    solution     interruption: no second is left to a call that was interrupted
+    certificate  problem: limits and objective; tree: the way of each sample; solution: the claims
+    """
     rng = np.random.default_rng(0)
     features = rng.normal(size=(60, 4)).round(1)
     problem = Problem(features, (features[:, 0] > 0) ^ (features[:, 1] > 0.3), depth=2)

@@ -14,7 +14,7 @@ from benchmarks.tables import markdown
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
 from octmip import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits
 from octmip.trees.tradeoff import baselines_of, solve_default
 from octmip.trees.tree import leaves, predict

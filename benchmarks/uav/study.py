@@ -13,7 +13,8 @@ from benchmarks.uav.bayes import bayes_limit
 from femlib.dataset import Dataset, MeanStrains, published_strains, simulated_strains
 from femlib.wing import uav_wing
 from octmip import Limits, Problem, Solution, certify, predict
-from octmip.trees.solver import Method, solve
+from octmip.trees.registry import Method
+from octmip.trees.solver import solve
 
 LABELS = ("mu1", "mu2")
 DEPTHS = (1, 2, 3)

@@ -24,8 +24,9 @@ from octmip.errors import ProblemError, SolverError, needed_by
 from octmip.sensing.placement import problem_on
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
+from octmip.trees.registry import Method
 from octmip.trees.solution import Limits
-from octmip.trees.solver import Method, solve
+from octmip.trees.solver import solve
 
 QUICK = SearchOptions(restarts=1, perturbations=0)
 QUICK_NODES = 10  # visits to a node: the trial trees of a forward selection are many

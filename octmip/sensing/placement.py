@@ -22,12 +22,12 @@ from typing import Any, Literal
 import numpy as np
 
 from octmip.errors import ProblemError
-from octmip.trees.encoding.numbers import exact_sum, rounded_down
+from octmip.trees.encoding.costs import exact_sum, rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Method, Run
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.solver import Method, solve_run
+from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Point
 from octmip.trees.tradeoff.frontier import frontier_run
 from octmip.trees.tree import Leaf, Node, Split

@@ -9,15 +9,26 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.errors import CertificateError, ProblemError
 from octmip.input.messages import several
-from octmip.trees.methods.interruption import held_back
 from octmip.trees.order import disorder
 from octmip.trees.part_check import broken_rule, missing_part, n_changes
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import words_of
 from octmip.trees.solution import Solution, Stop, is_tolerable
-from octmip.trees.tree import Leaf, Node, complexity, depth, leaf_index, leaves, n_splits
+from octmip.trees.tree import (
+    HyperplaneSplit,
+    Leaf,
+    Node,
+    ValueLeaf,
+    complexity,
+    depth,
+    features_used,
+    leaf_index,
+    leaves,
+    n_splits,
+    splits,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +100,7 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
     return Certificate(
         objective=objective,
         normalised_objective=objective / baseline if baseline > 0 else math.nan,
-        measures=problem.loss.measures(problem.weights, problem.codes, predicted),
+        measures=problem.measures(predicted),
         n_splits=n_splits(tree),
         depth=depth(tree),
         sensors=problem.sensors_used(tree),
@@ -97,24 +108,6 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         bound=solution.bound,
         gap=solution.gap,
     )
-
-
-def checked_solution(problem: Problem, solution: Solution) -> Solution:
-    """Return a solver's solution once it is certified, or found no tree; a signal waits until then.
-
-    Raises
-    ------
-    SolverError
-        its certificate refutes it.
-    """
-    if solution.tree is None:
-        return solution
-    try:
-        with held_back():  # what hours have found is not lost to a signal in these moments
-            certify(problem, solution)
-    except CertificateError as error:
-        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
-    return solution
 
 
 def checked_incumbent(problem: Problem, incumbent: Node | Solution | None) -> Node | None:
@@ -154,7 +147,7 @@ def _check_tree(problem: Problem, tree: Node) -> None:
     if problem.max_splits is not None and complexity(tree) > problem.max_splits:
         counted = "splits" if problem.split == "axis" else "features in its splits"
         raise CertificateError(f"the tree has {complexity(tree)} {counted} but max_splits is {problem.max_splits}")
-    forbidden = problem.first_forbidden_split(tree)
+    forbidden = first_forbidden_split(problem, tree)
     if forbidden:
         raise CertificateError(forbidden)
     if problem.monotone is not None and (found := disorder(tree, problem.directions)) is not None:
@@ -171,6 +164,46 @@ def _check_tree(problem: Problem, tree: Node) -> None:
         raise CertificateError(
             f"the tree reads the sensors {sensors} of total cost {cost:g}, over the budget of {problem.sensor_budget:g}"
         )
+
+
+def first_forbidden_split(problem: Problem, tree: Node) -> str | None:
+    """Return a sentence about the first split or leaf that a problem does not allow, None if there is none."""
+    used = features_used(tree)
+    if used and used[-1] >= problem.n_features:
+        return f"the tree reads feature {used[-1]} but the problem has {problem.n_features} features"
+    with_missing = set(problem.features_with_missing) if problem.takes_missing else set()
+    for split in splits(tree):
+        names = [problem.feature_names[j] for j in split.features]
+        if not problem.is_allowed(split.features):
+            return f"a split over {names} is not allowed (split_size {problem.max_split_size}, allowed_splits)"
+        if problem.split == "axis" and isinstance(split, HyperplaneSplit):
+            return f"a split over {names} is a hyperplane, which is not allowed: split is 'axis'"
+        if isinstance(split, HyperplaneSplit) and not _is_integral(problem, split):
+            return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
+        if split.missing is None and with_missing.intersection(split.features):
+            return f"a split over {names} has no side for missing readings, of which this problem has some"
+    return next(filter(None, (_fault_of(problem, leaf) for leaf in leaves(tree))), None)
+
+
+def _fault_of(problem: Problem, leaf: Leaf) -> str | None:
+    if problem.loss.predicts == "class":
+        if isinstance(leaf, ValueLeaf):
+            return f"a leaf predicts the number {leaf.value}; expected a class in every leaf"
+        is_known = leaf.label < problem.n_classes
+        return (
+            None if is_known else f"a leaf predicts class {leaf.label} but the problem has {problem.n_classes} classes"
+        )
+    if not isinstance(leaf, ValueLeaf):
+        return f"a leaf predicts class {leaf.label}; expected a number in every leaf"
+    if leaf.features and problem.leaf_model == "constant":
+        return f"a leaf is linear over features {leaf.features} but leaf_model is 'constant'"
+    return None
+
+
+def _is_integral(problem: Problem, split: HyperplaneSplit) -> bool:
+    """Whether a hyperplane's coefficients are whole numbers where that is asked for."""
+    most = problem.integer_normals
+    return most is None or all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)
 
 
 def _broken_part(problem: Problem, tree: Node) -> str | None:

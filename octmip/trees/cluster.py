@@ -15,14 +15,12 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from octmip.errors import DataError, SolverError, needed_by
-from octmip.trees.methods.options import Options
 
-T = TypeVar("T", bound=Options)
 LOCAL = "local"
 MOST_LOST = 20
 """Times that one task may be lost with its worker: a task that ends its worker each time would be sent for ever."""
@@ -286,23 +284,6 @@ def open_cluster(where: str | Any, n_workers: int | None = None) -> Iterator[Clu
         )
         stack.enter_context(import_module("joblib").parallel_config(backend="dask", n_jobs=-1))
         yield Cluster(client)
-
-
-@contextlib.contextmanager
-def opened(options: T, n_workers: int | None = None) -> Iterator[T]:
-    """Return a solver's options with an open cluster where they name one, so that several solves share it.
-
-    Raises
-    ------
-    DataError, MissingExtraError
-        as `open_cluster`.
-    """
-    where = options.cluster
-    if where is None or isinstance(where, Cluster):
-        yield options
-        return
-    with open_cluster(where, n_workers) as cluster:
-        yield replace(options, cluster=cluster)
 
 
 @contextlib.contextmanager

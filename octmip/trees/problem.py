@@ -8,7 +8,7 @@ over       trees of at most `depth` levels of splits (or of any), every leaf wit
 
 import hashlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
@@ -20,16 +20,16 @@ from octmip.errors import ProblemError
 from octmip.trees.losses import ClassCosts, Loss, NumberLoss
 from octmip.trees.problem_values import (
     KEPT,
-    distinct_labels,
+    classes_of,
+    feature_names_of,
     features_of,
     in_blocks,
-    labels_of,
     names_of_columns,
-    numbers_of,
+    numbers_to_predict,
+    weights_of,
 )
-from octmip.trees.shape import Shape, set_field
+from octmip.trees.shape import AnyDepth, Shape, set_field
 from octmip.trees.tree import (
-    HyperplaneSplit,
     Leaf,
     Node,
     ValueLeaf,
@@ -101,8 +101,10 @@ class Problem(Shape):
             self._set_classes()
         else:
             self._set_numbers()
-        self._set_weights()
-        self._settle(self.feature_names, self.n_samples, lambda: self.baseline)
+        set_field(self, "weights", weights_of(self.weights, self.n_samples))
+        self._settle(self.feature_names, self.n_samples)
+        if self.any_depth:
+            self._end_depth(self.baseline + self.most_asked_splits * self.leaf_penalty, self.n_samples)
         if self.leaf_model == "linear" and self.loss.predicts == "class":
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
         if self.monotone is not None and self.takes_missing:
@@ -118,60 +120,23 @@ class Problem(Shape):
             raise ProblemError(f"features has shape {features.shape}; expected at least one sample and one feature")
         set_field(self, "features", features)
         set_field(self, "takes_missing", bool(self.takes_missing) or self.n_missing > 0)
-        names = tuple(str(name) for name in ([f"x{j}" for j in range(features.shape[1])] if given is None else given))
-        if len(names) != features.shape[1] or len(set(names)) != len(names):
-            raise ProblemError(
-                f"feature_names has {len(names)} entries ({len(set(names))} different) but features has "
-                f"{features.shape[1]} columns; give one name for each column, none twice"
-            )
-        set_field(self, "feature_names", names)
+        set_field(self, "feature_names", feature_names_of(given, features.shape[1]))
 
     def _set_classes(self) -> None:
-        targets = labels_of(self.targets)
-        if targets.shape != (self.n_samples,):
-            raise ProblemError(
-                f"targets has shape {targets.shape} but features has {self.n_samples} rows; give one for each row"
-            )
-        present, inverse = distinct_labels(targets)
-        if len(present if self.class_names is None else tuple(self.class_names)) < 2:
-            raise ProblemError(f"targets holds one class only ({present[0]!r}); expected two or more")
-        names = tuple(present) if self.class_names is None else tuple(self.class_names)
-        position = {name: k for k, name in enumerate(names)}
-        unknown = [label for label in present if label not in position]
-        if unknown or len(position) != len(names):
-            raise ProblemError(
-                f"targets holds {unknown} which class_names {names} lacks (or names twice); name every class once"
-            )
         assert isinstance(self.loss, ClassCosts)
+        targets, names, codes = classes_of(self.targets, self.class_names, self.n_samples)
         set_field(self, "targets", targets)
         set_field(self, "class_names", names)
-        set_field(self, "codes", np.array([position[label] for label in present], dtype=np.int64)[inverse])
+        set_field(self, "codes", codes)
         set_field(self, "loss", self.loss.over(names, self.n_samples))
 
     def _set_numbers(self) -> None:
         if self.class_names:
             raise ProblemError(f"class_names is {self.class_names} but {self.loss} predicts numbers; leave it out")
-        targets = numbers_of(self.targets, "targets", 1)
-        if targets.shape != (self.n_samples,):
-            raise ProblemError(
-                f"targets has {len(targets)} entries but features has {self.n_samples} rows; give one for each row"
-            )
+        targets = numbers_to_predict(self.targets, self.n_samples)
         set_field(self, "targets", targets)
         set_field(self, "class_names", ())
         set_field(self, "codes", targets)
-
-    def _set_weights(self) -> None:
-        weights = np.ones(self.n_samples) if self.weights is None else numbers_of(self.weights, "weights", 1)
-        if weights.shape != (self.n_samples,):
-            raise ProblemError(
-                f"weights has {len(weights)} entries but features has {self.n_samples} rows; give one each"
-            )
-        if (weights < 0).any():
-            row = int(np.flatnonzero(weights < 0)[0])
-            raise ProblemError(f"weights[{row}] is {weights[row]}; expected 0 or more")
-        if not weights.any():
-            raise ProblemError("all weights are 0; expected at least one positive weight")
-        set_field(self, "weights", weights)
 
     def __repr__(self) -> str:
         words = [f"{self.n_samples} samples", f"{self.n_features} features"]
@@ -190,6 +155,11 @@ class Problem(Shape):
     def n_samples(self) -> int:
         """Number of samples."""
         return int(self.features.shape[0])
+
+    @property
+    def n_features(self) -> int:
+        """Number of features."""
+        return len(self.sensor_index)
 
     @property
     def n_missing(self) -> int:
@@ -258,16 +228,8 @@ class Problem(Shape):
 
         A proof whose tolerance is not below it cannot tell a tree from one that answers a sample better.
         """
-        table = self.cost_table
-        excess = table - table.min(axis=1, keepdims=True)
-        by_row = np.where(excess > 0, excess, np.inf).min(axis=1)
-        lightest = np.full(len(table), np.inf)
-        positive = self.weights > 0
-        np.minimum.at(lightest, self.cost_rows[positive], self.weights[positive])
-        pairs = zip(lightest.tolist(), by_row.tolist(), strict=True)
-        # A product below the least float64 is something all the same.
-        savings = [max(w * c, math.ulp(0.0)) for w, c in pairs if math.isfinite(w)]
-        return float(min([*savings, self.leaf_penalty or math.inf]))
+        saved = self._class_costs.least_saving(self.weights, self.cost_rows)
+        return float(min(saved, self.leaf_penalty or math.inf))
 
     def least_saving_from(self, objective: float) -> float:
         """Return the least that a tree must save to be called better than one of this objective.
@@ -347,37 +309,76 @@ class Problem(Shape):
     def _prices(self, tree: Node) -> Fraction:
         return Fraction(self.leaf_penalty) * complexity(tree)
 
-    def first_forbidden_split(self, tree: Node) -> str | None:
-        """Return a sentence about the first split or leaf that this problem does not allow, None if there is none."""
-        used = features_used(tree)
-        if used and used[-1] >= self.n_features:
-            return f"the tree reads feature {used[-1]} but the problem has {self.n_features} features"
-        with_missing = set(self.features_with_missing) if self.takes_missing else set()
-        for split in splits(tree):
-            names = [self.feature_names[j] for j in split.features]
-            if not self.is_allowed(split.features):
-                return f"a split over {names} is not allowed (split_size {self.max_split_size}, allowed_splits)"
-            if self.split == "axis" and isinstance(split, HyperplaneSplit):
-                return f"a split over {names} is a hyperplane, which is not allowed: split is 'axis'"
-            if isinstance(split, HyperplaneSplit) and not self.is_integral(split):
-                return f"a split over {names} has coefficients {split.coefficients}, not integers within limits"
-            if split.missing is None and with_missing.intersection(split.features):
-                return f"a split over {names} has no side for missing readings, of which this problem has some"
-        return next(filter(None, map(self._fault_of, leaves(tree))), None)
+    @property
+    def any_depth(self) -> bool:
+        """Whether trees may be as deep as they like."""
+        return isinstance(self.depth, AnyDepth)
 
-    def _fault_of(self, leaf: Leaf) -> str | None:
-        if self.loss.predicts == "class":
-            if isinstance(leaf, ValueLeaf):
-                return f"a leaf predicts the number {leaf.value}; expected a class in every leaf"
-            is_known = leaf.label < self.n_classes
-            return (
-                None if is_known else f"a leaf predicts class {leaf.label} but the problem has {self.n_classes} classes"
-            )
-        if not isinstance(leaf, ValueLeaf):
-            return f"a leaf predicts class {leaf.label}; expected a number in every leaf"
-        if leaf.features and self.leaf_model == "constant":
-            return f"a leaf is linear over features {leaf.features} but leaf_model is 'constant'"
-        return None
+    @property
+    def has_parts(self) -> bool:
+        """Whether parts of the tree are given, ruled out or kept."""
+        return not (self.fixed_splits is None and self.path_rules is None and self.max_changes is None)
+
+    @property
+    def limited_splits(self) -> int | None:
+        """`max_splits` where it rules out trees that the depth allows, else None."""
+        every = (2**self.depth - 1) * self.max_split_size
+        return None if self.max_splits is None or self.max_splits >= every else self.max_splits
+
+    @property
+    def is_shaped(self) -> bool:
+        """Whether trees are limited by more than levels, leaf sizes and what a split may read."""
+        return self.limited_splits is not None or self.monotone is not None or self.has_parts
+
+    @property
+    def is_leaf_allowed(self) -> bool:
+        """Whether a tree without a split has the parts that are asked for."""
+        if not self.has_parts:
+            return True
+        gone = 0 if self.old_tree is None else len(splits(self.old_tree))
+        return all(not part.features for part in self.given_splits) and gone <= (self.max_changes or 0)
+
+    @property
+    def most_asked_splits(self) -> int:
+        """So many splits at most have to stand, 0 where a leaf is a tree: the best leaf and their price bound the best.
+
+        They are the given ones, those above them, and those of the old tree: a tree that has the parts still has them
+        once all other splits are pruned, lowest first, and no leaf of it costs more than the best single leaf did.
+        """
+        if self.is_leaf_allowed:
+            return 0
+        given = {part.path[:k] for part in self.given_splits for k in range(len(part.path) + 1)}
+        return len(given) + (0 if self.old_tree is None else len(splits(self.old_tree)))
+
+    @property
+    def max_split_size(self) -> int:
+        """Most features that one split may have."""
+        return 1 if self.split == "axis" else min(self.split_size or self.n_features, self.n_features)
+
+    def is_allowed(self, features: tuple[int, ...]) -> bool:
+        """Whether these features may meet in one split."""
+        if len(features) > self.max_split_size:
+            return False
+        return self.allowed_splits is None or any(set(features) <= set(group) for group in self.allowed_splits)
+
+    @property
+    def sensor_limit(self) -> float:
+        """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
+        return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
+
+    def sensors_used(self, tree: Node) -> tuple[str, ...]:
+        """Return the names of the sensors that a tree reads, in the order of `sensors`."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return tuple(self.sensors[s] for s in sorted(used))
+
+    def sensor_cost_of(self, tree: Node) -> float:
+        """Return the total cost of the sensors that a tree reads, each paid once."""
+        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
+        return math.fsum(self.sensor_costs[s] for s in used)
+
+    def measures(self, predicted: NDArray[Any]) -> Mapping[str, float]:
+        """Return what people judge predictions (n_samples,) of the samples by: see `Loss.measures`."""
+        return self.loss.measures(self.weights, self.codes, predicted)
 
     def digest(self) -> str:
         """Return the sha256 of the training data (features, targets, weights), as a tree file records it."""

@@ -192,6 +192,80 @@ def _is_settled(values: object, kept: tuple[type[np.floating[Any]], ...]) -> Typ
     return not values.flags.writeable and values.flags.owndata
 
 
+def feature_names_of(given: Sequence[object] | None, n_features: int) -> tuple[str, ...]:
+    """Return the names of the features, x0, x1, ... where none are given.
+
+    Raises
+    ------
+    ProblemError
+        they are more or fewer than the features, or one stands twice.
+    """
+    names = tuple(str(name) for name in ([f"x{j}" for j in range(n_features)] if given is None else given))
+    if len(names) != n_features or len(set(names)) != len(names):
+        raise ProblemError(
+            f"feature_names has {len(names)} entries ({len(set(names))} different) but features has "
+            f"{n_features} columns; give one name for each column, none twice"
+        )
+    return names
+
+
+def classes_of(
+    given: ArrayLike, class_names: Sequence[Any] | None, n_samples: int
+) -> tuple[NDArray[Any], tuple[Any, ...], NDArray[np.int64]]:
+    """Return targets (n_samples,), the names of the classes, and of each target the index of its class.
+
+    Raises
+    ------
+    ProblemError
+        there is no target for each sample, one class only, or one without a name or with two.
+    """
+    targets = labels_of(given)
+    if targets.shape != (n_samples,):
+        raise ProblemError(
+            f"targets has shape {targets.shape} but features has {n_samples} rows; give one for each row"
+        )
+    present, inverse = distinct_labels(targets)
+    names = tuple(present if class_names is None else class_names)
+    if len(names) < 2:
+        raise ProblemError(f"targets holds one class only ({present[0]!r}); expected two or more")
+    position = {name: k for k, name in enumerate(names)}
+    unknown = [label for label in present if label not in position]
+    if unknown or len(position) != len(names):
+        raise ProblemError(
+            f"targets holds {unknown} which class_names {names} lacks (or names twice); name every class once"
+        )
+    return targets, names, np.array([position[label] for label in present], dtype=np.int64)[inverse]
+
+
+def numbers_to_predict(given: ArrayLike, n_samples: int) -> NDArray[np.float64]:
+    """Return the targets (n_samples,) of a loss of numbers; a ProblemError unless there is one for each sample."""
+    targets = numbers_of(given, "targets", 1)
+    if targets.shape != (n_samples,):
+        raise ProblemError(
+            f"targets has {len(targets)} entries but features has {n_samples} rows; give one for each row"
+        )
+    return targets
+
+
+def weights_of(given: ArrayLike | None, n_samples: int) -> NDArray[np.float64]:
+    """Return the weights (n_samples,), 1 each where none are given.
+
+    Raises
+    ------
+    ProblemError
+        there is no weight for each sample, one is negative, or all are 0.
+    """
+    weights = np.ones(n_samples) if given is None else numbers_of(given, "weights", 1)
+    if weights.shape != (n_samples,):
+        raise ProblemError(f"weights has {len(weights)} entries but features has {n_samples} rows; give one each")
+    if (weights < 0).any():
+        row = int(np.flatnonzero(weights < 0)[0])
+        raise ProblemError(f"weights[{row}] is {weights[row]}; expected 0 or more")
+    if not weights.any():
+        raise ProblemError("all weights are 0; expected at least one positive weight")
+    return weights
+
+
 def number_of(value: float, name: str) -> float:
     """Return a finite number of 0 or more.
 

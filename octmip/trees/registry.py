@@ -1,17 +1,65 @@
-"""The map: which solver answers which pair of loss and split, by method. A new method is a line here."""
+"""The map: which solver answers which pair of loss and split, by method. A new method is a line here.
+
+A `Run` says how a problem is solved: functions that solve several alike hand it on as one.
+"""
 
 import importlib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any, Protocol, cast
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Literal, Protocol, cast
 
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.losses import NUMBER_LOSSES
-from octmip.trees.methods.options import OPTIONS, Options, values_of
+from octmip.trees.methods.options import METHODS, NO_OPTIONS, OPTIONS, Options, values_of
 from octmip.trees.problem import Problem
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, ProgressCallback, Solution
 from octmip.trees.tree import Node
+
+Method = Literal["auto", "search", "exact", "oct", "oct_h", "flow", "benders", "cart"]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Method, limits, seed, threads, options and progress of a solve; see `octmip.solve`.
+
+    Attributes
+    ----------
+    method
+        name of the solver, or "auto".
+    limits
+        of each solve.
+    seed
+        of all random choices.
+    n_jobs
+        threads.
+    options
+        of the method's own solver.
+    progress
+        called now and then with the state of the solver.
+
+    Raises
+    ------
+    ProblemError
+        the options are of none of their classes.
+    """
+
+    method: Method = "auto"
+    limits: Limits = field(default_factory=Limits)
+    seed: int = 0
+    n_jobs: int = 1
+    options: Options = NO_OPTIONS
+    progress: ProgressCallback | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.options, Options):
+            kind, given = OPTIONS.get(self.method, Options).__name__, "..."
+            if isinstance(self.options, dict):
+                given = ", ".join(f"{name}={value!r}" for name, value in self.options.items())
+            raise ProblemError(
+                f"options is a {type(self.options).__name__}; expected one of the classes of options; write "
+                f"options={kind}({given})"
+            )
 
 
 class Solver(Protocol):
@@ -78,7 +126,7 @@ CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False, ca
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=(), cannot=PARTS)
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
 SHAPED = replace(EXACT, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every"))
-"""The exact core where `Shape.is_shaped`."""
+"""The exact core where `Problem.is_shaped`."""
 PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 """The exact core where parts of the tree are asked for, which no search before it knows."""
 SPARSE = replace(EXACT, alone_to_depth=MAX_DEPTH, without=("proof",))
@@ -147,6 +195,15 @@ REGISTRY: Mapping[tuple[str, str], Mapping[str, Registration]] = {
 }
 """Which solver answers which pair of loss and split, by method. Losses of numbers share their solvers: a new one
 enters this table by its line in `octmip.trees.losses.NUMBER_LOSSES`."""
+UNKNOWN = {
+    "any_depth": ("depth of None", ["give a depth, such as 3"]),
+    "takes_missing": (
+        "missing readings",
+        ["fill missing readings, or let an estimator or the command encode them", "leave those rows out"],
+    ),
+}
+"""Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
+
 OF_CLASSES_ALONE: Mapping[str, str] = {
     "costs": "prices of taking one class for another",
     "numbers_are_classes": "a label of classes",
@@ -164,7 +221,7 @@ ASKED_OF_CLASSES: Mapping[str, str] = {
 
 
 NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "worst_case")
-"""What knows nothing of `Shape.is_shaped`: its searches go through trees level by level."""
+"""What knows nothing of `Problem.is_shaped`: its searches go through trees level by level."""
 
 
 def refuse_shape(problem: Problem, asked: str) -> None:
@@ -213,17 +270,6 @@ def options_by_method() -> dict[str, dict[str, dict[str, Any]]]:
     return found
 
 
-def options_for(problem: Problem, method: str, given: Options) -> Options:
-    """Return options as the class of a method, by which a problem is solved.
-
-    Raises
-    ------
-    ProblemError
-        one is given that the method does not take for this loss and split.
-    """
-    return given.of_kind(OPTIONS[method], *_taker(problem, method))
-
-
 def taken(problem: Problem, method: str) -> tuple[str, ...]:
     """Return the options that a method takes for a loss and split; none where it does not answer them."""
     solver = solvers_of(problem).get(method)
@@ -231,17 +277,17 @@ def taken(problem: Problem, method: str) -> tuple[str, ...]:
 
 
 def read_options(problem: Problem, method: str, words: Mapping[str, str]) -> Options:
-    """Return the options that words of the command give by name; the rest as in `options_for`.
+    """Return the options that words of the command give by name; the rest as in `Options.of_kind`.
 
     Raises
     ------
     ProblemError
-        as `options_for`, or a word is none of the values of its option.
+        as `Options.of_kind`, or a word is none of the values of its option.
     """
-    return OPTIONS[method].read(words, *_taker(problem, method))
+    return OPTIONS[method].read(words, *taker(problem, method))
 
 
-def _taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
+def taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
     """Return a method in words, with what of the problem keeps options from it, and the options it does not take."""
     solver = solvers_of(problem)[method]
     shaped = " of a problem with max_splits, monotone or parts that are asked for"
@@ -256,3 +302,32 @@ def solvers_of(problem: Problem) -> Mapping[str, Registration]:
         return known
     shaped = PARTED if problem.has_parts else SHAPED
     return {**known, "exact": shaped if problem.is_shaped else SPARSE}
+
+
+def chosen_method(problem: Problem, method: str) -> str:
+    """Return the name of the solver that a method means for a problem.
+
+    Raises
+    ------
+    ProblemError
+        there is no such method, or none for this loss and split.
+    """
+    known = solvers_of(problem)
+    if method not in METHODS:
+        raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
+    if method not in ("auto", *known):
+        raise ProblemError(
+            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
+            f"{', '.join(('auto', *known))}"
+        )
+    wanted = ("exact", "search") if problem.split == "axis" and problem.is_provable else ("search",)
+    able = [name for name, solver in known.items() if solver.refusal(problem) is None]
+    chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
+    if (setting := known[chosen].refusal(problem)) is not None:
+        others = [f"use method {' or '.join(map(repr, able))}"] if able else []
+        named, cures = UNKNOWN.get(setting, (setting, [f"leave {setting} out"]))
+        raise ProblemError(
+            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {named}; "
+            + " or ".join([*others, *cures])
+        )
+    return chosen

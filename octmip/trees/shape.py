@@ -1,11 +1,11 @@
-"""Shape: which trees a Problem allows, whatever they predict.
+"""Shape: which trees a Problem allows, whatever they predict: what is given, and whether it goes together.
 
 Trees of at most `depth` levels of splits, every leaf with at least `leaf_size` samples, at most `split_size` features
 per split, total sensor cost at most `sensor_budget`.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -134,18 +134,13 @@ class Shape:
     sensor_index: NDArray[np.int64] = field(init=False, repr=False)
     sensor_costs: NDArray[np.float64] = field(init=False, repr=False)
 
-    def _settle(self, feature_names: tuple[str, ...], n_samples: int, of_leaf: Callable[[], float]) -> None:
-        """Check what was given, for samples of so many rows and these columns, and fill in what is derived.
-
-        `of_leaf` returns what the best tree without a split costs.
-        """
+    def _settle(self, feature_names: tuple[str, ...], n_samples: int) -> None:
+        """Check what was given, for samples of so many rows and these columns, and fill in what is derived."""
         self._set_sensors(feature_names)
         self._check_sizes(n_samples)
         self._set_allowed_splits(feature_names)
         self._set_monotone(feature_names)
         self._set_parts(feature_names)
-        if self.any_depth:
-            self._end_depth(of_leaf(), n_samples)
 
     def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
         names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
@@ -182,7 +177,7 @@ class Shape:
         self._set_depth()
 
     def _set_depth(self) -> None:
-        if self.depth is not None and not self.any_depth:
+        if self.depth is not None and not isinstance(self.depth, AnyDepth):
             set_field(self, "depth", whole_of(self.depth, "depth", 1, MAX_DEPTH))
             return
         if self.split != "axis":
@@ -194,16 +189,15 @@ class Shape:
             )
         set_field(self, "depth", AnyDepth(MAX_DEPTH))
 
-    def _end_depth(self, of_leaf: float, n_samples: int) -> None:
+    def _end_depth(self, of_least: float, n_samples: int) -> None:
         """Set any depth to levels of which no tree of more is better than all others, MAX_DEPTH at most.
 
         A tree of m levels has m splits or more, whose prices alone must stay below the cost of the leaf; and there is a
-        sample in each of its leaves. Where splits have to stand, their price comes to that of the leaf.
+        sample in each of its leaves. Where splits have to stand, their price comes to that of the leaf: `of_least`.
         """
         most = min(MAX_DEPTH, max(1, n_samples - 1))
         if self.max_splits is not None:
             most = min(most, max(1, self.max_splits))
-        of_least = of_leaf + self.most_asked_splits * self.leaf_penalty
         if of_least < most * self.leaf_penalty:
             most = math.floor(of_least / self.leaf_penalty) + 1
         set_field(self, "depth", AnyDepth(most))
@@ -217,12 +211,10 @@ class Shape:
             )
 
     def _set_parts(self, feature_names: tuple[str, ...]) -> None:
-        set_field(
-            self,
-            "fixed_splits",
-            given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ()),
-        )
-        set_field(self, "path_rules", path_rules(self.path_rules, feature_names, "path_rules"))
+        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ())
+        rules = path_rules(self.path_rules, feature_names, "path_rules")
+        set_field(self, "fixed_splits", given)
+        set_field(self, "path_rules", rules)
         deep = [part for part in self.given_splits if len(part.path) >= self.depth + (not part.features)]
         if deep:
             raise ProblemError(
@@ -235,7 +227,8 @@ class Shape:
             set_field(self, "max_changes", whole_of(self.max_changes, "max_changes", 0, None))
             self._check_old_tree(self.old_tree, len(feature_names))
             set_field(self, "old_tree", without_predictions(self.old_tree))
-        if self.has_parts and (self.split != "axis" or self.leaf_model != "constant" or self.monotone is not None):
+        has_parts = not (given is None and rules is None and self.max_changes is None)
+        if has_parts and (self.split != "axis" or self.leaf_model != "constant" or self.monotone is not None):
             raise ProblemError(
                 "fixed_splits, path_rules or max_changes is given with hyperplanes, linear leaves or monotone, which "
                 "no search knows together; leave one of them out"
@@ -260,39 +253,13 @@ class Shape:
         groups = []
         for group in self.allowed_splits:
             indices = {position.get(entry, entry) if isinstance(entry, str) else entry for entry in group}
-            wrong = [e for e in indices if isinstance(e, str) or not 0 <= e < self.n_features]
+            wrong = [e for e in indices if isinstance(e, str) or not 0 <= e < len(feature_names)]
             if wrong or not indices:
                 raise ProblemError(
                     f"allowed_splits names {wrong or 'an empty group'}; expected features by name or index"
                 )
             groups.append(tuple(sorted(int(e) for e in indices)))
         set_field(self, "allowed_splits", tuple(groups))
-
-    @property
-    def n_features(self) -> int:
-        """Number of features."""
-        return len(self.sensor_index)
-
-    @property
-    def any_depth(self) -> bool:
-        """Whether trees may be as deep as they like."""
-        return isinstance(self.depth, AnyDepth)
-
-    @property
-    def limited_splits(self) -> int | None:
-        """`max_splits` where it rules out trees that the depth allows, else None."""
-        every = (2**self.depth - 1) * self.max_split_size
-        return None if self.max_splits is None or self.max_splits >= every else self.max_splits
-
-    @property
-    def is_shaped(self) -> bool:
-        """Whether trees are limited by more than levels, leaf sizes and what a split may read."""
-        return self.limited_splits is not None or self.monotone is not None or self.has_parts
-
-    @property
-    def has_parts(self) -> bool:
-        """Whether parts of the tree are given, ruled out or kept."""
-        return not (self.fixed_splits is None and self.path_rules is None and self.max_changes is None)
 
     @property
     def given_splits(self) -> tuple[GivenSplit, ...]:
@@ -312,58 +279,9 @@ class Shape:
         return words + ([] if self.max_changes is None else [f"max_changes={self.max_changes}"])
 
     @property
-    def is_leaf_allowed(self) -> bool:
-        """Whether a tree without a split has the parts that are asked for."""
-        gone = 0 if self.old_tree is None else len(splits(self.old_tree))
-        return all(not part.features for part in self.given_splits) and gone <= (self.max_changes or 0)
-
-    @property
-    def most_asked_splits(self) -> int:
-        """So many splits at most have to stand, 0 where a leaf is a tree: the best leaf and their price bound the best.
-
-        They are the given ones, those above them, and those of the old tree: a tree that has the parts still has them
-        once all other splits are pruned, lowest first, and no leaf of it costs more than the best single leaf did.
-        """
-        if self.is_leaf_allowed:
-            return 0
-        given = {part.path[:k] for part in self.given_splits for k in range(len(part.path) + 1)}
-        return len(given) + (0 if self.old_tree is None else len(splits(self.old_tree)))
-
-    @property
     def directions(self) -> tuple[int, ...]:
         """Of each feature 1 where predictions may not fall along it, -1 where they may not rise, else 0."""
         if self.monotone is None:
-            return (0,) * self.n_features
+            return (0,) * len(self.sensor_index)
         assert isinstance(self.monotone, tuple)
         return self.monotone
-
-    @property
-    def max_split_size(self) -> int:
-        """Most features that one split may have."""
-        return 1 if self.split == "axis" else min(self.split_size or self.n_features, self.n_features)
-
-    def sensors_used(self, tree: Node) -> tuple[str, ...]:
-        """Return the names of the sensors that a tree reads, in the order of `sensors`."""
-        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
-        return tuple(self.sensors[s] for s in sorted(used))
-
-    def sensor_cost_of(self, tree: Node) -> float:
-        """Return the total cost of the sensors that a tree reads, each paid once."""
-        used = {int(self.sensor_index[feature]) for feature in features_used(tree)}
-        return math.fsum(self.sensor_costs[s] for s in used)
-
-    @property
-    def sensor_limit(self) -> float:
-        """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
-        return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
-
-    def is_allowed(self, features: tuple[int, ...]) -> bool:
-        """Whether these features may meet in one split."""
-        if len(features) > self.max_split_size:
-            return False
-        return self.allowed_splits is None or any(set(features) <= set(group) for group in self.allowed_splits)
-
-    def is_integral(self, split: HyperplaneSplit) -> bool:
-        """Whether a hyperplane's coefficients are whole numbers where that is asked for."""
-        most = self.integer_normals
-        return most is None or all(c == math.floor(c) and abs(c) <= most for c in split.coefficients)

@@ -2,10 +2,12 @@
 
 import enum
 import math
+import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from octmip.errors import ProblemError, SolverError
+from octmip.trees.methods.interruption import is_heard
 from octmip.trees.tree import Node, condition, depth, n_splits, prediction, tree_lines
 
 
@@ -48,6 +50,14 @@ class Limits:
             value = getattr(self, name)
             if math.isnan(value) or value < 0:
                 raise ProblemError(f"limit {name} is {value}; expected a number of 0 or more")
+
+    def remaining(self, started: float, n_nodes: int = 0) -> "Limits":
+        """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent.
+
+        No second is left to a call that was interrupted.
+        """
+        seconds = 0.0 if is_heard() else self.seconds - (time.perf_counter() - started)
+        return replace(self, seconds=max(0.0, seconds), nodes=max(0.0, self.nodes - n_nodes))
 
 
 @dataclass(frozen=True, slots=True)

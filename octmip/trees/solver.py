@@ -26,13 +26,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from octmip.errors import ProblemError
-from octmip.trees.certificate import checked_incumbent, checked_solution
-from octmip.trees.cluster import opened
+from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.methods import interruption
 from octmip.trees.methods.options import (
-    METHODS,
     NO_OPTIONS,
+    OPTIONS,
     BendersOptions,
     ExactOptions,
     MipOptions,
@@ -41,22 +40,12 @@ from octmip.trees.methods.options import (
 )
 from octmip.trees.methods.pruning import fitting
 from octmip.trees.problem import Problem
-from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, options_for, solvers_of
-from octmip.trees.run import Method as Method
-from octmip.trees.run import Run
+from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of, taker
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.solves_file import kept_solve
 from octmip.trees.tree import Node
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
-UNKNOWN = {
-    "any_depth": ("depth of None", ["give a depth, such as 3"]),
-    "takes_missing": (
-        "missing readings",
-        ["fill missing readings, or let an estimator or the command encode them", "leave those rows out"],
-    ),
-}
-"""Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
 MANY_SAMPLES = 10_000  # from so many on a proof of depth 4 begins with one restart: ct-magic has a tree in 0.7 CPU s
 PROVEN_IN_ORDER, SHALLOWER = 3, "exact, less deep"  # depth to which proofs in order end within seconds
@@ -129,7 +118,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
         the file of the option ``solves`` cannot be read or written.
     """
     if run.options.solves is not None:
-        return kept_solve(problem, run, run.options.solves, incumbent, solve_run)
+        return checked_solution(problem, kept_solve(problem, run, run.options.solves, incumbent, solve_run))
     name = chosen_method(problem, run.method)
     run = replace(run, options=options_for(problem, name, run.options))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
@@ -140,7 +129,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     start = time.perf_counter()
 
     def result() -> Solution:
-        with opened(run.options, run.n_jobs) as options:
+        with run.options.opened(run.n_jobs) as options:
             return _result(_Call(problem, replace(run, options=options), start), name, first)
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
@@ -176,6 +165,24 @@ def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str
         return Solution(tree, objective, -math.inf, Stop.INTERRUPTED, 0.0, 0, name, "1", 0)
 
 
+def checked_solution(problem: Problem, solution: Solution) -> Solution:
+    """Return a solver's solution once it is certified, or found no tree; a signal waits until then.
+
+    Raises
+    ------
+    SolverError
+        its certificate refutes it.
+    """
+    if solution.tree is None:
+        return solution
+    try:
+        with interruption.held_back():  # what hours have found is not lost to a signal in these moments
+            certify(problem, solution)
+    except CertificateError as error:
+        raise SolverError(f"{solution.solver} returned a solution that its certificate refutes: {error}") from error
+    return solution
+
+
 def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
     """Return the solution of a problem with costs of single samples, found over weighted rows.
 
@@ -184,7 +191,7 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     ProblemError
         a proof log is asked for, or `weighted_rows` refuses the problem.
     """
-    from octmip.trees.encoding.numbers import rounded_down
+    from octmip.trees.encoding.costs import rounded_down
     from octmip.trees.encoding.sample_costs import weighted_rows
 
     options = run.options
@@ -220,33 +227,15 @@ def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) 
     model_of(problem, name, start=first, mu=options.mu, seed=run.seed, limits=run.limits).write(options.write)
 
 
-def chosen_method(problem: Problem, method: str) -> str:
-    """Return the name of the solver that a method means for a problem.
+def options_for(problem: Problem, method: str, given: Options) -> Options:
+    """Return options as the class of a method, by which a problem is solved.
 
     Raises
     ------
     ProblemError
-        there is no such method, or none for this loss and split.
+        one is given that the method does not take for this loss and split.
     """
-    known = solvers_of(problem)
-    if method not in METHODS:
-        raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
-    if method not in ("auto", *known):
-        raise ProblemError(
-            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
-            f"{', '.join(('auto', *known))}"
-        )
-    wanted = ("exact", "search") if problem.split == "axis" and problem.is_provable else ("search",)
-    able = [name for name, solver in known.items() if solver.refusal(problem) is None]
-    chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
-    if (setting := known[chosen].refusal(problem)) is not None:
-        others = [f"use method {' or '.join(map(repr, able))}"] if able else []
-        named, cures = UNKNOWN.get(setting, (setting, [f"leave {setting} out"]))
-        raise ProblemError(
-            f"method {chosen!r} with the loss {problem.loss.name!r} does not know the problem's {named}; "
-            + " or ".join([*others, *cures])
-        )
-    return chosen
+    return given.of_kind(OPTIONS[method], *taker(problem, method))
 
 
 def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:

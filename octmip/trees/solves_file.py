@@ -18,10 +18,9 @@ from typing import Any
 
 from octmip.errors import DataError, OctmipError, WriteError
 from octmip.input.files import PathLike, check_writable, read_bytes, warn_not_kept, write_bytes
-from octmip.trees.certificate import checked_solution
 from octmip.trees.problem import Problem
 from octmip.trees.problem_file import question_digest
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node
 from octmip.trees.tree_nodes import decode_tree, encode_tree
@@ -136,14 +135,12 @@ def kept_solve(
     ------
     DataError
         the file cannot be read or written, or holds something else.
-    SolverError
-        the solution in the file fails its certificate.
     """
     asked = replace(run, options=replace(run.options, solves=None))
     version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
     kept, key = SolvesFile(path, version), key_of(problem, asked, incumbent)
     if (found := kept.find(problem, key)) is not None:
-        return checked_solution(problem, found)
+        return found
     solution = solve(problem, asked, incumbent)
     if solution.stop is not Stop.INTERRUPTED:
         kept.keep(problem, key, solution)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from benchmarks.oracles.strategies import problems, random_tree
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.errors import CertificateError
+from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.losses import ClassCosts
 from octmip.trees.tree import leaf_index, leaves
 
@@ -147,7 +148,7 @@ def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
     assert objective == pytest.approx(paid, rel=1e-12)
     claim = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "search", "1", 0)
     smallest = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree))).min()
-    is_allowed = problem.first_forbidden_split(tree) is None and problem.sensor_cost_of(tree) <= problem.sensor_limit
+    is_allowed = first_forbidden_split(problem, tree) is None and problem.sensor_cost_of(tree) <= problem.sensor_limit
     if is_allowed and smallest >= problem.leaf_size:
         assert certify(problem, claim).objective == objective
     else:

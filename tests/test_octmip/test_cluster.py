@@ -63,7 +63,7 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
 def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
-    shared = branch_and_bound(problem, options=ExactOptions(cluster=client))
+    shared = branch_and_bound(problem, options=ExactOptions(cluster=Cluster(client)))
     assert (shared.tree, shared.bound, shared.stop) == (alone.tree, alone.bound, Stop.OPTIMAL)
     assert shared.n_nodes == alone.n_nodes
 
@@ -76,7 +76,7 @@ def test_the_parts_of_a_log_are_joined_and_checked(client: Client, tmp_path, opt
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
     found = branch_and_bound(problem, options=ExactOptions(proof=alone))
     branch_and_bound(problem, n_jobs=3, options=ExactOptions(proof=threads))
-    branch_and_bound(problem, options=ExactOptions(cluster=client, proof=shared))
+    branch_and_bound(problem, options=ExactOptions(cluster=Cluster(client), proof=shared))
     assert alone.read_bytes() == threads.read_bytes() == shared.read_bytes()
     assert check_proof(problem, shared).bound == found.objective
 
@@ -85,7 +85,7 @@ def test_a_worker_that_is_killed_while_a_log_is_written(client: Client, tmp_path
     problem = hard(1200, 3)
     alone = branch_and_bound(problem)
     done: list[object] = []
-    options = ExactOptions(cluster=client, proof=tmp_path / "log")
+    options = ExactOptions(cluster=Cluster(client), proof=tmp_path / "log")
     written = lambda: done.append(branch_and_bound(problem, incumbent=alone, options=options))  # noqa: E731
     worker = threading.Thread(target=written)
     worker.start()
@@ -101,7 +101,7 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
     alone = branch_and_bound(hard(1200, 3))
     shared: list[object] = []
     worker = threading.Thread(
-        target=lambda: shared.append(branch_and_bound(hard(1200, 3), options=ExactOptions(cluster=client)))
+        target=lambda: shared.append(branch_and_bound(hard(1200, 3), options=ExactOptions(cluster=Cluster(client))))
     )
     worker.start()
     time.sleep(0.3)
@@ -111,7 +111,8 @@ def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
     assert [(found.tree, found.bound, found.n_nodes) for found in shared] == [(alone.tree, alone.bound, alone.n_nodes)]
     # A limit ends the search although cuts are still in work elsewhere.
     start = time.perf_counter()
-    assert branch_and_bound(problem, options=ExactOptions(cluster=client), limits=Limits(seconds=0.5)).stop is Stop.TIME
+    options = ExactOptions(cluster=Cluster(client))
+    assert branch_and_bound(problem, options=options, limits=Limits(seconds=0.5)).stop is Stop.TIME
     assert time.perf_counter() - start < 10
 
 
@@ -144,7 +145,7 @@ SEARCHES = [
 def test_the_tree_of_a_search_is_that_of_one_machine(client: Client, options: dict[str, object], effort: dict) -> None:
     problem = hard(120, **({"depth": 3} | options))
     alone = local_search(problem, seed=3, options=SearchOptions(**effort))
-    shared = local_search(problem, seed=3, options=SearchOptions(cluster=client, **effort))
+    shared = local_search(problem, seed=3, options=SearchOptions(cluster=Cluster(client), **effort))
     assert (shared.tree, shared.n_nodes, shared.stop) == (alone.tree, alone.n_nodes, Stop.FINISHED)
     threads = local_search(problem, seed=3, n_jobs=3, options=SearchOptions(**effort))
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
@@ -155,7 +156,8 @@ def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machi
     for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
         alone = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2))
         with patch.object(Cluster, "n_threads", 25):
-            shared = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2, cluster=client))
+            effort = SearchOptions(restarts=restarts, perturbations=2, cluster=Cluster(client))
+            shared = local_search(problem, options=effort)
         assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
 
 
@@ -164,7 +166,7 @@ def test_a_worker_that_is_killed_in_a_search_costs_no_result(client: Client) -> 
     alone = local_search(problem)
     shared: list[Solution] = []
     worker = threading.Thread(
-        target=lambda: shared.append(local_search(problem, options=SearchOptions(cluster=client)))
+        target=lambda: shared.append(local_search(problem, options=SearchOptions(cluster=Cluster(client))))
     )
     worker.start()
     time.sleep(0.3 * alone.seconds)
@@ -177,7 +179,7 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     problem = hard(4000, 5)
     reports: list[Progress] = []
     start = time.perf_counter()
-    effort = SearchOptions(restarts=10_000, cluster=client)
+    effort = SearchOptions(restarts=10_000, cluster=Cluster(client))
     found = local_search(problem, options=effort, limits=Limits(seconds=1.5), progress=reports.append)
     assert (found.stop, time.perf_counter() - start < 6) == (Stop.TIME, True)
     assert found.objective < 0.9 * problem.baseline  # what the workers had when time ran out
@@ -234,7 +236,7 @@ def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
 def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees._native.__version__", "0.0.0")
     with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
-        branch_and_bound(hard(100), options=ExactOptions(cluster=client))
+        branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
 
 
 def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> None:
@@ -290,7 +292,7 @@ def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPa
         Client(empty) as client,
         pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"),
     ):
-        branch_and_bound(hard(30, 2), options=ExactOptions(cluster=client))
+        branch_and_bound(hard(30, 2), options=ExactOptions(cluster=Cluster(client)))
 
 
 def test_a_result_that_is_lost_before_it_is_fetched_is_worked_out_again_when_a_worker_is_there() -> None:

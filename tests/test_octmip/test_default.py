@@ -15,7 +15,7 @@ from octmip.interfaces.report.new_rows import choice_text
 from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.pruning import priced_prunings, prunings
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default

@@ -12,8 +12,8 @@ import pytest
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Leaf, Problem, Split, solve
-from octmip.trees.encoding import grid, integer_costs
-from octmip.trees.encoding.numbers import exact_objective
+from octmip.trees.encoding import costs as grid
+from octmip.trees.encoding import integer_costs
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 
@@ -119,11 +119,11 @@ def test_the_tolerance_covers_what_rounding_takes_from_a_tree_no_worse_than_the_
     for seed in range(40):
         problem = lossy(seed, kind)
         costs = integer_costs(problem)
-        known = min(exact_objective(problem, Leaf(label)) for label in range(3))
+        known = min(problem.exact_objective(Leaf(label)) for label in range(3))
         for cut in range(problem.n_samples - 1):
             for left, right in itertools.product(range(3), repeat=2):
                 tree = Split(0, cut + 0.5, Leaf(left), Leaf(right))
-                exact = exact_objective(problem, tree)
+                exact = problem.exact_objective(tree)
                 if exact <= known:
                     held = costs.base + costs.whole_objective(problem, tree) * Fraction(2) ** -costs.exponent
                     n_rounded += held < exact
@@ -147,7 +147,7 @@ def test_a_penalty_that_no_tree_pays_takes_no_digits():
 def lost(problem: Problem, tree: Leaf | Split) -> Fraction:
     """Return what a tree costs beyond what the grid says."""
     costs = integer_costs(problem)
-    return exact_objective(problem, tree) - costs.base - costs.whole_objective(problem, tree) * Fraction(costs.unit)
+    return problem.exact_objective(tree) - costs.base - costs.whole_objective(problem, tree) * Fraction(costs.unit)
 
 
 def test_the_tolerance_covers_what_rounding_takes_from_the_price_of_each_split():
@@ -158,7 +158,7 @@ def test_the_tolerance_covers_what_rounding_takes_from_the_price_of_each_split()
     problem = Problem(X[:4], [0, 1, 2, 3], depth=2, weights=weights, leaf_penalty=2.0**-26 + almost)
     tree = Split(0, 1.5, Split(0, 0.5, Leaf(0), Leaf(1)), Split(0, 2.5, Leaf(0), Leaf(0)))
     costs = integer_costs(problem)
-    assert (costs.unit, exact_objective(problem, tree) < problem.baseline) == (unit, True)
+    assert (costs.unit, problem.exact_objective(tree) < problem.baseline) == (unit, True)
     assert 4 * unit < lost(problem, tree) <= costs.tolerance
 
 

@@ -9,7 +9,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Problem, certify, predict
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.encoding import grid
+from octmip.trees.encoding import costs as grid
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof

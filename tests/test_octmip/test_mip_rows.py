@@ -10,6 +10,7 @@ from pyomo.repn import generate_standard_repn
 
 from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.oracles.strategies import random_problem, random_tree
+from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.mip import flow, oct
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
@@ -73,7 +74,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=10, max_depth=3)
     tree = canonicalise(problem, random_tree(rng, problem.n_features, problem.n_classes, problem.depth))
-    if problem.sensor_cost_of(tree) > problem.sensor_limit or problem.first_forbidden_split(tree):
+    if problem.sensor_cost_of(tree) > problem.sensor_limit or first_forbidden_split(problem, tree):
         tree = Leaf(int(problem.class_costs().argmin()))
     ranks = rank_features(problem)
     tree = tree_from_rows(rows_from_tree(tree, ranks), ranks)  # thresholds at the midpoints of the data

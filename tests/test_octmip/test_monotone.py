@@ -16,7 +16,7 @@ from octmip.trees.losses import SquaredError
 from octmip.trees.methods.pruning import ordered
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.order import disorder
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Progress
 from octmip.trees.solver import SHALLOWER, _Call, _first_tree
 from octmip.trees.tree import predict

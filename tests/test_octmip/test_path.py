@@ -14,7 +14,7 @@ from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path

@@ -7,7 +7,7 @@ import pytest
 
 from octmip import Limits, Problem, solve
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solver import solve_run
 
 RNG = np.random.default_rng(0)

@@ -36,7 +36,7 @@ from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample
 from octmip.interfaces.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import leaf_index, leaves
 

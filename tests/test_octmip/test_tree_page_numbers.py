@@ -19,7 +19,7 @@ from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure
 from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 
 DAY = datetime.date(2026, 3, 1)
 

@@ -17,7 +17,8 @@ from octmip import Problem, certify, predict
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import EFFORT
-from octmip.trees.solver import Method, solve
+from octmip.trees.registry import Method
+from octmip.trees.solver import solve
 
 Objective = Literal["errors", "mae"]
 

@@ -16,12 +16,10 @@ from octmip.interfaces.cli.samples.options import (
     add_leaf_model,
     add_target_arguments,
 )
-from octmip.trees.cluster import opened
 from octmip.trees.methods.options import FILE, METHODS, Options, all_options, help_of, values_of
 from octmip.trees.problem import Problem
-from octmip.trees.registry import read_options
+from octmip.trees.registry import chosen_method, read_options
 from octmip.trees.solution import Limits
-from octmip.trees.solver import chosen_method
 
 MOST_THREADS = 1024
 DATA, TREE, LOSS, METHOD, OUTPUT = "data", "tree", "loss", "method and limits", "output"
@@ -269,7 +267,7 @@ def method_options(arguments: argparse.Namespace, problem: Problem) -> Iterator[
         an option is no NAME=VALUE, or nobody answers at the address of the cluster.
     """
     method = chosen_method(problem, arguments.method)
-    with opened(read_options(problem, method, words_of(arguments)), arguments.threads) as options:
+    with read_options(problem, method, words_of(arguments)).opened(arguments.threads) as options:
         yield options
 
 

@@ -20,9 +20,9 @@ from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.methods.options import METHODS
 from octmip.trees.problem import Problem
-from octmip.trees.registry import read_options, taken
+from octmip.trees.registry import chosen_method, read_options, taken
 from octmip.trees.solution import Limits, Stop, relative_gap
-from octmip.trees.solver import chosen_method, solve
+from octmip.trees.solver import solve
 from octmip.trees.tradeoff import baselines_of, score, score_of
 
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)

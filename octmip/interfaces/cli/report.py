@@ -80,7 +80,7 @@ def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -
     from octmip.interfaces.cli.samples.training import read_test, read_training
     from octmip.interfaces.report.tree.evidence import gather, judged_by, with_share_held_out
     from octmip.trees.proof import check_proof
-    from octmip.trees.run import Run
+    from octmip.trees.registry import Run
     from octmip.trees.solution import Limits
 
     training = read_training(file, arguments.data, source=arguments.tree)

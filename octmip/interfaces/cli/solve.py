@@ -40,7 +40,7 @@ from octmip.trees.methods.options import Options
 from octmip.trees.problem import Problem
 from octmip.trees.problem_file import write_problem_file
 from octmip.trees.proof import check_provable
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, ProofError, Solution
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import Comparison, beside_cart, solve_default

@@ -34,7 +34,7 @@ from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.parts import rules_of_columns
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.shape import splits_of
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run

@@ -6,9 +6,8 @@ import warnings
 from sklearn.exceptions import ConvergenceWarning
 
 from octmip.trees.problem import Problem
-from octmip.trees.registry import solvers_of
+from octmip.trees.registry import chosen_method, solvers_of
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.solver import chosen_method
 
 ENDED = {
     Stop.TIME: "at its limit of {seconds:g} s",

@@ -14,7 +14,7 @@ from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.methods.options import Options
 from octmip.trees.problem_values import directions_of, whole_of
-from octmip.trees.run import Method
+from octmip.trees.registry import Method
 from octmip.trees.shape import MAX_DEPTH
 
 ClassWeight = Mapping[Any, float] | Literal["balanced"] | None

@@ -26,8 +26,7 @@ from octmip.sensing.shared.solution import JointSolution, certify_joint, sensor_
 from octmip.trees._native import __version__
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_numbers
-from octmip.trees.run import Run
+from octmip.trees.registry import Run, refuse_numbers
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Leaf, Node
 

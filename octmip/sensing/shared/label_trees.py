@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from octmip.sensing.shared.solution import weighted_sum
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tree import Leaf, Node

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.encoding.ranks import Ranks
-from octmip.trees.encoding.rows import split_as_cut
+from octmip.trees.encoding.ranks import Ranks, split_as_cut
 from octmip.trees.parts import banned_below
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, Split, goes_left

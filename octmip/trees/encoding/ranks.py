@@ -1,4 +1,4 @@
-"""Features as dense ranks, and a problem as the native core holds it.
+"""Features as dense ranks, a problem as the native core holds it, and its tables of nodes as trees, there and back.
 
 Ranks, not values, enter the core. Feature values of float64 become dense ranks 0, 1, ...; a cut "rank <= k" comes back
 as the guarded midpoint of the k-th and (k+1)-th distinct value, so no float64 value is ever compared after rounding:
@@ -15,13 +15,14 @@ every other, so it goes left at every cut, and the lowest cut asks "is it missin
     above          0    3    1    2    3        cut 0: 0.5 left                 cut 2: missing right
 
 A tree over the columns is a tree in which each split has a side for missing readings, and the other way round:
-docs/theory/missing.md. All that searches, counts and proves does so over columns; `octmip.trees.encoding.rows`
-translates.
+docs/theory/missing.md. All that searches, counts and proves does so over columns; `tree_from_rows` and
+`rows_from_tree` translate. A cut of a column that ranks missing readings below the others (or above) is a split that
+sends them left (right); the cut between missing readings and the others is the split that asks for nothing else.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, overload
+from typing import Any, TypedDict, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from octmip.trees import _native
 from octmip.trees.encoding.costs import IntegerCosts
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
-from octmip.trees.tree import SIDES, Side
+from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split, centred, midpoint
 
 
 @dataclass(slots=True, eq=False)
@@ -205,3 +206,107 @@ def _planes(problem: Problem) -> dict[str, Any] | None:
         "groups": members,
         "integer_normals": problem.integer_normals,
     }
+
+
+@final
+class LeafRow(TypedDict):
+    """A leaf of the native core's table."""
+
+    label: int
+
+
+@final
+class SplitRow(TypedDict):
+    """A split at a rank: as much and less goes left. `left` and `right` are the children's rows, further down."""
+
+    feature: int
+    cut: int
+    left: int
+    right: int
+
+
+@final
+class HyperplaneRow(TypedDict):
+    """A split by a hyperplane, its terms (feature, coefficient)."""
+
+    terms: list[tuple[int, float]]
+    offset: float
+    left: int
+    right: int
+
+
+NodeRow = LeafRow | SplitRow | HyperplaneRow
+"""One node of the native core's table, in preorder, the root first."""
+
+
+def tree_from_rows(rows: Sequence[NodeRow], ranks: Ranks) -> Node:
+    """Return the tree that a native node table stands for, thresholds at guarded midpoints."""
+
+    def build(index: int) -> Node:
+        row = rows[index]
+        if "label" in row:
+            return Leaf(row["label"])
+        left, right = build(row["left"]), build(row["right"])
+        if "cut" in row:
+            return cut_as_split(ranks, row["feature"], row["cut"], left, right)
+        features, coefficients = zip(*sorted(row["terms"]), strict=True)
+        return HyperplaneSplit(features, coefficients, row["offset"], left, right)
+
+    return build(0)
+
+
+def centred_tree(rows: Sequence[NodeRow], ranks: Ranks, features: NDArray[np.float64]) -> Node:
+    """Return the tree that a native node table stands for, thresholds midway between the samples of their nodes."""
+    return centred(tree_from_rows(rows, ranks), features)
+
+
+def cut_as_split(ranks: Ranks, column: int, cut: int, left: Node, right: Node) -> Split:
+    """Return the split that a cut of a column stands for, its threshold a guarded midpoint."""
+    threshold = threshold_of_cut(ranks, column, cut)
+    return Split(ranks.feature(column), threshold, left, right, missing=ranks.side(column))
+
+
+def threshold_of_cut(ranks: Ranks, column: int, cut: int) -> float | None:
+    """Return the guarded midpoint that a cut of a column stands for; None where it asks "is the reading missing?"."""
+    values = ranks.values[column]
+    low, high = float(values[cut]), float(values[cut + 1])
+    return None if low == -np.inf or high == np.inf else midpoint(low, high)
+
+
+def split_as_cut(ranks: Ranks, split: Split) -> tuple[int, int]:
+    """Return the column and the cut of a split: the rank of the largest value on its left.
+
+    A threshold outside the data's range is the nearest cut, or none: -1, or the last rank.
+    """
+    columns = ranks.columns_of(split.feature)
+    column = next((column for column in columns if ranks.side(column) == split.missing), columns[0])
+    values = ranks.values[column]
+    if split.threshold is None:
+        last = len(values) - 1
+        # Where no reading is missing, or every one is, such a split parts nothing.
+        has_gap = split.missing == ranks.side(column)
+        return column, (0 if has_gap else -1) if split.missing == "left" else (last - 1 if has_gap else last)
+    return column, int(np.searchsorted(values, split.threshold, side="right")) - 1
+
+
+def rows_from_tree(tree: Node, ranks: Ranks) -> list[NodeRow]:
+    """Return the native node table of a tree; a threshold outside the data's range becomes the nearest cut."""
+    rows: list[NodeRow] = []
+
+    def add(node: Node) -> int:
+        index = len(rows)
+        rows.append({"label": node.label if isinstance(node, Leaf) else 0})
+        if isinstance(node, Leaf):
+            return index
+        left, right = add(node.left), add(node.right)
+        if isinstance(node, Split):
+            # Trees whose sides all hold samples (see `without_empty_sides`) have 0 <= cut < number of values - 1.
+            feature, cut = split_as_cut(ranks, node)
+            rows[index] = {"feature": feature, "cut": cut, "left": left, "right": right}
+        else:
+            terms = list(zip(node.features, node.coefficients, strict=True))
+            rows[index] = {"terms": terms, "offset": node.offset, "left": left, "right": right}
+        return index
+
+    add(tree)
+    return rows

@@ -21,7 +21,7 @@ from fractions import Fraction
 import numpy as np
 
 from octmip.errors import ProblemError
-from octmip.trees.encoding.numbers import rounded_down
+from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Progress, ProgressCallback, Solution, Stop, is_tolerable

@@ -128,6 +128,20 @@ class ClassCosts(Loss):
         costs: Floats = np.bincount(codes, weights, len(self.matrix)) @ self.matrix
         return costs
 
+    def least_saving(self, weights: Floats, rows: NDArray[np.int64]) -> float:
+        """Return the least cost that the best label of one sample saves; +inf if none saves any.
+
+        `rows` (n_samples,) says by which row of `table` each sample pays.
+        """
+        excess = self.table - self.table.min(axis=1, keepdims=True)
+        by_row = np.where(excess > 0, excess, np.inf).min(axis=1)
+        lightest = np.full(len(self.table), np.inf)
+        positive = weights > 0
+        np.minimum.at(lightest, rows[positive], weights[positive])
+        pairs = zip(lightest.tolist(), by_row.tolist(), strict=True)
+        # A product below the least float64 is something all the same.
+        return min((max(w * c, math.ulp(0.0)) for w, c in pairs if math.isfinite(w)), default=math.inf)
+
     def best_value(self, weights: Floats, codes: NDArray[Any]) -> float:
         """Return the index of the class of least cost."""
         return int(self.class_costs(weights, codes).argmin())

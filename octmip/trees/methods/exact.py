@@ -8,7 +8,6 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 import math
 import time
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +15,11 @@ from typing import Any
 from octmip.errors import NoTreeError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
-from octmip.trees.cluster import Cluster, Future, opened
+from octmip.trees.cluster import Cluster, Future
 from octmip.trees.encoding import (
     IntegerCosts,
     Ranks,
+    centred_tree,
     integer_costs,
     native_arguments,
     native_problem,
@@ -39,7 +39,6 @@ from octmip.trees.methods.native_call import (
     logged,
     native_progress,
     relabelled,
-    remaining,
     switched_off,
     whole_cost,
     write_log,
@@ -51,7 +50,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.proof import log_header
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
-from octmip.trees.tree import Node, centred
+from octmip.trees.tree import Node
 
 SOLVER = "exact"
 
@@ -85,12 +84,12 @@ def branch_and_bound(
         called with a `Progress` about every 50 ms.
     options
         the proof's log takes a second search, about as long. The checkpoint keeps solved cuts of the root, from depth 3
-        on; a bound that goes on from it rests on it (`details["resumed_from"]`). The processes of a cluster solve the
-        root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
+        on; a bound that goes on from it rests on it (`details["resumed_from"]`). ``cluster`` is an open `Cluster` here,
+        whose processes solve the root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        Where a shape is asked for (`Shape.is_shaped`) ties stay, and under `monotone` thresholds too.
+        Where a shape is asked for (`Problem.is_shaped`) ties stay, and under `monotone` thresholds too.
 
     Raises
     ------
@@ -113,17 +112,15 @@ def branch_and_bound(
     if options.checkpoint is not None:
         off = tuple(sorted(switched_off()))
         file = Checkpoint(problem, ranks, options.checkpoint, every_of(options), SOLVER, off, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, file)
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, file, options.cluster)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "cancelling"]
-    with ExitStack() as stack:
-        search.cluster = stack.enter_context(opened(options, n_jobs)).cluster
-        search.search(start)
-        may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
-        ties = search.smaller() if may_break else dict(UNBROKEN)
-        if proof is not None:
-            with logged(proof, search.stop, lambda: search.solution(seed, ties)):
-                search.bound = search.write_proof(Path(proof))
+    search.search(start)
+    may_break = break_ties and search.stop is Stop.OPTIMAL and not problem.is_shaped
+    ties = search.smaller() if may_break else dict(UNBROKEN)
+    if proof is not None:
+        with logged(proof, search.stop, lambda: search.solution(seed, ties)):
+            search.bound = search.write_proof(Path(proof))
     return search.solution(seed, ties)
 
 
@@ -138,6 +135,7 @@ class _Search:
     started: float
     ranks: Ranks
     file: Checkpoint | None
+    cluster: Cluster | None
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
     objective: float = math.inf
@@ -149,7 +147,6 @@ class _Search:
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
     resumed: ExactState | None = None  # of the checkpoint
-    cluster: Cluster | None = None
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -170,8 +167,11 @@ class _Search:
 
     def solution(self, seed: int, ties: dict[str, str]) -> Solution:
         """Return what was found and proven."""
+        tree = None if self.tree is None else self.problem.with_sides(self.tree)
+        if tree is not None and self.problem.old_tree is not None:
+            tree = with_old_sides(self.problem, tree)
         return Solution(
-            tree=None if self.tree is None else with_old_sides(self.problem, self.problem.with_sides(self.tree)),
+            tree=tree,
             objective=self.objective,
             bound=self.bound,
             stop=self.stop,
@@ -253,7 +253,7 @@ class _Search:
         if self.file is not None:
             saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
         try:
-            limits = remaining(self.limits, began, self.n_nodes)
+            limits = self.limits.remaining(began, self.n_nodes)
             progress = native_progress(self.progress, costs.value, before)
             if not self.problem.is_shaped:
                 result = _native.branch_and_bound(
@@ -273,11 +273,10 @@ class _Search:
         self.bound = max(self.bound, lower)
         if result.objective == NO_TREE:
             return self._without_tree(stop)
-        found = tree_from_rows(result.rows, self.ranks)
         if self.problem.monotone is not None:  # thresholds and labels are where the order needs them
-            self._keep(found)
+            self._keep(tree_from_rows(result.rows, self.ranks))
             return stop
-        found = centred(found, self.problem.features)
+        found = centred_tree(result.rows, self.ranks, self.problem.features)
         if self.problem.has_parts:
             found = with_given_thresholds(self.problem, found)
         self._keep(found)
@@ -300,7 +299,7 @@ class _Search:
             if self.progress is not None:
                 self.progress(replace(state, objective=self.objective))
 
-        limits = replace(remaining(self.limits, began, self.n_nodes), gap=0.0)
+        limits = replace(self.limits.remaining(began, self.n_nodes), gap=0.0)
         progress = native_progress(shown, costs.value, self._state(began))
         free = _native.branch_and_bound(native, None, limits, self.n_jobs, self.off, progress)
         self.n_nodes += free.n_nodes
@@ -347,7 +346,7 @@ class _Search:
         _, costs, _ = self.proven
         effort = Effort(self.started + self.limits.seconds, self.limits, self.n_jobs)
         rows, ties = break_ties(self.problem, self.ranks, costs, rows_from_tree(self.tree, self.ranks), effort)
-        smaller = centred(tree_from_rows(rows, self.ranks), self.problem.features)
+        smaller = centred_tree(rows, self.ranks, self.problem.features)
         self._keep(smaller)
         return ties if self.tree is smaller else dict(UNBROKEN)
 

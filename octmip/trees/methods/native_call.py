@@ -1,12 +1,11 @@
 """Calls of the native core: what exact, two_feature and search share on the way there and back.
 
-incumbent (checked), limits less what was spent, progress in the problem's units  ->  native core
+incumbent (checked), progress in the problem's units  ->  native core
 native core  ->  leaves labelled by the true costs, a proof log written whole or not at all
 """
 
 import contextlib
 import math
-import time
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from dataclasses import replace
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, DataError, ProblemError, SolverError
 from octmip.input.files import write_bytes
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.certificate import checked_leaf_index, first_forbidden_split
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.methods.interruption import is_heard, note
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
+from octmip.trees.solution import Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, splits, without_empty_sides
 
 NativeProgress = Callable[[float, int, int, int], None]
@@ -54,7 +53,7 @@ def feasible_incumbent(problem: Problem, incumbent: Node | Solution | None) -> N
         raise ProblemError("the incumbent solution holds no tree; leave it out or give a tree")
     if problem.split == "axis" and any(isinstance(split, HyperplaneSplit) for split in splits(given)):
         raise _refused("it has a split over a hyperplane but split is 'axis'")
-    forbidden = problem.first_forbidden_split(given)  # before samples are routed: a feature may not exist
+    forbidden = first_forbidden_split(problem, given)  # before samples are routed: a feature may not exist
     if forbidden:
         raise _refused(forbidden)
     tree = without_empty_sides(given, problem.features)
@@ -74,15 +73,6 @@ def _refused(reason: str) -> ProblemError:
 def whole_cost(problem: Problem, costs: IntegerCosts, tree: Node) -> int:
     """Return the cost of a tree on the grid, as far as the native core takes it."""
     return min(MOST_WHOLE, costs.whole_objective(problem, tree))
-
-
-def remaining(limits: Limits, started: float, n_nodes: int = 0) -> Limits:
-    """Return the limits less the seconds since `started` (of `time.perf_counter`) and the nodes already spent.
-
-    No second is left to a call that was interrupted.
-    """
-    seconds = 0.0 if is_heard() else limits.seconds - (time.perf_counter() - started)
-    return replace(limits, seconds=max(0.0, seconds), nodes=max(0.0, limits.nodes - n_nodes))
 
 
 def native_progress(

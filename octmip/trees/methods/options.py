@@ -6,15 +6,17 @@ solvers changes are no options: they are further arguments of the solver's own f
 """
 
 import ast
+import contextlib
 import math
 import numbers
 import os
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import Field, dataclass, field, fields
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import Field, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from octmip.errors import ProblemError
+from octmip.trees.cluster import Cluster, open_cluster
 
 ASSISTANTS = ("exact", "search")
 """Who may assist HiGHS."""
@@ -157,6 +159,21 @@ class Options:
         """Return the options that differ from their defaults, by name."""
         values = {one.name: (getattr(self, one.name), one.default) for one in fields(self)}
         return {name: value for name, (value, default) in values.items() if value is not default}
+
+    @contextlib.contextmanager
+    def opened(self, n_workers: int | None = None) -> Iterator[Self]:
+        """Return the options with an open cluster where they name one, so that several solves share it.
+
+        Raises
+        ------
+        DataError, MissingExtraError
+            as `open_cluster`.
+        """
+        if self.cluster is None or isinstance(self.cluster, Cluster):
+            yield self
+            return
+        with open_cluster(self.cluster, n_workers) as cluster:
+            yield replace(self, cluster=cluster)
 
     def of_kind(self, kind: type[T], who: str, without: tuple[str, ...] = ()) -> T:
         """Return these options as those of another class.
@@ -335,22 +352,3 @@ def help_of(name: str) -> str:
     methods = methods_with(name)
     whose = "" if len(methods) == len(OPTIONS) else f" ({', '.join(methods)})"
     return f"{all_options()[name].metadata['help']}{whose}"
-
-
-def refuse_untyped(options: object, method: str) -> None:
-    """Check that options are of one of the classes.
-
-    Raises
-    ------
-    ProblemError
-        they are a mapping, or something else.
-    """
-    if not isinstance(options, Options):
-        kind = OPTIONS.get(method, Options).__name__
-        given = (
-            ", ".join(f"{name}={value!r}" for name, value in options.items()) if isinstance(options, dict) else "..."
-        )
-        raise ProblemError(
-            f"options is a {type(options).__name__}; expected one of the classes of options; write "
-            f"options={kind}({given})"
-        )

@@ -19,7 +19,7 @@ import time
 from collections.abc import Callable
 
 from octmip.trees import _native
-from octmip.trees.cluster import Cluster, opened
+from octmip.trees.cluster import Cluster
 from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
 from octmip.trees.methods.merging import merged
 from octmip.trees.methods.native_call import (
@@ -28,7 +28,6 @@ from octmip.trees.methods.native_call import (
     feasible_incumbent,
     native_progress,
     relabelled,
-    remaining,
 )
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
@@ -68,8 +67,8 @@ def local_search(
         options: restarts and perturbations are by default those of `EFFORT`, more for a small axis-aligned problem. Of
             the perturbations in a row that end a restart, a quarter are made before the better restarts are chosen with
             hyperplanes, none without, and twice as many by the last. With `restarts=1, perturbations=0` the answer is
-            quick: one descent and exact blocks of two levels. The
-            processes of a cluster take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
+            quick: one descent and exact blocks of two levels. ``cluster`` is an open `Cluster` here, whose processes
+            take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
 
     Returns
     -------
@@ -87,22 +86,21 @@ def local_search(
     first = None if known is None else rows_from_tree(without_empty_sides(known, searched.features), ranks)
     n_restarts = effort[0] if options.restarts is None else int(options.restarts)
     n_perturbations = effort[1] if options.perturbations is None else int(options.perturbations)
-    with opened(options, n_jobs) as with_cluster:
-        shared: Cluster | None = with_cluster.cluster
-        arguments = native_arguments(searched, ranks, costs)
-        turn = first, seed % 2**64, (n_restarts, n_perturbations)
-        result = _native.search(
-            _native.Problem(**arguments),
-            first,
-            # What was spent on ranks counts, too.
-            remaining(limits, start),
-            n_jobs,
-            seed % 2**64,
-            native_progress(progress, costs.value),
-            n_restarts=n_restarts,
-            n_perturbations=n_perturbations,
-            submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
-        )
+    shared: Cluster | None = options.cluster
+    arguments = native_arguments(searched, ranks, costs)
+    turn = first, seed % 2**64, (n_restarts, n_perturbations)
+    result = _native.search(
+        _native.Problem(**arguments),
+        first,
+        # What was spent on ranks counts, too.
+        limits.remaining(start),
+        n_jobs,
+        seed % 2**64,
+        native_progress(progress, costs.value),
+        n_restarts=n_restarts,
+        n_perturbations=n_perturbations,
+        submit=None if shared is None else (turn_submitter(shared, arguments, *turn), shared.n_threads),
+    )
     latest = start + limits.seconds + GRACE
     tree = _finished(searched, tree_from_rows(result.rows, ranks), lambda: time.perf_counter() < latest)
     tree, objective = better(problem, problem.with_sides(tree), known)

@@ -40,7 +40,6 @@ from octmip.trees.methods.native_call import (
     logged,
     native_progress,
     relabelled,
-    remaining,
     switched_off,
     whole_cost,
     write_log,
@@ -128,7 +127,7 @@ def two_feature_branch_and_bound(
         native,
         None if first is None else whole_cost(problem, costs, first),
         # What was spent on ranks counts, too.
-        remaining(replace(limits, nodes=limits.nodes + before), start),
+        replace(limits, nodes=limits.nodes + before).remaining(start),
         n_jobs,
         seed % 2**64,
         switched_off(),

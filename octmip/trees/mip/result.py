@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
-from octmip.trees.encoding.numbers import rounded_down
+from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.mip.highs.highs import VERSION
 from octmip.trees.mip.prices import Prices
 from octmip.trees.mip.rows import Rows

@@ -16,10 +16,8 @@ from itertools import groupby
 from octmip.errors import ProblemError, SolverError
 from octmip.trees import _native
 from octmip.trees.certificate import checked_leaf_index
-from octmip.trees.encoding import tree_from_rows
-from octmip.trees.encoding.numbers import exact_objective
-from octmip.trees.encoding.ranks import Ranks
-from octmip.trees.encoding.rows import threshold_of_cut
+from octmip.trees.encoding import centred_tree
+from octmip.trees.encoding.ranks import Ranks, threshold_of_cut
 from octmip.trees.methods import interruption
 from octmip.trees.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval, Wanted
 from octmip.trees.near_sets.whole_numbers import WholeProblem, whole_problem
@@ -27,7 +25,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.registry import refuse_numbers
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.solver import solve
-from octmip.trees.tree import Node, centred
+from octmip.trees.tree import Node
 
 FIRST_SHARE = 0.5
 """Share of the time that the proof of the optimum may take."""
@@ -84,7 +82,7 @@ def near_optimal(
     assert first.tree is not None
     margin = _Margin(Fraction(within) if within is not None else None, _decimal(relative))
     whole = whole_problem(problem, first.tree, by_sets)
-    known = exact_objective(problem, first.tree)
+    known = problem.exact_objective(first.tree)
     if first.stop is Stop.INTERRUPTED:
         interruption.note()
     seconds = 0.0 if interruption.is_heard() else max(0.0, limits.seconds - (time.perf_counter() - started))
@@ -265,9 +263,9 @@ class _Count:
             raise SolverError("the trees were not looked up: interrupted, or a count that is not theirs")
         found = []
         for (place, _), row in zip(chosen, rows, strict=True):
-            tree = centred(tree_from_rows(row, self.whole.ranks), self.problem.features)
+            tree = centred_tree(row, self.whole.ranks, self.problem.features)
             checked_leaf_index(self.problem, tree)
-            if exact_objective(self.problem, tree) != self.whole.cost(place.entry[0]):
+            if self.problem.exact_objective(tree) != self.whole.cost(place.entry[0]):
                 raise SolverError(f"a tree counted at {self.whole.cost(place.entry[0])} costs something else")
             found.append(NearTree(tree, self.problem.objective(tree)))
         return found

@@ -23,9 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.encoding.numbers import exact_objective
-from octmip.trees.encoding.ranks import Ranks
-from octmip.trees.encoding.rows import cut_as_split
+from octmip.trees.encoding.ranks import Ranks, cut_as_split
 from octmip.trees.methods import interruption
 from octmip.trees.near_sets.counting import near_optimal
 from octmip.trees.near_sets.whole_numbers import whole_problem
@@ -161,7 +159,7 @@ def sensor_roles(
     except KeyboardInterrupt:
         interruption.note()
         forced, proven = _known_to_read(problem, calls.known[0]), False
-    leaves = (exact_objective(problem, Leaf(label)) for label in range(problem.n_classes))
+    leaves = (problem.exact_objective(Leaf(label)) for label in range(problem.n_classes))
     read = (cost for cost in forced if isinstance(cost, Fraction))
     limit = min([calls.known[0].cost, *leaves, *read]) + Fraction(within)
     roles = tuple(
@@ -206,7 +204,7 @@ def _forced(problem: Problem, solution: Solution, calls: Calls) -> tuple[list[Fr
     trees = [
         _reading(problem, whole.ranks, tree, sensor, every, problem.depth) for sensor in range(len(problem.sensors))
     ]
-    known = [whole.most + 1 if t is None else whole.units(exact_objective(problem, t)) for t in trees]
+    known = [whole.most + 1 if t is None else whole.units(problem.exact_objective(t)) for t in trees]
     # A sensor that no tree is known to read asks for all trees: first those of the others, then it.
     first = [min(cost, max([c for c in known if c <= whole.most], default=cost)) for cost in known]
     found, stop = _least(whole.native.readers, [cost + 1 for cost in first], calls)

@@ -1,6 +1,6 @@
 """A problem whose trees are counted, as the native core holds it: no cost is rounded, none is on the wrong side.
 
-The bounds of the core may come from a coarser grid, rounded down (`octmip.trees.encoding.grid`); the costs that are
+The bounds of the core may come from a coarser grid, rounded down (`octmip.trees.encoding.costs`); the costs that are
 counted are whole numbers of one power of two, of 64 bits where every sum fits, else of 128.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.encoding import Ranks, integer_costs, native_problem, rank_features
-from octmip.trees.encoding.numbers import power_of_two, whole_exponent
+from octmip.trees.encoding.costs import power_of_two, whole_exponent
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node
 

@@ -4,7 +4,6 @@ import time
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from octmip.trees.encoding.numbers import exact_objective
 from octmip.trees.methods import interruption
 from octmip.trees.near_sets.counting import near_optimal
 from octmip.trees.problem import Problem
@@ -53,7 +52,7 @@ def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> W
     """Return what a solution says of the trees without some sensors."""
     assert solution.tree is not None
     bound = solution.objective if solution.is_optimal else solution.bound
-    cost = exact_objective(problem, solution.tree)
+    cost = problem.exact_objective(solution.tree)
     least = min(cost, Fraction(max(solution.bound, 0.0)))
     return Without(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
 

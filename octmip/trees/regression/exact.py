@@ -17,15 +17,15 @@ from octmip.errors import ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
-from octmip.trees.encoding import Ranks, tree_from_rows
-from octmip.trees.encoding.numbers import rounded_down
-from octmip.trees.methods.native_call import check_threads, logged, native_progress, remaining
+from octmip.trees.encoding import Ranks, centred_tree
+from octmip.trees.encoding.costs import rounded_down
+from octmip.trees.methods.native_call import check_threads, logged, native_progress
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.regression.grid import Grid
 from octmip.trees.regression.proof_log import write_proof
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance, relative_gap
-from octmip.trees.tree import Node, centred
+from octmip.trees.tree import Node
 
 SOLVER = "exact"
 PARTS = 2.0**50
@@ -184,7 +184,7 @@ class _Search:
         before = Progress(time.perf_counter() - self.started, self.objective, -math.inf, self.n_cuts)
         found = _native.regression(
             None if math.isinf(self.room) else self.room,
-            remaining(self.limits, self.started, self.n_cuts),
+            self.limits.remaining(self.started, self.n_cuts),
             self.n_jobs,
             native_progress(self.progress, lambda whole: whole / PARTS * self.leaf, before),
             ranks=self.ranks.ranks,
@@ -203,7 +203,7 @@ class _Search:
         self.stop = Stop(found.stop)
         if found.rows is None:
             return None, found.bound
-        tree = centred(tree_from_rows(found.rows, self.ranks), problem.features)
+        tree = centred_tree(found.rows, self.ranks, problem.features)
         return problem.with_best_leaves(tree), found.bound
 
     def _allowed(self, part: _Part) -> list[bool]:

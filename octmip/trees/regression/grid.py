@@ -20,7 +20,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.encoding.numbers import power_of_two, rounded_down, whole_exponent
+from octmip.trees.encoding.costs import power_of_two, rounded_down, whole_exponent
 from octmip.trees.losses import NumberLoss
 from octmip.trees.problem import Problem
 from octmip.trees.regression.far_targets import closed_up, reach

@@ -14,7 +14,7 @@ import numpy as np
 from octmip.errors import SolverError
 from octmip.input.files import write_bytes
 from octmip.trees import _native
-from octmip.trees.encoding.numbers import power_of_two, whole_exponent
+from octmip.trees.encoding.costs import power_of_two, whole_exponent
 from octmip.trees.problem import Problem
 from octmip.trees.regression.far_targets import FARTHEST, reach
 

@@ -28,12 +28,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.cluster import opened
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Method, Run
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.solver import Method
 from octmip.trees.tradeoff.family import Family, default_families, solve_in_family, trace_families
 from octmip.trees.tradeoff.folds import Fold, checked_folds, fold_numbers, part_of, stratified_folds
 from octmip.trees.tradeoff.path import MOST_SOLVES, PenaltyPath
@@ -218,7 +216,7 @@ def choose_tree(
     parts = [part_of(problem, rows, f"the training rows of fold {k}") for k, (rows, _) in enumerate(pairs)]
     # A fold is one task of a cluster, and is not divided any further.
     run = Run(method, limits, seed, options=replace(options, cluster=None))
-    with opened(options, n_jobs) as shared:
+    with options.opened(n_jobs) as shared:
         turns = math.ceil((len(parts) + 1) / effective_n_jobs(n_jobs))
         trace = partial(
             trace_families,

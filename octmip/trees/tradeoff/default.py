@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.methods.pruning import ordered
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.choice import N_FOLDS, SHARE_OF_PATHS, Choice, choose_default

@@ -15,7 +15,7 @@ from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_solution
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
-from octmip.trees.run import Method, Run
+from octmip.trees.registry import Method, Run
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve_run

@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from octmip.errors import ProblemError
-from octmip.trees.cluster import opened
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Method, Run
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.solver import Method, solve_run
+from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import trace_run
 from octmip.trees.tree import Node
 
@@ -91,7 +90,7 @@ def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, r
     """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
-    with opened(run.options, run.n_jobs) as options:
+    with run.options.opened(run.n_jobs) as options:
         points = _points(problem, over, values, replace(run, options=options))
     return points if over == "penalty" else _with_bounds_of_wider_limits(points)
 

@@ -27,15 +27,14 @@ from fractions import Fraction
 from itertools import pairwise
 
 from octmip.errors import ProblemError
-from octmip.trees.cluster import opened
-from octmip.trees.encoding.numbers import rounded_down
+from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.methods.pruning import ordered, priced_prunings, pruned, prunings
 from octmip.trees.prediction import predict, predict_values
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Method, Run, chosen_method
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, Method, chosen_method, solve_run
+from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, solve_run
 from octmip.trees.tree import Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
@@ -172,7 +171,7 @@ def trace_run(
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
-    with opened(run.options, run.n_jobs) as options:
+    with run.options.opened(run.n_jobs) as options:
         tracer = _Tracer(free, replace(run, options=options), grown)
         for tree in (free.best_leaf(), *incumbents):
             tracer.add(tree)

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
+from octmip.trees.registry import Method, Run
 from octmip.trees.risk import ErrorRates, RiskModel
-from octmip.trees.run import Run
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.solver import Method, solve_run
+from octmip.trees.solver import solve_run
 from octmip.trees.tree import predict
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from octmip.trees.problem import Problem
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 from octmip.trees.tradeoff.path import trace_run

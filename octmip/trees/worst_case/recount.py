@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.certificate import check_optimality, checked_leaf_index
+from octmip.trees.certificate import check_optimality, checked_leaf_index, first_forbidden_split
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.tree import Leaf, Node, Split, complexity
@@ -87,7 +87,7 @@ def sets_off(problem: Problem, tree: Node, bands: Bands, off: int) -> list[tuple
     """
     if isinstance(off, bool) or not isinstance(off, int) or off < 1:
         raise ProblemError(f"off is {off!r}; expected a whole number of 1 or more, the most gauges off at a time")
-    forbidden = problem.first_forbidden_split(tree)
+    forbidden = first_forbidden_split(problem, tree)
     if forbidden:
         raise ProblemError(f"{forbidden}; give a tree of the problem")
     able = bands.sensors(problem)

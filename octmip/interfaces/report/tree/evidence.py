@@ -14,7 +14,7 @@ from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.proof import ProofReport
-from octmip.trees.run import Run
+from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
