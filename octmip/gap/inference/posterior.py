@@ -36,8 +36,8 @@ LEVELS = {2.0: 0.85, 4.0: 0.15}
 OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
 """Levels of the difference without a run, and with one of what damage changes, and their probabilities.
 
-Two honest models of a wing differ by level 2 (docs/gap/sealed.md): with level 1 as the most probable one, 56 of 76 sound
-wings were called faulty without a run, of a torsion above all; clear effects are named as often.
+Two honest models of a wing differ by level 2 (docs/gap/sealed.md): with level 1 as the most probable one, 56 of 76
+sound wings were called faulty without a run, of a torsion above all; clear effects are named as often.
 Of damage none is below 1: a gauge at which it acts by a third more than elsewhere has no fault."""
 N_TRIED = 60
 """Best single candidates under the first noise, beside which every other noise and level is weighed."""
