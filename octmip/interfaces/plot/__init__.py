@@ -12,7 +12,6 @@ with needed_by("a picture"):
         benchmark_figure,
         choice_figure,
         frontier_figure,
-        reliability_figure,
     )
     from octmip.interfaces.plot.drawing import counted_tree_figure, tree_figure
     from octmip.interfaces.plot.plane import partition_figure
@@ -26,7 +25,6 @@ __all__ = [
     "counted_tree_figure",
     "frontier_figure",
     "partition_figure",
-    "reliability_figure",
     "sensors_figure",
     "tree_figure",
 ]

@@ -1,4 +1,4 @@
-"""Curves: bound and objective over time, along a frontier, what cross-validation chose from, reliability."""
+"""Curves: bound and objective over time, along a frontier, what cross-validation chose from."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,7 +12,6 @@ from octmip.errors import ProblemError
 from octmip.interfaces.plot.names import name_entries
 from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame, titled
 from octmip.trees.tradeoff import Choice, Step
-from octmip.trees.uncertainty import ReliabilityBin
 
 
 def frontier_figure(
@@ -39,33 +38,6 @@ def frontier_figure(
     axes.set_xlabel(name, color=INK)
     axes.set_ylabel("objective", color=INK)
     axes.legend(frameon=False, fontsize=8)
-    quiet_frame(axes)
-    return titled(figure, axes, title)
-
-
-def reliability_figure(curves: Mapping[str, Sequence[ReliabilityBin]], title: str | None = None) -> Figure:
-    """Return the share of hits against the predicted probability, one line per name; areas of points go by weight.
-
-    Raises
-    ------
-    ProblemError
-        there is no bin to draw.
-    """
-    if not any(curves.values()):
-        raise ProblemError("there are no bins; give the bins of octmip.trees.uncertainty.reliability under a name")
-    figure = Figure(figsize=(4.2, 4.0), layout="tight")
-    axes = figure.add_subplot()
-    axes.plot([0, 1], [0, 1], color=INK, linewidth=0.8, linestyle="--", label="calibrated")
-    for k, bins in enumerate(curves.values()):
-        colour = DISTINCT[k % len(DISTINCT)]
-        predicted, hits = [b.probability for b in bins], [b.hits for b in bins]
-        axes.plot(predicted, hits, color=colour, linewidth=1.2, label="curve")
-        axes.scatter(predicted, hits, [200 * b.weight for b in bins], color=colour, zorder=3, clip_on=False)
-    axes.set_xlim(0, 1)
-    axes.set_ylim(0, 1)
-    axes.set_xlabel("predicted probability", color=INK)
-    axes.set_ylabel("share of hits", color=INK)
-    name_entries(axes.legend(frameon=False, fontsize=8, loc="upper left"), ["calibrated", *curves])
     quiet_frame(axes)
     return titled(figure, axes, title)
 
