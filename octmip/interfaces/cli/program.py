@@ -35,7 +35,7 @@ COMMANDS = {
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
     "monitor": "make trees, page and C code that read an asset's state from few sensors, from its twin",
-    "report": "show a tree file in words, or as a page, Markdown, DOT or a drawing",
+    "report": "show a tree file in words, or as a page, Markdown or a drawing",
     "doctor": "check this installation: versions, native core, extras, memory",
     "completion": "print the script that lets a shell complete octmip's words",
 }
