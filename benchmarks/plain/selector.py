@@ -30,6 +30,8 @@ UNKNOWN_SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Over the typical reading of a gauge."""
 N_HEADS, N_EXACT = 12, 16
 """Single effects that are tried with all others; those whose signature is taken between 0 and the size found."""
+AT_ONCE = 128
+"""Sets whose products fit into the processor's cache."""
 SEPARABLE, CREDIBLE, Z90 = 3.0, 0.95, 1.645
 IDLE = 1e-4
 """Probability below which a hypothesis is not looked at."""
@@ -126,8 +128,15 @@ class _Model:
 
     def evidence(self, sets: IntArray) -> Fit:
         """Return log evidence (n_sets,), sizes and their sds (n_sets, n_members) of sets of members."""
+        columns = [self.read.residual[None], self.read.nuisances, self.signatures, *self.bent()]
+        told, log_det = self.white(np.concatenate(columns))
+        parts = [self._evidence(sets[k : k + AT_ONCE], told, log_det) for k in range(0, len(sets), AT_ONCE)]
+        log, size, spread = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return log, size, spread
+
+    def _evidence(self, sets: IntArray, told: FloatArray, log_det: float) -> Fit:
+        """Return the evidence of some sets, given the whitened columns and minus half their log det."""
         n, nuisances = sets.shape[1], self.read.nuisances
-        told, log_det = self.white(np.concatenate([self.read.residual[None], nuisances, self.signatures, *self.bent()]))
         first, every = 1 + len(nuisances), len(self.names) * np.arange(len(told) // len(self.names))
         shared = np.broadcast_to(told[:first], (len(sets), *told[:first].shape))
         columns = np.concatenate([shared, *(told[first + sets + k] for k in every)], axis=1)
@@ -137,7 +146,7 @@ class _Model:
             size = np.zeros_like(sd)
             for _ in range(2):  # the error of a signature goes with the size
                 gram, log = products, np.full(len(sets), log_det)
-                for m in range(n * len(every)):
+                for m in range(n * len(every) if size.any() else 0):
                     wrong, own = (self.share[sets[:, m % n]] * size[:, m % n]) ** 2, gram[..., first + m]
                     grown = 1.0 + wrong[:, None] * own[..., first + m]
                     log -= 0.5 * np.log(grown).sum(axis=1)

@@ -167,7 +167,7 @@ def with_identifiable(judged: Sequence[Judged]) -> list[Judged]:
     """
     exact = {h.members for h in judged if not h.has_unknown}
     searched = [h for h in judged if not h.has_unknown and h.members and h.probability > IDLE]
-    fit_together(searched)
+    fit_together([h for h in searched if not h.inference.is_idle(h.members)])
     targets = {id(h): h.inference.identifiable(h.members) for h in searched}
     added: dict[Members, float] = {}
     kept = []

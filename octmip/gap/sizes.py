@@ -72,6 +72,8 @@ class Parameter:
 
 def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
     """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""
+    if not head.members:
+        return ()
     own = head.fit
     least = NEGLIGIBLE * sum(h.probability for h in same)
     same = [h for h in same if h is head or (h.probability > least and not h.has_unknown)]

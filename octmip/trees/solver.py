@@ -55,6 +55,7 @@ UNKNOWN = {
 """Of settings that a method may not know: how a sentence calls one, and what helps beside another method."""
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
 MANY_SAMPLES = 10_000  # from so many on a proof of depth 4 begins with one restart: ct-magic has a tree in 0.7 CPU s
+PROVEN_IN_ORDER, SHALLOWER = 3, "exact, less deep"  # depth to which proofs in order end within seconds
 
 
 def solve(
@@ -246,7 +247,8 @@ def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:
     if isinstance(options, BendersOptions):
         return options.start == "search"
     is_long = solver is EXACT and problem.n_samples >= MANY_SAMPLES
-    return solver.proves and problem.depth + is_long > solver.alone_to_depth
+    is_deep = problem.depth + is_long > solver.alone_to_depth
+    return solver.proves and (is_deep or _starts_less_deep(problem, name))
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,12 +291,13 @@ def _result(call: _Call, name: str, first: Solution | None) -> Solution:
         first = _first_tree(call, name)
         if first.stop is Stop.INTERRUPTED:
             return first
-    is_alone = first is None and solvers_of(call.problem)[name] in {EXACT, SHAPED}
+    is_alone = solvers_of(call.problem)[name] in {EXACT, SHAPED} and (first is None or first.solver == SHALLOWER)
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
     solution = checked_solution(call.problem, _solved(call, name, first, 1.0 - SEARCH_SHARE if is_alone else 1.0))
     if is_alone and solution.stop in {Stop.TIME, Stop.MEMORY}:
         # A search knows no bound: what was shown of the proof's stays the last that is shown.
-        first = _first_tree(replace(call, run=replace(call.run, progress=None)), name, share=1.0)
+        quiet = replace(call, run=replace(call.run, progress=None))
+        first = _first_tree(quiet, name, first.tree if first else None, share=1.0)  # no worse than where it starts
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)
@@ -309,15 +312,27 @@ def _finder(solution: Solution, name: str, first: Solution | None) -> str:
     return "cart" if isinstance(began, dict) and began["objective"] <= solution.objective else name
 
 
-def _first_tree(call: _Call, name: str, share: float = SEARCH_SHARE) -> Solution:
+def _starts_less_deep(problem: Problem, name: str) -> bool:
+    """Whether a proof starts from the best tree that is less deep: in order, local search often finds none as good."""
+    return solvers_of(problem)[name] is SHAPED and problem.monotone is not None and problem.depth > PROVEN_IN_ORDER
+
+
+def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float = SEARCH_SHARE) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=share)
-    restarts = 1 if share < 1.0 and call.problem.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
-    options = SearchOptions(restarts=restarts, cluster=call.run.options.cluster)
-    return call.solve("search", None, share=share, options=options)
+    if share < 1.0 and _starts_less_deep(call.problem, name):
+        left = call.run.limits.seconds - (time.perf_counter() - call.start)
+        run = replace(call.run, limits=replace(call.run.limits, seconds=max(0.0, left / 2)), progress=None)
+        less = _Call(replace(call.problem, depth=call.problem.depth - 1), run, time.perf_counter())
+        return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
+    options = SearchOptions(cluster=call.run.options.cluster)
+    if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
+        restarts = 1 if call.problem.depth <= EXACT.alone_to_depth else FIRST_RESTARTS
+        options = replace(options, restarts=restarts)
+    return call.solve("search", tree, share=share, options=options)
 
 
 def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:

@@ -108,6 +108,9 @@ def test_the_quick_extension_of_a_set_is_the_evidence_of_one_more_column_of_a_co
     assert quick[more] == pytest.approx(dense, abs=1e-6)
     assert quick[held] == -np.inf
     assert 0.0 < new[more] <= 1.0
+    some, left = extensions(model, (held,), np.array([held, more]))
+    assert np.flatnonzero(np.isfinite(some)).tolist() == [more]
+    assert (some[more], left[more]) == (pytest.approx(quick[more]), pytest.approx(new[more]))
 
 
 def test_the_order_of_a_set_does_not_matter():

@@ -118,7 +118,7 @@ def test_levels_of_errors_are_summed_like_the_density_at_every_level():
     model = inference.model
     j = candidate(model, "soak")
     column, sd = model.signatures[:, j], model.inputs.priors.sd[j]
-    size = inference.fit((j,)).size  # what the errors are as large as
+    size = inference.plain([(j,)])[0].size  # what the errors are as large as
     logs, weights = [], []
     for level, share in LEVELS.items():
         error = inference._errors((j,), size, level)[0]
@@ -130,6 +130,16 @@ def test_levels_of_errors_are_summed_like_the_density_at_every_level():
             weights.append(share / len(SCALES))
     found = (model.log_none - model.given.log_run) + inference._over_levels([(j,)])[0].log_factor
     assert found == pytest.approx(logsumexp(logs, b=weights), abs=1e-6)
+
+
+def test_errors_count_from_an_effect_that_stands_out_on():
+    sound = measured(3)
+    faint, large = (inference_of(twin_with(Uncertain("soak", SHAPE, 1, 10.0)), one) for one in (sound, SOAKED))
+    for inference, counts in ((faint, False), (large, True)):
+        j = (candidate(inference.model, "soak"),)
+        assert (inference.fit(j).log_factor != inference.plain([j])[0].log_factor) == counts
+        assert inference.is_idle(j) != counts
+        assert inference.identifiable(j) == (j if counts else ())
 
 
 @pytest.mark.parametrize("knows", [True, False])

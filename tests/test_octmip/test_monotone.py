@@ -1,5 +1,6 @@
 """Monotone trees: proven against a list of all trees, recounted by the certificate, kept by every method and door."""
 
+import time
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +16,9 @@ from octmip.trees.losses import SquaredError
 from octmip.trees.methods.pruning import ordered
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.order import disorder
+from octmip.trees.run import Run
 from octmip.trees.solution import Progress
+from octmip.trees.solver import SHALLOWER, _Call, _first_tree
 from octmip.trees.tree import predict
 
 RNG = np.random.default_rng(4)
@@ -162,3 +165,15 @@ def test_the_classifier_takes_scikit_learns_name():
     assert disorder(tree.tree_, (1, 0, -1)) is None
     with pytest.raises(ProblemError, match="monotonic_cst names 'a'"):
         OptimalTreeClassifier(2, monotonic_cst={"a": 1}).fit(FEATURES, LABELS)
+
+
+def test_a_proof_in_order_that_is_stopped_has_a_tree_no_worse_than_the_best_one_less_deep():
+    rng = np.random.default_rng(3)
+    features = rng.normal(size=(3000, 8)).round(2)
+    labels = features[:, 0] + features[:, 1] * features[:, 2] + rng.normal(size=3000) > 0
+    less, deep = (Problem(features, labels, depth=depth, monotone=[1] + 7 * [0]) for depth in (3, 4))
+    call = _Call(deep, Run("exact", Limits(seconds=60.0)), time.perf_counter())
+    first = _first_tree(call, "exact")
+    assert (first.solver, first.bound) == (SHALLOWER, -np.inf)
+    assert first.objective == solve(less, "exact").objective
+    assert deep.objective(first.tree) == first.objective

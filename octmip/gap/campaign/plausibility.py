@@ -265,5 +265,5 @@ def _outliers(sheet: Sheet) -> list[str]:
     )
     return [
         f"{len(far)} reading{'s are' if len(far) > 1 else ' is'} more than {FAR_OUT:g} standard deviations from the "
-        f"other repeats ({shown}); used as recorded: clear the cell if it is the logger's placeholder for no reading."
+        f"other repeats ({shown}): clear the cell if it is the logger's placeholder for no reading."
     ]

@@ -24,6 +24,7 @@ from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.whitening import Whitening
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Members = tuple[int, ...]
 
 
@@ -138,28 +139,34 @@ def _between(size: Floats, spread: Floats, bounds: Floats) -> tuple[Floats, Floa
     return np.clip(size + spread * shift, bounds[0], bounds[1]), spread * np.sqrt(variance)
 
 
-def extensions(model: LinearModel, members: Members) -> tuple[Floats, Floats]:
+def extensions(model: LinearModel, members: Members, among: Ints | None = None) -> tuple[Floats, Floats]:
     """Return log_factor (n_candidates,) of `members` with each candidate added, and what is new in each.
 
     The members, with the prior of scale 1, are columns B of a covariance I + B B'; the added candidate sums over the
     scale mixture. What is new is the share of its squared length that B leaves. Good for choosing, not for reporting:
-    `Inference.fit` is exact. The log factor is -inf for the members themselves.
+    `Inference.fit` is exact. The log factor is -inf for the members themselves, and for all but the candidates `among`
+    (k,) where these are given.
     """
-    prior, index = model.inputs.priors, list(members)
-    variance, gain, start = model.lengths, model.projection, 0.0
+    prior, index, some = model.inputs.priors, list(members), slice(None) if among is None else among
+    white = model.white if among is None else model.whiten(model.signatures[:, among])
+    lengths = model.lengths if among is None else np.einsum("ij,ij->j", white, white)
+    variance, gain, start = lengths, white.T @ model.left, 0.0
     if index:
-        own = model.white[:, index]
+        own = model.whiten(model.signatures[:, index])
         columns = own * prior.sd[index]
         left = model.left - own @ prior.mean[index]
         beside = Whitening.of(np.eye(len(index)) + columns.T @ columns)
-        solved = beside.of_columns(columns.T @ np.column_stack([model.white, left]))
+        solved = beside.of_columns(columns.T @ np.column_stack([white, left]))
         variance = variance - np.einsum("ij,ij->j", solved[:, :-1], solved[:, :-1])
-        gain = model.white.T @ left - solved[:, :-1].T @ solved[:, -1]
+        gain = white.T @ left - solved[:, :-1].T @ solved[:, -1]
         fit = float(model.left @ model.left) - float(left @ left) + float(solved[:, -1] @ solved[:, -1])
         start = 0.5 * fit - beside.log_volume
-    total = start + np.logaddexp.reduce(single_logs(prior, variance, gain), axis=0) - np.log(len(SCALES))
+    total, new = np.full(len(prior.sd), -np.inf), np.zeros(len(prior.sd))
+    logs = single_logs(prior if among is None else prior.of(among), variance, gain)
+    total[some] = start + np.logaddexp.reduce(logs, axis=0) - np.log(len(SCALES))
+    new[some] = variance / np.maximum(lengths, 1e-300)
     total[index] = -np.inf
-    return np.asarray(total), np.asarray(variance / np.maximum(model.lengths, 1e-300))
+    return total, new
 
 
 def single_logs(prior: Priors, variance: Floats, gain: Floats) -> Floats:

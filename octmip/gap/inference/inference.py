@@ -40,6 +40,8 @@ NEARBY = 0.1
 """Length over which the size of a signature is taken, as a share of the structure's extent."""
 SMOOTH = 0.5
 """Share of the variance of an error that is smooth along the structure."""
+FAINT = 2.0
+"""Standard deviations up to which an effect is too faint for its signature's errors to count."""
 ALIKE = 0.5
 """Share of its squared length that a neighbour must have in common with the place."""
 
@@ -132,6 +134,7 @@ class Inference:
 
     def __init__(self, model: LinearModel) -> None:
         self.model = model
+        self._plain: dict[Members, Fit] = {}
         self._fits: dict[Members, Fit] = {}
         self._traces: dict[int, tuple[Floats, Floats]] = {}
         self._allowing: dict[Members, Inference] = {}
@@ -153,16 +156,31 @@ class Inference:
     def fits(self, sets: Sequence[Members]) -> list[Fit]:
         """Return `fit` of every set: one by one they cost several times as much."""
         new = [members for members in dict.fromkeys(sets) if members not in self._fits]
-        for group in alike(self.model.inputs.priors, new):
-            self._fits.update(zip(group, self._fitted(group, [self._reduced(m, None) for m in group]), strict=True))
-        uncertain = [members for members in new if is_uncertain(self.model, members)]
+        plain = dict(zip(new, self.plain(new), strict=True))
+        uncertain = [m for m in new if is_uncertain(self.model, m) and self._alone(plain[m]).max() > FAINT]
+        self._fits |= plain
         for group in alike(self.model.inputs.priors, uncertain):
             self._fits.update(zip(group, self._over_levels(group), strict=True))
         return [self._fits[members] for members in sets]
 
+    def plain(self, sets: Sequence[Members]) -> list[Fit]:
+        """Return the fit of every set as if its signatures had no errors."""
+        new = [members for members in dict.fromkeys(sets) if members not in self._plain]
+        for group in alike(self.model.inputs.priors, new):
+            self._plain.update(zip(group, self._fitted(group, [self._reduced(m, None) for m in group]), strict=True))
+        return [self._plain[members] for members in sets]
+
+    def _alone(self, fit: Fit) -> Floats:
+        """Return by how many standard deviations each member (n_members,) of a set moves the readings alone."""
+        return np.asarray(np.abs(fit.size) * np.sqrt(self.model.lengths[list(fit.members)]))
+
+    def is_idle(self, members: Members) -> bool:
+        """Return whether one effect is too faint to be seen even if its signature has no errors, which only blur it."""
+        return len(members) == 1 and float(self._alone(self.plain([members])[0])[0]) < VISIBLE
+
     def _over_levels(self, group: Sequence[Members]) -> list[Fit]:
         """Return the fits of sets summed over the levels of their errors, these of the sizes without errors."""
-        by_set = [[self._reduced(m, e) for e in self._errors(m, self._fits[m].size, *LEVELS)] for m in group]
+        by_set = [[self._reduced(m, e) for e in self._errors(m, self._plain[m].size, *LEVELS)] for m in group]
         fits = [self._fitted(group, at_level) for at_level in zip(*by_set, strict=True)]
         logs = np.array([[shift for _, _, shift in levels] for levels in by_set]) + np.log([*LEVELS.values()])
         return [mixed(own, log, list(LEVELS)) for own, log in zip(zip(*fits, strict=True), logs, strict=True)]
@@ -257,13 +275,13 @@ class Inference:
         return self._identifiable[members]
 
     def _without_idle(self, members: Members) -> Members:
-        while members:
+        while members and not self.is_idle(members):
             visible = self.visibilities(members)
             faintest = int(np.argmin(visible))
             if visible[faintest] >= VISIBLE:
                 break
             members = (*members[:faintest], *members[faintest + 1 :])
-        return members
+        return () if self.is_idle(members) else members
 
 
 @dataclass(frozen=True, slots=True, eq=False)

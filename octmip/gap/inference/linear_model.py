@@ -13,7 +13,8 @@ Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,9 +60,9 @@ class Given:
     across: Floats | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class LinearModel:
-    """The model about one assignment of states; all its arrays are read only.
+    """The model about one assignment of states; its arrays are read only, and what is derived is made when asked for.
 
     Attributes
     ----------
@@ -79,13 +80,6 @@ class LinearModel:
         the difference given the run.
     added
         (n, n) covariance of what is allowed for beside that, or 0.
-    Derived:
-        residual: (n,) readings less twin and difference, in the unit of each.
-        covariance, whitening: (n, n) C0 = L L', and by L.
-        white, left: (n, n_candidates) L^-1 S, and (n,) L^-1 r.
-        lengths, projection: (n_candidates,) diagonal of G, and b.
-        open: (n, n_open) L^-1 J times the variance of an open state.
-        log_none: log p0, that of the commissioning run included.
     """
 
     inputs: Inputs
@@ -95,39 +89,52 @@ class LinearModel:
     tangents: Floats
     given: Given
     added: Floats | float = 0.0
-    residual: Floats = field(init=False)
-    covariance: Floats = field(init=False)
-    whitening: Whitening = field(init=False)
-    white: Floats = field(init=False)
-    left: Floats = field(init=False)
-    lengths: Floats = field(init=False)
-    projection: Floats = field(init=False)
-    open: Floats = field(init=False)
-    log_none: float = field(init=False)
 
-    def __post_init__(self) -> None:
-        residual = self.means.measured - self.predicted
-        open_ = OPEN_STATE**2 * self.tangents
-        covariance = self.given.covariance + self.noise + open_ @ self.tangents.T + self.added
-        whitening = Whitening.of(covariance)
-        stacked = whitening.of_columns(np.column_stack([self.signatures, residual, open_]))
-        white, last, tangents = np.split(stacked, [self.signatures.shape[1], self.signatures.shape[1] + 1], axis=1)
-        left = last[:, 0]
-        arrays = {
-            "residual": residual,
-            "covariance": covariance,
-            "white": white,
-            "left": left,
-            "lengths": np.einsum("ij,ij->j", white, white),
-            "projection": white.T @ left,
-            "open": tangents,
-        }
-        for name, array in arrays.items():
-            object.__setattr__(self, name, array)
-        object.__setattr__(self, "whitening", whitening)
-        object.__setattr__(self, "log_none", whitening.log_density(left) + self.given.log_run)
-        for array in (*arrays.values(), self.states, self.signatures, self.tangents):
-            array.flags.writeable = False
+    @cached_property
+    def residual(self) -> Floats:
+        """(n,) readings less twin and difference, in the unit of each."""
+        return _fixed(self.means.measured - self.predicted)
+
+    @cached_property
+    def covariance(self) -> Floats:
+        """(n, n) C0."""
+        open_ = OPEN_STATE**2 * self.tangents @ self.tangents.T
+        return _fixed(self.given.covariance + self.noise + open_ + self.added)
+
+    @cached_property
+    def whitening(self) -> Whitening:
+        """C0 = L L'."""
+        return Whitening.of(self.covariance)
+
+    @cached_property
+    def left(self) -> Floats:
+        """(n,) L^-1 r."""
+        return _fixed(self.whiten(self.residual))
+
+    @cached_property
+    def white(self) -> Floats:
+        """(n, n_candidates) L^-1 S: the dearest of all, made where every candidate is compared."""
+        return _fixed(self.whiten(self.signatures))
+
+    @cached_property
+    def lengths(self) -> Floats:
+        """(n_candidates,) diagonal of G."""
+        return _fixed(np.einsum("ij,ij->j", self.white, self.white))
+
+    @cached_property
+    def projection(self) -> Floats:
+        """(n_candidates,) b."""
+        return _fixed(self.white.T @ self.left)
+
+    @cached_property
+    def open(self) -> Floats:
+        """(n, n_open) L^-1 J times the variance of an open state."""
+        return _fixed(self.whiten(OPEN_STATE**2 * self.tangents))
+
+    @cached_property
+    def log_none(self) -> float:
+        """Log p0, that of the commissioning run included."""
+        return self.whitening.log_density(self.left) + self.given.log_run
 
     @property
     def noise(self) -> Floats:
@@ -209,6 +216,12 @@ class LinearModel:
         return replace(self, added=self.added + added)
 
 
+def _fixed(array: Floats) -> Floats:
+    """Return an array that nobody can write: models share theirs."""
+    array.flags.writeable = False
+    return array
+
+
 def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
     """Return the linear model about states (n_cells, n_parameters) at a level of the difference.
 
@@ -221,9 +234,9 @@ def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel
     usual = _given_run(inputs, 1.0, means.rows)
     expected = means.expected.copy()
     expected[means.average, means.gauge] += usual.mean
-    signatures, tangents = signatures_of(inputs, states, expected)[:, flat].T, _tangents(inputs, states, flat)
+    signatures, tangents = _fixed(signatures_of(inputs, states, expected)[:, flat].T), _tangents(inputs, states, flat)
     given = usual if level == 1.0 else _given_run(inputs, level, means.rows)
-    return LinearModel(inputs, states, means, signatures, tangents, given)
+    return LinearModel(inputs, _fixed(states), means, signatures, _fixed(tangents), given)
 
 
 def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:

@@ -30,16 +30,21 @@ from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_sta
 from octmip.gap.inference.unknown import weigh_unknown
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 LEVELS = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
 OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
 """Levels of the difference, and with a run of what damage changes, with their probabilities before any reading.
 
 Of damage none is below 1: a gauge at which it acts by a third more than elsewhere has no fault."""
+N_TRIED = 60
+"""Best single candidates under the first noise, beside which every other noise and level is weighed."""
 VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
 """Log units behind the best level beyond which another is not looked at; levels that are looked at for each noise."""
 N_HEADS = (20, 8)
 """Sets of one and of two candidates that are extended."""
+N_LOOKED = 300
+"""Candidates beside a set that are weighed under its errors, the best without these: each costs a column."""
 N_LONGER, N_OF_ONE_NAME = 25, 4
 """Larger sets that are kept of each size; sets of the same effects that are extended, so that places do not fill it."""
 TRIPLES = 2.0
@@ -50,6 +55,8 @@ IMITATED = 0.02
 """A candidate is imitated by others when they leave less than this share of its squared length."""
 N_EXACT, EXACT_BEHIND = 25, 15.0
 """Hypotheses whose evidence is computed exactly, at most, and the log units behind the best within which they lie."""
+CONTENDING = 12.0
+"""Log units behind the best within which a hypothesis may still lead about other states or under another noise."""
 N_SETTLED, LEADERS, LAPS = 2, 10.0, 3
 """Sets about whose own states the model is taken in each lap, log units behind the best of these, and laps."""
 START_BEHIND = 15.0
@@ -99,10 +106,24 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     inferences, weighed = _settled(inferences, exact)
     result = [w.times(lead) for w in [*weighed, *_others(inferences[0], found, exact), *_with_unknown(weighed)]]
     for log_share, model in variants[1:]:
-        noise = model.inputs.noise_of_means
-        own = _weigh([Inference(one.model.under(model.level, noise)) for one in inferences], exact)
+        own = _under(model, _contenders(weighed))
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
     return result
+
+
+def _contenders(weighed: Sequence[Judged]) -> list[Judged]:
+    """Return the hypotheses that may still lead about other states or under another noise, and that nothing acts."""
+    best = max(w.log_weight for w in weighed)
+    return [w for w in weighed if w.log_weight > best - CONTENDING or not w.members]
+
+
+def _under(model: LinearModel, weighed: Sequence[Judged]) -> list[Judged]:
+    """Return hypotheses weighed under the level and the noise of another model, each about the states that it has."""
+    found = []
+    for one in dict.fromkeys(w.inference for w in weighed):
+        there = Inference(one.model.under(model.level, model.inputs.noise_of_means))
+        found += _weigh([there], [w.members for w in weighed if w.inference is one])
+    return found
 
 
 def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
@@ -111,7 +132,9 @@ def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
     That nothing wanders is always looked at, a walk where it bears the readings better beside the best single effect.
     """
     first, *others = start.inputs.noises
-    noises = [_Variant.of(one.log_share, start if one is first else start.under(1.0, one)) for one in (first, *others)]
+    best = _best(extensions(start, ())[0] + start.inputs.priors.log_weight, N_TRIED)
+    models = [start, *(start.under(1.0, one) for one in others)]
+    noises = [_Variant.of(one.log_share, model, best) for one, model in zip((first, *others), models, strict=True)]
     noises.sort(key=lambda one: -one.weight)
     still = [one for one in noises if not one.wanders][:1]
     least = still[0].weight if still else -inf
@@ -119,7 +142,7 @@ def _variants(start: LinearModel) -> list[tuple[float, LinearModel]]:
     found: list[_Variant] = []
     for usual in [*still, *walks[:1]]:
         at = {level: usual.model if level == 1.0 else usual.model.under(level) for level in _levels(start)}
-        own = [_Variant.of(usual.log_share + log(p), at[level]) for level, p in _levels(start).items()]
+        own = [_Variant.of(usual.log_share + log(p), at[level], best) for level, p in _levels(start).items()]
         own.sort(key=lambda one: -one.weight)
         found += [one for one in own if one.weight > own[0].weight - VARIANT_BEHIND][:MOST_LEVELS]
     return [(one.log_share, one.model) for one in sorted(found, key=lambda one: -one.weight)]
@@ -134,8 +157,8 @@ class _Variant:
     weight: float
 
     @classmethod
-    def of(cls, log_share: float, model: LinearModel) -> "_Variant":
-        return cls(log_share, model, log_share + _best_single(model))
+    def of(cls, log_share: float, model: LinearModel, among: Ints) -> "_Variant":
+        return cls(log_share, model, log_share + _best_single(model, among))
 
     @property
     def wanders(self) -> bool:
@@ -149,8 +172,8 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
     return OF_DAMAGE if model.means.rows.change.any() else {1.0: 1.0}
 
 
-def _best_single(model: LinearModel) -> float:
-    singles = extensions(model, ())[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
+def _best_single(model: LinearModel, among: Ints | None = None) -> float:
+    singles = extensions(model, (), among)[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
     return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
 
 
@@ -180,17 +203,24 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     model = inference.model
     inputs, prior = model.inputs, model.inputs.priors
     under = inference.allowing(members).model
-    logs, new = extensions(under, members)
+    logs, new = extensions(model, members)
+    if under is not model:
+        logs, new = extensions(under, members, _best(logs + prior.log_weight, N_LOOKED))
     can_be_seen = 3.0 * np.hypot(prior.mean, prior.sd) * np.sqrt(model.lengths) > UNSEEN
     keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
-        keep = keep[np.argsort(-(logs + prior.log_weight)[keep], kind="stable")[:N_LONGER]]
+        keep = keep[_best((logs + prior.log_weight)[keep], N_LONGER)]
     if any(inputs.candidates[j].is_nameless for j in members):  # two such are no explanation (`log_prior`)
         keep = np.array([j for j in keep.tolist() if not inputs.candidates[j].is_nameless], dtype=np.int64)
     weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
     weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
     joined = [tuple(sorted((*members, j))) for j in keep.tolist()]
     return dict(zip(joined, weights.tolist(), strict=True))
+
+
+def _best(weights: Floats, most: int) -> Ints:
+    """Return the indices (most,) of the greatest weights (n,), the greatest first."""
+    return np.argsort(-weights, kind="stable")[:most]
 
 
 def _diverse(inputs: Inputs, ordered: Sequence[Members], most: int) -> list[Members]:
@@ -230,7 +260,8 @@ def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inf
             break
         like = inferences[0].model
         inferences = [*inferences, *(Inference(linearise(like.inputs, states, like.level)) for states in new)]
-        weighed = _weigh(inferences, sets)
+        again = _weigh(inferences, [w.members for w in _contenders(weighed)])
+        weighed = [*{w.members: w for w in [*weighed, *again]}.values()]
     return inferences, weighed
 
 
@@ -269,7 +300,7 @@ def _with_unknown(weighed: Sequence[Judged]) -> list[Judged]:
     logs += _log(odds[1]) - log(max(inputs.priors.n_effects, 1))
     worth = np.flatnonzero(logs > max(found[0].log_weight, max(w.log_weight for w in weighed)) - WEIGHTLESS)
     found += [Judged((j,), True, float(logs[j]), allowing, unknown.words) for j in worth.tolist()]
-    larger = [w.members for w in sorted(weighed, key=lambda w: -w.log_weight) if len(w.members) == 2]
+    larger = [w.members for w in sorted(_contenders(weighed), key=lambda w: -w.log_weight) if len(w.members) == 2]
     for members, own in zip(larger[:N_BESIDE_UNKNOWN], allowing.fits(larger[:N_BESIDE_UNKNOWN]), strict=True):
         prior = log_prior(inputs, members) - _log(inputs.odds.count[2]) + _log(odds[2])
         found.append(Judged(members, True, beside + own.log_factor + prior, allowing, unknown.words))

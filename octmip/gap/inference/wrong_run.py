@@ -19,7 +19,7 @@ from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
-from octmip.gap.inference.linear_model import LinearModel, linearise
+from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import LEVELS
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
@@ -172,7 +172,7 @@ def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     inputs, usual, rows = model.inputs, model.inputs.usual, run.means.rows
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     log_run = float(logsumexp(logs)) - float(np.log(len(logs)))
-    alone = linearise(replace(inputs, run=None, difference=usual), model.states)
+    alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in LEVELS.items()]
     total = float(logsumexp(of_levels)) + log_run
     return WrongRun(total, "it differs from the asset of today as another asset would", None, None)
