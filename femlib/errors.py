@@ -19,7 +19,6 @@ EXTRA_OF = {
     "pyfe3d": "wing",
     "matplotlib": "plot",
     "pyarrow": "parquet",
-    "pypardiso": "pardiso",
     "sksparse": "cholmod",
     "aerosandbox": "aero",
     "pyvista": "pictures",

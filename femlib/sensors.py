@@ -33,6 +33,8 @@ LEAST_FITTED = 6
 """Elements of a triangle's fit at a corner, if the patch has so many within two rings."""
 N_NEAREST = 12
 """Elements, nearest by centroid, among which a gauge's element is looked for."""
+MOST_STRAIN = 50_000.0
+"""Largest strain [microstrain] of linear analysis: carbon breaks at a third of it, metals yield at a tenth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -289,3 +291,14 @@ def _natural(points: FloatArray, position: FloatArray) -> FloatArray:
         step = np.linalg.solve(slopes @ slopes.transpose(0, 2, 1), right[:, :, None])[:, :, 0]
         places = np.clip(places + step, -3.0, 3.0)
     return places
+
+
+def checked_strains(strains: FloatArray) -> FloatArray:
+    """Return gauge strains (..., n_gauges) [microstrain]; InputError if one is beyond the range of linear analysis."""
+    if not float(np.vdot(strains, strains)) <= MOST_STRAIN**2 and not np.abs(strains).max() <= MOST_STRAIN:
+        worst = float(np.abs(strains).max())
+        raise InputError(
+            f"strain would be {worst:.3g} microstrain; expected at most {MOST_STRAIN:g}, beyond which linear analysis "
+            "is meaningless; lower the load, and check that lengths are in m, forces in N, moduli in Pa"
+        )
+    return strains

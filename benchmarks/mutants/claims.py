@@ -119,12 +119,12 @@ CLAIMS = (
     ),
     *mutants_of(
         "octmip/trees/mip/blocks/thresholds.py",
-        ("test_octmip/test_mip_rows.py", "test_octmip/test_mip.py", "test_octmip/test_path.py"),
+        ("test_octmip/test_path.py",),
         ('rows.add("max_splits", -np.inf, max_splits,', 'rows.add("max_splits", -np.inf, max_splits + 1,'),
     ),
     *mutants_of(
         "octmip/trees/mip/oct.py",
-        ("test_octmip/test_mip_rows.py", "test_octmip/test_mip.py"),
+        ("test_octmip/test_mip_splits.py",),
         (
             'rows.add("max_splits", -np.inf, problem.max_splits,',
             'rows.add("max_splits", -np.inf, problem.max_splits + 1,',

@@ -41,7 +41,6 @@ MODELS = (
         FILTER,
         ("(threshold - (states - width / 2)) / width", "(threshold - states) / width"),
         ("levels[at] + (share - 0.5) * width", "levels[at] + share * width"),
-        ('method="higher"', 'method="lower"'),
     ),
     *mutants_of(
         "octmip/gap/inference/evidence.py",

@@ -6,13 +6,11 @@ Outcomes are those of export_runs.py; a report is exact when nothing ran and eve
 import io
 import json
 import re
-import subprocess
 import unicodedata
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
-from xml.etree import ElementTree
 
 import numpy as np
 from PIL import Image
@@ -22,7 +20,6 @@ from octmip.formats.tree_file import TreeFile
 from octmip.formats.tree_schema import SETTINGS
 from octmip.input.names import END_ISOLATE, ISOLATE, shown
 from octmip.interfaces.plot import counted_tree_figure
-from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import tree_text
@@ -79,22 +76,6 @@ def run_json(names: Sequence[str]) -> list[str]:
     text = json.dumps(encode_tree(tree, tuple(names), classes), allow_nan=False)
     is_same = text.isascii() and decode_tree(json.loads(text), tuple(names), classes) == tree
     return [EXACT if is_same else "another tree"] * len(names)
-
-
-def run_dot(names: Sequence[str]) -> list[str]:
-    """Let Graphviz draw the graph, and read the names in its SVG."""
-    graph = tree_dot(tree_over(len(names)), names, (*names, "plain"))
-    done = subprocess.run(["dot", "-Tsvg"], input=graph.encode(), capture_output=True)
-    if done.returncode or done.stderr:
-        return [f"dot: {done.stderr.decode(errors='replace').splitlines()[:1]}"] * len(names)
-    root = ElementTree.fromstring(done.stdout)
-    svg = "{http://www.w3.org/2000/svg}"
-    nodes = [group for group in root.iter(f"{svg}g") if group.get("class") == "node"]
-    labels = ["".join(line.text or "" for line in node.iter(f"{svg}text")).replace("\xa0", " ") for node in nodes]
-    texts, is_whole = set(labels), len(nodes) == 2 * len(names) + 1
-    return [
-        EXACT if is_whole and {shown(name), f"{shown(name)} <= 0.5"} <= texts else "not to be read" for name in names
-    ]
 
 
 def run_markdown(names: Sequence[str]) -> list[str]:
@@ -166,7 +147,6 @@ def run_page(names: Sequence[str], browser: "Browser", folder: Path) -> list[str
 REPORTS: dict[str, Callable[[Sequence[str]], list[str]]] = {
     "text": run_text,
     "JSON": run_json,
-    "DOT": run_dot,
     "Markdown": run_markdown,
     "PNG": run_picture,
 }

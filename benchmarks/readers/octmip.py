@@ -151,7 +151,7 @@ def tree_command(rng: Generator, folder: Path) -> None:
     tree, table = folder / "tree.json", folder / "table.csv"
     has_planes = tree.is_file() and b"hyperplane" in tree.read_bytes()
     anew = (*BROAD, *ANEW) if has_planes else ANEW
-    out = folder / pick(rng, ("p.html", "p.md", "p.dot", "p.txt"))
+    out = folder / pick(rng, ("p.html", "p.md", "p.txt"))
     commands = (
         ("report", tree),
         ("report", tree, "--out", out),

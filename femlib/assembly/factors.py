@@ -1,7 +1,7 @@
 """Factors of a stiffness matrix, with chosen unknowns eliminated last.
 
 By SuiteSparse's CHOLMOD where scikit-sparse is installed (extra `cholmod`), else by scipy's SuperLU, unless
-`factored_by` says otherwise. oneMKL's PARDISO shows no factors: with ports SuperLU stands in for it.
+`factored_by` says otherwise.
 """
 
 from collections.abc import Iterator
@@ -17,10 +17,9 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.cholmod import CholmodFactors
-from femlib.assembly.pardiso import PardisoFactors
 from femlib.errors import InputError, SolveError
 
-SOLVERS = ("superlu", "cholmod", "pardiso")
+SOLVERS = ("superlu", "cholmod")
 SINGULAR = 1e13
 """Growth of a right side, both scaled by the diagonal's roots, beyond which a matrix counts as singular. A cantilever
 3,750 times as long as thick: 1e10; an unsupported plate: 1e15."""
@@ -35,7 +34,7 @@ def default_solver() -> str:
 
 @contextmanager
 def factored_by(solver: str) -> Iterator[None]:
-    """Factorise with "superlu", "cholmod" or "pardiso" (extras of these names) inside the block.
+    """Factorise with "superlu" or "cholmod" (an extra) inside the block.
 
     Raises
     ------
@@ -57,7 +56,7 @@ class Factors:
 
     Attributes
     ----------
-    lu : SuperLU, CholmodFactors or PardisoFactors
+    lu : SuperLU or CholmodFactors
         Factors of the reordered matrix.
     order : IntArray
         Row k of the reordered matrix is row order[k] (n,); the ports are its last entries.
@@ -65,7 +64,7 @@ class Factors:
         The rows eliminated last (n_ports,).
     """
 
-    lu: SuperLU | CholmodFactors | PardisoFactors
+    lu: SuperLU | CholmodFactors
     order: IntArray
     ports: IntArray
 
@@ -87,8 +86,6 @@ class Factors:
         It costs nothing beyond the factorisation; solving for the flexibility at 400 ports took three times as long.
         """
         n, n_ports = len(self.order), len(self.ports)
-        if isinstance(self.lu, PardisoFactors):
-            raise SolveError("factors of PARDISO hold no ports; expected those of SuperLU; factorise with ports")
         if isinstance(self.lu, CholmodFactors):
             return self.lu.last_block(n_ports)
         rows, columns = self.lu.perm_r[n - n_ports :], self.lu.perm_c[n - n_ports :]
@@ -123,7 +120,7 @@ def factorise(
     SolveError
         If the matrix is singular, as that of a structure which can still move.
     InputError
-        If CHOLMOD or PARDISO is asked for and not installed.
+        If CHOLMOD is asked for and not installed.
     """
     last = np.zeros(0, dtype=np.int64) if ports is None else ports
     if len(groups) != matrix.shape[0]:
@@ -135,8 +132,6 @@ def factorise(
     if solver == "cholmod":
         lu, order = CholmodFactors.of(matrix, last)
         return _checked(Factors(lu, order, last), matrix)
-    if solver == "pardiso" and len(last) == 0:
-        return _checked(Factors(PardisoFactors.of(matrix), np.arange(matrix.shape[0]), last), matrix)
     rank = _minimum_degree(matrix, groups)[groups]
     rank[last] = rank.max(initial=0) + 1
     inner = np.argsort(rank, kind="stable")[: len(rank) - len(last)]

@@ -34,15 +34,13 @@ from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReductionSettings
 from femlib.rom.capability import Capability
-from femlib.sensors import StrainGauge
+from femlib.sensors import StrainGauge, checked_strains
 from femlib.structure import loads
 from femlib.structure.named_mesh import NamedMesh
 from femlib.structure.parts import Parts, Section, Spring, component_of, parts_of
 from femlib.structure.strength import structure_capability, structure_limits
 
 MICRO = 1e6
-MOST_STRAIN = 50_000.0
-"""Largest strain [microstrain] that linear analysis gives out: metals yield at a tenth of it."""
 MOST_GAUGE_ERROR = 0.1
 """Estimated error of gauge strains beyond which they are refused."""
 LIGHT = 1e-3
@@ -238,8 +236,8 @@ class Structure:
         Raises
         ------
         InputError, SolveError
-            As `solve` and `strain_rows`, or if a strain exceeds `MOST_STRAIN`, or they are estimated to be farther off
-            than `gauge_limit`.
+            As `solve` and `strain_rows`, or if a strain is beyond linear analysis, or they are estimated to be farther
+            off than `gauge_limit`.
         """
         moved = self.solve(state, load, limit)
         strains = checked_strains(MICRO * (self.strain_rows(gauges) @ np.asarray(moved).ravel()))
@@ -368,17 +366,6 @@ class Structure:
             )
         patches = np.unique(mesh.patch_of_element[inside])
         return replace(gauge, patches=tuple(mesh.patches[k] for k in patches))
-
-
-def checked_strains(strains: FloatArray) -> FloatArray:
-    """Return strains [microstrain] after refusing any that linear analysis cannot give."""
-    most = float(np.abs(strains).max(initial=0.0))
-    if not most <= MOST_STRAIN:
-        raise SolveError(
-            f"a strain is {most:.3g} microstrain; expected at most {MOST_STRAIN:g} of linear analysis; lower the load, "
-            "and check that lengths are in m, forces in N, moduli in Pa"
-        )
-    return strains
 
 
 def _held(mesh: NamedMesh, supports: Mapping[str, str]) -> IntArray:

@@ -13,8 +13,8 @@ from femlib.assembly import MOST_ERROR
 from femlib.components import damage_row
 from femlib.errors import InputError, is_number
 from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
-from femlib.sensors import StrainGauge
-from femlib.structure.model import MICRO, MOST_GAUGE_ERROR, Structure, checked_strains
+from femlib.sensors import StrainGauge, checked_strains
+from femlib.structure.model import MICRO, MOST_GAUGE_ERROR, Structure
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,9 +65,8 @@ class ReducedStructure:
         Raises
         ------
         InputError
-            If the state names an unknown parameter, a damage is outside [0, 1), or the load factor is not finite.
-        SolveError
-            If a strain is beyond linear analysis.
+            If the state names an unknown parameter, a damage is outside [0, 1), the load factor is not finite, or a
+            strain is beyond linear analysis.
         """
         return np.asarray(self.predict_states(damage_row(state, self.parameters)[None, :], load_factor)[0])
 

@@ -21,6 +21,7 @@ from femlib.errors import InputError, frozen_floats, is_number
 from femlib.geometry import Planform
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
+from femlib.sensors import checked_strains
 from femlib.wing.damage import TAPERED_REGIONS, UAV_REGIONS, DamageRegion, checked_regions
 from femlib.wing.gauges import (
     GaugeSet,
@@ -35,8 +36,6 @@ from femlib.wing.planform import N_RIBS, PLANFORM, SECTION
 from femlib.wing.structure import WingGrid, WingMaterials, tapered_materials, wing_grid, wing_mesh, wing_shells
 
 MICRO = 1e6
-MOST_STRAIN = 50_000.0
-"""Largest strain [microstrain] that linear analysis gives out: carbon breaks at a third of it."""
 JUDGED_DAMAGE = 0.8
 """Damage of all regions at which the mesh is judged besides the sound wing."""
 StrainMap = Callable[[FloatArray], FloatArray]
@@ -158,7 +157,8 @@ class Wing:
         ------
         InputError
             If the state names an unknown parameter, a damage is outside [0, 1), the load factor is not finite, or the
-            answer is none that linear analysis can give: a motion beyond the wing's size, strain beyond `MOST_STRAIN`.
+            answer is none that linear analysis can give: a motion beyond the wing's size, strain beyond
+            `femlib.sensors.MOST_STRAIN`.
         SolveError
             If `mesh_error` is beyond 3 %.
         """
@@ -370,17 +370,6 @@ def checked_load_factor(load_factor: float) -> float:
     if not is_number(load_factor):
         raise InputError(f"load_factor is {load_factor!r}; expected a finite number; 1 is steady level flight")
     return float(load_factor)
-
-
-def checked_strains(strains: FloatArray) -> FloatArray:
-    """Return gauge strains (..., n_gauges) [microstrain]; InputError if one is beyond the range of linear analysis."""
-    if not float(np.vdot(strains, strains)) <= MOST_STRAIN**2 and not np.abs(strains).max() <= MOST_STRAIN:
-        worst = float(np.abs(strains).max())
-        raise InputError(
-            f"strain would be {worst:.3g} microstrain; expected at most {MOST_STRAIN:g}, beyond which linear analysis "
-            "is meaningless; lower the load factor, check the forces"
-        )
-    return strains
 
 
 def checked_motion(moved: FloatArray, size: float) -> FloatArray:

@@ -15,7 +15,8 @@ from femlib.components import damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReducedModel, ReductionSettings, reduce_structure
-from femlib.wing.model import MICRO, Wing, checked_load_factor, checked_strains
+from femlib.sensors import checked_strains
+from femlib.wing.model import MICRO, Wing, checked_load_factor
 
 WORK = "work"
 """Name of the output that stands for the wing's displacement as a whole: load' u, at the largest strain's size."""

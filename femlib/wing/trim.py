@@ -25,8 +25,9 @@ from femlib.errors import InputError
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReducedModel
+from femlib.sensors import checked_strains
 from femlib.wing.aerodynamics import FlightPoint
-from femlib.wing.model import Wing, checked_load_factor, checked_strains
+from femlib.wing.model import Wing, checked_load_factor
 from femlib.wing.reduced import reduce_wing
 
 N_HARMONICS = 6

@@ -3,7 +3,7 @@ r"""Names of features, classes, sensors and files as a person may safely see the
 A name is text from outside. Shown as it is, it can move the cursor of a terminal, turn the direction of reading, hide,
 begin a line that the report never wrote, or be text that UTF-8 cannot hold. Here characters that act instead of being
 seen become escapes (``\\x1b``, ``\\u202e``); all others, of any script, stay. What a target reads as its own language
-(SQL, HTML, DOT, Markdown) is escaped where that target is written.
+(SQL, HTML, Markdown) is escaped where that target is written.
 """
 
 import re

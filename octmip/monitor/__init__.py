@@ -1,6 +1,6 @@
 """The tree at work: which state the asset is in, how sure that is, and whether the library still knows the asset."""
 
-from octmip.monitor.belief import Belief, calibrated_content
+from octmip.monitor.belief import Belief
 from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candidates, state_candidates
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
@@ -34,7 +34,6 @@ __all__ = [
     "Result",
     "Selection",
     "Watch",
-    "calibrated_content",
     "effect_candidates",
     "explain",
     "gauge_candidates",

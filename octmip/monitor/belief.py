@@ -72,15 +72,6 @@ class Belief:
         """Return the ends (n,), (n,) of the central interval that holds a parameter with probability `content`."""
         return self.quantile(parameter, 0.5 - content / 2), self.quantile(parameter, 0.5 + content / 2)
 
-    def content_holding(self, parameter: str, values: Floats) -> Floats:
-        """Return the least content (n,) whose central interval holds a parameter's value (n,)."""
-        k, _, _ = self._axis(parameter)
-        levels, mass = self.marginal(parameter)
-        width, at = float(self.library.widths[k]), np.asarray(values, dtype=np.float64)[:, None]
-        up_to = (mass * share_below(levels, width, at)).sum(axis=1)
-        below = up_to if width else (mass * (levels < at)).sum(axis=1)
-        return np.asarray(np.maximum(0.0, np.maximum(1.0 - 2.0 * up_to, 2.0 * below - 1.0)))
-
     def probability_above(self, thresholds: Mapping[str, float]) -> Floats:
         """Return the probability (n,) that any of these parameters lies above its threshold."""
         below = np.ones(self.library.n_states)
@@ -92,31 +83,6 @@ class Belief:
     def expectation(self, of_state: Floats) -> Floats:
         """Return the mean (n,) of what `of_state` (n_states,) says of every state."""
         return np.asarray(self.probability @ of_state)
-
-
-def calibrated_content(contents: Floats, coverage: float = 0.9) -> float:
-    """Return the content to ask of `interval` so that it holds the truth at a share `coverage` of all steps.
-
-    A filter's own 90 % hold more or less than that where damage grows otherwise than its model of growth says.
-
-    Parameters
-    ----------
-    contents
-        of any shape, `content_holding` the truth, over the steps of simulated histories like those to come. The result
-        is their quantile, as in split-conformal prediction; how well it is known is a matter of the number of
-        histories, not of their steps.
-
-    Raises
-    ------
-    ProblemError
-        there are none, or coverage is no share.
-    """
-    if not np.size(contents) or not 0.0 < coverage < 1.0:
-        raise ProblemError(
-            f"contents has {np.size(contents)} values and coverage is {coverage}; expected at least one value and a "
-            "share between 0 and 1"
-        )
-    return float(np.quantile(contents, coverage, method="higher"))
 
 
 def share_below(states: Floats, width: float, threshold: float | Floats) -> Floats:

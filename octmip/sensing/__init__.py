@@ -15,7 +15,6 @@ from octmip.sensing.placement import (
     placement_frontier,
     placement_on,
     problem_on,
-    sample_bound,
 )
 from octmip.sensing.shared.budget import shared_budget
 from octmip.sensing.shared.solution import BaselineSplit, JointCertificate, JointSolution, certify_joint
@@ -39,6 +38,5 @@ __all__ = [
     "placement_on",
     "power",
     "problem_on",
-    "sample_bound",
     "shared_budget",
 ]

@@ -8,8 +8,8 @@ chosen for what they tell together, where a rule of thumb ranks them one by one.
 of each further sensor, `placement_on` the best tree of another choice of sensors.
 
 Bounds. Axis-aligned trees are proven by the exact core over all sets of sensors. For hyperplanes a bound of a wider
-problem serves: whatever the sensors, a tree of depth d predicts 2^d classes at most (`label_bound`), and costs of
-disjoint parts of the samples add up (`sample_bound`). Neither is tight where a tree has leaves enough for all classes.
+problem serves: whatever the sensors, a tree of depth d predicts 2^d classes at most (`label_bound`). It is not tight
+where a tree has leaves enough for all classes.
 """
 
 import math
@@ -178,7 +178,6 @@ def placement_frontier(
     *,
     method: Method = "auto",
     limits: Limits = Limits(),  # noqa: B008 (frozen)
-    bound: float = 0.0,
     seed: int = 0,
     n_jobs: int = 1,
     options: Options = NO_OPTIONS,
@@ -193,15 +192,13 @@ def placement_frontier(
         "number": every sensor counts 1; "cost": the problem's sensor costs.
     values
         numbers or costs; None: 1, 2, ... to as many as a tree of this depth can read.
-    bound
-        a lower bound that is known for the problem without a budget, for instance from `sample_bound`.
     method, limits, seed, n_jobs, options
         of each solve, see `octmip.solve`.
 
     Returns
     -------
-    One point a value, ascending; the bound of each is the best of its solver's, of the wider points', of
-    `label_bound` and of `bound`.
+    One point a value, ascending; the bound of each is the best of its solver's, of the wider points' and of
+    `label_bound`.
 
     Raises
     ------
@@ -212,7 +209,7 @@ def placement_frontier(
     """
     counted = replace(problem, sensor_cost=None) if over == "number" else problem
     points = frontier_run(counted, "budget", values, Run(method, limits, seed, n_jobs, options))
-    known = max(bound, label_bound(problem))
+    known = label_bound(problem)
     return [replace(point, solution=_bounded(point.solution, known)) for point in points]
 
 
@@ -241,54 +238,3 @@ def label_bound(problem: Problem) -> float:
     prices = ([Fraction(price) for price in problem.costs[:, chosen].min(axis=1).tolist()] for chosen in near)
     sums = (sum((w * c for w, c in zip(paid, row, strict=True)), Fraction(0)) for row in prices)
     return rounded_down(min(sums))
-
-
-def sample_bound(
-    problem: Problem,
-    block_size: int,
-    n_blocks: int = 1,
-    *,
-    method: Method = "flow",
-    limits: Limits = Limits(),  # noqa: B008 (frozen)
-    seed: int = 0,
-    n_jobs: int = 1,
-) -> float:
-    """Return a lower bound of a problem that is too large to be proven, from proofs on some of its samples.
-
-    A tree costs on all samples what it costs on disjoint blocks of them together, at least; on each block it is a tree
-    of the block's problem (splits that part nothing there left out; leaves of any size; no penalty). So the blocks'
-    bounds add up. With few samples and many features in a split a tree parts a block wholly, and the bound is 0.
-
-    Parameters
-    ----------
-    problem
-        the problem; its budget holds for the blocks too where the method knows budgets.
-    block_size, n_blocks
-        rows of a block, drawn at random without return, and how many blocks.
-    method, limits, seed, n_jobs
-        of each block's solve. "flow" is the strengthened OCT-H, "oct_h" OCT-H as printed.
-
-    Raises
-    ------
-    ProblemError
-        the blocks are empty or hold more rows than there are.
-    """
-    if block_size < 1 or n_blocks < 1 or block_size * n_blocks > problem.n_samples:
-        raise ProblemError(
-            f"{n_blocks} blocks of {block_size} rows are {n_blocks * block_size}; expected 1 to {problem.n_samples}"
-        )
-    run = Run(method, limits, seed, n_jobs)
-    rows = np.random.default_rng(seed).permutation(problem.n_samples)[: block_size * n_blocks]
-    total = []
-    for block in rows.reshape(n_blocks, block_size):
-        if len(set(problem.codes[block])) > 1 and problem.weights[block].any():
-            part = replace(
-                problem,
-                features=problem.features[block],
-                targets=problem.targets[block],
-                weights=problem.weights[block],
-                leaf_size=1,
-                leaf_penalty=0.0,
-            )
-            total.append(max(0.0, solve_run(part, run).bound))
-    return rounded_down(sum(map(Fraction, total), Fraction(0)))

@@ -15,16 +15,12 @@ flow      the strengthened formulation, HiGHS       CART or search       HiGHS
 benders   Benders on HiGHS: axis-aligned trees      CART or search       HiGHS
 auto      exact for axis-aligned trees where it knows all that is asked, else search; search for hyperplanes (whose
           proofs end in time for few features only)
-
-HiGHS works alone unless it is given assistance (`options=MipOptions(assist=("exact", "search"))`): the exact core's
-bound becomes a row of its model, or trees of further local searches are handed to it while it runs.
 """
 
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import certify, checked_incumbent
@@ -49,8 +45,6 @@ from octmip.trees.tree import Node
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
 MANY_SAMPLES = 10_000  # from so many on a proof of depth 4 begins with one restart: ct-magic has a tree in 0.7 CPU s
 PROVEN_IN_ORDER, SHALLOWER = 3, "exact, less deep"  # depth to which proofs in order end within seconds
-TURN_SECONDS = 5.0
-"""A search that assists takes so long at most, so that it ends soon after HiGHS."""
 
 
 def solve(
@@ -91,11 +85,9 @@ def solve(
     options
         what the method's own solver takes beyond all this, `SearchOptions(restarts=20)` for instance
         (`octmip.trees.methods.options`). ``cluster`` is other processes that do the work of the search and of exact
-        axis-aligned proofs (`octmip.trees.cluster`). Of ``assist``, "exact" proves for at most a fifth of the time
-        first and its bound enters the model (`details["lower_bound_given"]`); "search" goes on in a thread of its own
-        and hands over better trees, so which of several optimal trees comes back may vary. ``solves`` is the name of
-        a file: a solve that stands there is not made again, others are added when they are finished, so that a study
-        of many solves goes on where it was killed.
+        axis-aligned proofs (`octmip.trees.cluster`). ``solves`` is the name of a file: a solve that stands there is
+        not made again, others are added when they are finished, so that a study of many solves goes on where it was
+        killed.
 
     Raises
     ------
@@ -262,23 +254,18 @@ class _Call:
         tree: Node | None,
         *,
         share: float = 1.0,
-        turn: int = 0,
         options: Options = NO_OPTIONS,
-        **study: Any,
     ) -> Solution:
-        """Return the solution of one solver within `share` of the seconds that are left; another turn, another seed."""
+        """Return the solution of one solver within `share` of the seconds that are left."""
         run, spent = self.run, time.perf_counter() - self.start
-        seconds = share * max(0.0, run.limits.seconds - spent)
-        limits = replace(run.limits, seconds=seconds if turn == 0 else min(seconds, TURN_SECONDS))
         solution = solvers_of(self.problem)[name].load()(
             self.problem,
-            limits=limits,
+            limits=replace(run.limits, seconds=share * max(0.0, run.limits.seconds - spent)),
             incumbent=tree,
-            seed=run.seed + turn,
-            n_jobs=run.n_jobs if turn == 0 else 1,
-            progress=self._shifted_progress(spent) if turn == 0 else None,
+            seed=run.seed,
+            n_jobs=run.n_jobs,
+            progress=self._shifted_progress(spent),
             options=options_for(self.problem, name, options),
-            **study,
         )
         return fitting(self.problem, solution) if self.problem.is_shaped else solution
 
@@ -340,33 +327,11 @@ def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float =
 def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
-        options, tree = call.run.options, first.tree if first else None
-        if isinstance(options, MipOptions) and options.assist:
-            return _assisted(call, name, tree, options)
-        return call.solve(name, tree, share=share, options=options)
+        return call.solve(name, first.tree if first else None, share=share, options=call.run.options)
     except KeyboardInterrupt:
         if first is None:
             raise
         return replace(first, stop=Stop.INTERRUPTED)
-
-
-def _assisted(call: _Call, name: str, tree: Node | None, options: MipOptions) -> Solution:
-    """Return the solution of a mixed-integer method that the exact core, the search or both assist."""
-    lower_bound = -math.inf
-    if "exact" in options.assist:
-        proven = checked_solution(call.problem, call.solve("exact", tree, share=SEARCH_SHARE))
-        if proven.stop is Stop.INTERRUPTED:
-            return replace(proven, solver=name)
-        tree, lower_bound = proven.tree, proven.bound
-    if "search" not in options.assist:
-        return call.solve(name, tree, options=options, lower_bound=lower_bound)
-    from octmip.trees.mip.highs.injector import IncumbentInjector
-
-    def searched(turn: int) -> Node | None:
-        return call.solve("search", None, turn=turn + 1, options=SearchOptions(restarts=FIRST_RESTARTS)).tree
-
-    with IncumbentInjector(searched) as injector:
-        return call.solve(name, tree, options=options, lower_bound=lower_bound, inject=injector)
 
 
 def _known(problem: Problem, incumbent: Node | Solution | None) -> Solution | None:

@@ -14,7 +14,7 @@ from octmip.errors import ProblemError
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
-from octmip.trees.tradeoff.path import trace_depths
+from octmip.trees.tradeoff.path import trace_path
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=2)
 RNG = np.random.default_rng(5)
@@ -52,7 +52,10 @@ def test_folds_are_of_equal_size_and_hold_equal_shares_of_each_class(n_folds):
 def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_have_not_seen(problem):
     choice = choose_tree(problem, folds=3, method="exact", seed=2)
     folds = stratified_folds(problem, 3, seed=2)
-    paths = [trace_depths(part_of(problem, train, "rows"), [1, 2], method="exact", seed=2) for train, _ in folds]
+    paths = [
+        [trace_path(replace(part_of(problem, train, "rows"), depth=d), method="exact", seed=2) for d in (1, 2)]
+        for train, _ in folds
+    ]
     for step in choice.steps:
         high = step.alpha_high if math.isfinite(step.alpha_high) else 9.0
         for share in (1e-6, 0.3, 1 - 1e-6):

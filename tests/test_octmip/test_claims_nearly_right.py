@@ -9,7 +9,6 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
 from octmip.errors import CertificateError, SolverError
-from octmip.monitor import calibrated_content
 from octmip.trees.losses import SquaredError
 from octmip.trees.near_sets import NearTree, counting
 from octmip.trees.near_sets.whole_numbers import whole_problem
@@ -175,7 +174,3 @@ def test_scores_at_a_threshold_are_in_the_set_and_by_chance_only_as_often_as_is_
     assert sets.sets([[0.5, 0.5]]).all()
     drawn = sets.sets(np.full((4000, 2), 0.5), np.random.default_rng(0))
     assert abs(drawn.mean() - 0.25) < 0.03
-
-
-def test_calibrated_contents_are_rounded_to_the_safe_side() -> None:
-    assert calibrated_content(np.array([0.0, 0.5, 1.0]), 0.8) == 1.0

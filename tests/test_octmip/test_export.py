@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.oracles.export_runs import EXACT, REFUSED, run_c, run_onnx, run_sql
 from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.report_runs import run_dot, run_json, run_markdown, run_page, run_picture, run_text, tree_over
+from benchmarks.oracles.report_runs import run_json, run_markdown, run_page, run_picture, run_text, tree_over
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.monitor import CompiledTree
@@ -53,11 +53,6 @@ def test_c_compiles_without_a_warning_and_answers_for_any_name():
 def test_onnx_answers_and_keeps_every_name():
     pytest.importorskip("onnxruntime")
     assert set(run_onnx(NAMES[:40])) == {EXACT}
-
-
-@pytest.mark.skipif(shutil.which("dot") is None, reason="no Graphviz: apt-get install graphviz")
-def test_graphviz_draws_every_name():
-    assert set(run_dot(NAMES)) == {EXACT}
 
 
 @pytest.mark.parametrize("run", [run_text, run_json, run_markdown])

@@ -11,8 +11,8 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Limits, Problem, Split, Stop, certify
-from octmip.errors import ProblemError, SolverError
+from octmip import Leaf, Limits, Problem, Stop, certify
+from octmip.errors import SolverError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine, flow
@@ -192,47 +192,10 @@ def test_progress_is_reported_and_the_bound_never_falls():
     assert bounds == sorted(bounds)
 
 
-def test_a_bound_proven_elsewhere_enters_as_a_row_and_is_named():
-    problem = uci("iris", depth=2)
-    solution = solve_oct(problem, limits=Limits(seconds=60), lower_bound=6)
-    certify(problem, solution)
-    assert solution.is_optimal
-    assert solution.n_nodes <= 1
-    assert solution.details["lower_bound_given"] == 6
-
-
-def test_a_bound_proven_elsewhere_that_is_weak_leaves_the_optimum():
-    problem = CASES["penalty"]
-    best = optimum(problem).objective
-    assert best > 1
-    for bound in (best - 1, best):
-        assert solve_flow(problem, lower_bound=bound).objective == best
-
-
-def test_a_bound_that_a_known_tree_refutes_is_refused():
-    with pytest.raises(ProblemError, match="no bound of this problem"):
-        solve_flow(blobs(depth=1), lower_bound=8)
-
-
 def stop_at_six(state):
     """Interrupt HiGHS once it holds the optimum of iris at depth 2."""
     if state.objective <= 6:
         raise KeyboardInterrupt
-
-
-def test_incumbents_are_injected_while_highs_runs():
-    problem = uci("iris", depth=2)
-    best = solve_flow(problem).tree
-    asked = []
-
-    def source(objective):
-        asked.append(objective)
-        return best
-
-    poor = Split(0, 5.5, Leaf(0), Leaf(2))
-    solution = solve_oct(problem, limits=Limits(seconds=120), incumbent=poor, inject=source, progress=stop_at_six)
-    assert asked
-    assert solution.objective == 6
 
 
 def test_highs_says_nothing_on_standard_output(capfd):

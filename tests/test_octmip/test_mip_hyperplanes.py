@@ -1,16 +1,11 @@
 """Hyperplane formulations against the enumeration of every whole-numbered hyperplane, and against each other."""
 
 import itertools
-from collections import Counter
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
-import pyomo.environ as pyo
 import pytest
-from pyomo.repn import generate_standard_repn
 
-from benchmarks.oracles.paper_models import oct_h as paper
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, solve
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
@@ -22,7 +17,6 @@ from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.tree import predict
 from tests.test_octmip.test_mip import uci
-from tests.test_octmip.test_mip_rows import rows_of, rows_of_pyomo
 
 SOLVERS = {
     "oct_h": solve_oct_h,
@@ -103,32 +97,6 @@ def test_the_optimum_is_that_of_enumeration(method, case):
     assert solution.objective == pytest.approx(optimum(problem), abs=1e-6)
     assert solution.is_optimal
     assert solution.details["start"]["accepted"], solution.details["start"]
-
-
-@pytest.mark.parametrize("real", [False, True])
-@pytest.mark.parametrize("case", CASES)
-def test_the_rows_are_those_of_the_pyomo_model(case, real):
-    problem = CASES[case]
-    if real:
-        problem = Problem(
-            problem.features,
-            problem.targets,
-            depth=2,
-            split="hyperplane",
-            split_size=problem.split_size,
-            allowed_splits=problem.allowed_splits,
-            sensor_budget=problem.sensor_budget,
-            leaf_penalty=problem.leaf_penalty,
-            leaf_size=problem.leaf_size,
-        )
-    model = paper.paper_model(problem, 0.01, max_splits=2)
-    rows = oct_h.encode(replace(problem, max_splits=2), 0.01).rows
-    assert rows_of(rows) == rows_of_pyomo(model)
-    cost = generate_standard_repn(model.cost.expr)
-    theirs = {v.name: c for v, c in zip(cost.linear_vars, cost.linear_coefs, strict=True) if c != 0}
-    assert theirs == {n: c for n, c in zip(rows.column_names(), rows.cost, strict=True) if c != 0}
-    bounds = Counter((v.name, v.lb, np.inf if v.ub is None else v.ub) for v in model.component_data_objects(pyo.Var))
-    assert bounds == Counter(zip(rows.column_names(), rows.lower, rows.upper, strict=True))
 
 
 TREES = [

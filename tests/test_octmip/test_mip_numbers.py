@@ -11,7 +11,6 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import least_cost
 from octmip import Leaf, Limits, Problem, Stop, certify, solve
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
@@ -80,15 +79,12 @@ def test_a_bound_that_weights_leave_no_room_to_prove_ends_in_numerics():
     assert solution.tolerance == 0
 
 
-@pytest.mark.parametrize("assist", [("exact",), ("search",), ("exact", "search")])
-def test_assistants_incumbents_and_given_bounds_hold_at_large_weights(assist):
+def test_incumbents_hold_at_large_weights():
     for seed in range(2):
         drawn = wild(seed, "large")
         problem = Problem(drawn.features, drawn.targets, depth=2, weights=drawn.weights)
         best = optimum(problem)
-        holds(problem, solve(problem, "oct", options=MipOptions(assist=assist)), best.objective)
         holds(problem, solve(problem, "flow", incumbent=best.tree), best.objective)
-        holds(problem, solve_oct(problem, lower_bound=best.objective * 0.999), best.objective)
 
 
 def test_prices_bound_the_true_objective_on_both_sides():
@@ -159,7 +155,7 @@ def test_an_objective_is_counted_from_the_values_and_a_start_that_is_mispriced_i
 def test_what_highs_says_of_a_solution_is_not_what_it_costs(monkeypatch):
     rows = Rows()
     rows.columns("x", (range(2),), cost=1.0)
-    supervisor = highs._Supervisor(None, rows, Limits(), None, None)
+    supervisor = highs._Supervisor(None, rows, Limits(), None)
     supervisor._note(("incumbent", -5.0, np.array([3.0, 1.0])))
     supervisor._note(("incumbent", -9.0, np.array([4.0, 1.0])))
     assert (supervisor.objective, supervisor.claimed) == (4.0, -5.0)

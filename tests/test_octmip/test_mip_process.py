@@ -73,8 +73,8 @@ def test_a_worker_that_does_not_obey_is_killed_and_waited_for(monkeypatch):
         pid = lent.process.pid
         lent.send("run", {"model": highs.arrays(encode(blobs(depth=1)).rows), "options": {}, "start": None})
         os.kill(pid, signal.SIGSTOP)  # as silent as a process can be
-        supervisor = highs._Supervisor(lent, Rows(), Limits(seconds=0.05), None, None)
-        outcome = supervisor.over({"model": {}, "options": {}, "start": None, "takes_trees": False})
+        supervisor = highs._Supervisor(lent, Rows(), Limits(seconds=0.05), None)
+        outcome = supervisor.over({"model": {}, "options": {}, "start": None})
     assert outcome.stop is Stop.TIME
     assert "killed" in outcome.status
     assert not is_alive(pid)

@@ -1,71 +1,15 @@
-"""Without a solver: rows against the Pyomo model of the paper, and trees into solutions and back."""
-
-from collections import Counter
-from dataclasses import replace
+"""Without a solver: trees into solutions and back."""
 
 import numpy as np
-import pyomo.environ as pyo
 import pytest
-from pyomo.repn import generate_standard_repn
 
-from benchmarks.oracles.paper_models import oct as paper
 from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.mip import flow, oct
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
 from octmip.trees.mip.incumbent import canonicalise
-from octmip.trees.mip.rows import Rows
 from octmip.trees.tree import Leaf, Split
-from tests.test_octmip.test_mip import CASES
-
-
-def canonical(terms: dict[str, float], low: float, high: float) -> tuple[object, ...]:
-    """Return a row without its scale: terms by name, the first coefficient 1."""
-    (first, *_) = sorted(terms)
-    scale = terms[first]
-    low, high = (low, high) if scale > 0 else (high, low)
-    named = tuple((name, round(terms[name] / scale, 9)) for name in sorted(terms))
-    return named, round(low / scale, 9) + 0.0, round(high / scale, 9) + 0.0
-
-
-def rows_of(rows: Rows) -> Counter:
-    """Return the rows of an array model, in no order and without scale."""
-    matrix, names, (low, high) = rows.matrix(), rows.column_names(), rows.row_bounds
-    found = Counter()
-    for i in range(rows.n_rows):
-        span = slice(matrix.indptr[i], matrix.indptr[i + 1])
-        terms = {names[j]: v for j, v in zip(matrix.indices[span], matrix.data[span], strict=True)}
-        found[canonical(terms, low[i], high[i])] += 1
-    return found
-
-
-def rows_of_pyomo(model: pyo.ConcreteModel) -> Counter:
-    """Return the rows of a Pyomo model, in no order and without scale."""
-    found = Counter()
-    for row in model.component_data_objects(pyo.Constraint):
-        body = generate_standard_repn(row.body)
-        terms = {v.name: c for v, c in zip(body.linear_vars, body.linear_coefs, strict=True) if c != 0}
-        low = -np.inf if row.lower is None else pyo.value(row.lower) - body.constant
-        high = np.inf if row.upper is None else pyo.value(row.upper) - body.constant
-        found[canonical(terms, low, high)] += 1
-    return found
-
-
-@pytest.mark.parametrize("closed", [True, False])
-@pytest.mark.parametrize("case", CASES)
-def test_the_rows_are_those_of_the_pyomo_model(case, closed):
-    problem = CASES[case]
-    model = paper.paper_model(problem, closed=closed, max_splits=2)
-    rows = oct.encode(replace(problem, max_splits=2), closed=closed).rows
-    assert rows_of(rows) == rows_of_pyomo(model)
-    cost = generate_standard_repn(model.cost.expr)
-    theirs = {v.name: c for v, c in zip(cost.linear_vars, cost.linear_coefs, strict=True) if c != 0}
-    assert theirs == {n: c for n, c in zip(rows.column_names(), rows.cost, strict=True) if c != 0}
-    columns = {v.name: v for v in model.component_data_objects(pyo.Var)}
-    for name, low, high, whole in zip(rows.column_names(), rows.lower, rows.upper, rows.is_integer, strict=True):
-        upper = np.inf if columns[name].ub is None else columns[name].ub
-        assert (columns[name].lb, upper, columns[name].is_binary()) == (low, high, whole), name
 
 
 @pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])

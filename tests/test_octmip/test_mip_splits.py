@@ -10,7 +10,6 @@ from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
 from octmip.trees import solver
-from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.incumbent import canonicalise, pruned
 from octmip.trees.mip.oct import solve_oct
@@ -104,21 +103,12 @@ def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
     assert solution.objective == 1
 
 
-def test_a_tree_that_is_handed_over_or_assists_is_pruned_too():
-    problem = stairs()
-    solution = solve_oct(replace(problem, max_splits=1), inject=lambda best: STAIRS)
-    assert (complexity(solution.tree), solution.objective) == (1, 1)
-    solution = solve(replace(problem, max_splits=1), "flow", options=MipOptions(assist=("exact",)))
-    assert (complexity(solution.tree), solution.objective, solution.bound) == (1, 1, 1)
-
-
-@pytest.mark.parametrize("assist", [(), ("exact",)])
-def test_ctrl_c_returns_a_tree_of_no_more_splits(assist, monkeypatch):
+def test_ctrl_c_returns_a_tree_of_no_more_splits(monkeypatch):
     def interrupted(problem, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("octmip.trees.mip.flow.solve_flow", interrupted)
-    solution = solve(replace(stairs(), max_splits=1), "flow", incumbent=ONE, options=MipOptions(assist=assist))
+    solution = solve(replace(stairs(), max_splits=1), "flow", incumbent=ONE)
     assert solution.stop is Stop.INTERRUPTED
     assert (complexity(solution.tree), solution.objective) == (1, 1)
 

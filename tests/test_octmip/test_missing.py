@@ -16,7 +16,7 @@ from octmip.monitor.export import sql
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import ExactOptions, MipOptions
+from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.solution import Solution, Stop
@@ -145,7 +145,7 @@ def test_every_method_returns_a_tree_of_the_problem_no_better_than_the_optimum(m
 def test_what_counts_on_every_reading_refuses_a_problem_that_lacks_some():
     problem = Problem([[NAN, 1.0], [0.0, 1.0], [1.0, 2.0]], [0, 1, 0], depth=1)
     with pytest.raises(ProblemError, match=r"1 reading is missing \(NaN\), and .*; expected every reading; "):
-        solve(problem, "flow", options=MipOptions(assist=("search",)))
+        solve(replace(problem, split="hyperplane"), "oct_h")
 
 
 def test_an_incumbent_with_sides_is_taken():

@@ -15,7 +15,6 @@ from octmip.monitor import (
     Growth,
     LeafLikelihood,
     Library,
-    calibrated_content,
     grid_states,
     leaf_p_value,
     library_of,
@@ -132,25 +131,6 @@ def test_quantiles_of_a_belief_are_linear_within_cells():
     assert belief.probability.argmax(axis=1).tolist() == [1, 0]
     with pytest.raises(ProblemError, match="no parameter 'mu9'"):
         belief.mean("mu9")
-
-
-@pytest.mark.parametrize("width", [0.0, 0.1])
-def test_the_content_that_holds_a_value_is_the_least_whose_interval_does(width):
-    library = Library(("mu1",), [[0.05], [0.15], [0.25]], ("a",), [[0.0], [1.0], [2.0]], 1.0, widths=[width])
-    belief = Belief(library, np.array([[[0.25, 0.5, 0.25]]] * 5))
-    values = np.array([0.05, 0.12, 0.15, 0.16, 0.25])
-    content = belief.content_holding("mu1", values)
-    for shift, holds in ((1e-6, True), (-1e-6, False)):
-        ends = [belief.interval("mu1", min(1.0, max(0.0, c + shift))) for c in content]
-        inside = [low[k] <= values[k] <= high[k] for k, (low, high) in enumerate(ends)]
-        assert all(is_in == holds for is_in, c in zip(inside, content, strict=True) if holds or c > 0)
-
-
-def test_contents_are_calibrated_on_histories():
-    contents = np.linspace(0.0, 1.0, 101)
-    assert calibrated_content(contents, 0.8) == pytest.approx(0.8)
-    with pytest.raises(ProblemError, match="at least one value"):
-        calibrated_content(np.zeros(0))
 
 
 def test_thresholds_of_several_parameters_are_taken_together(cells):

@@ -76,7 +76,7 @@ def test_a_terminal_meets_no_character_that_acts(tmp_path, capsys, name):
     out = capsys.readouterr().out
     assert shown(name) in out
     assert all(line.isprintable() for line in out.split("\n"))
-    for kind in ("md", "html", "dot", "txt", "svg"):
+    for kind in ("md", "html", "txt", "svg"):
         assert main(["report", tree, "--out", str(tmp_path / f"r.{kind}")]) == 0
         text = (tmp_path / f"r.{kind}").read_text(encoding="utf-8")
         assert all(line.isprintable() for line in text.split("\n"))

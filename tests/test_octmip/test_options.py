@@ -19,7 +19,7 @@ WRONG = [
     (ExactOptions, {"proof": 7}, "proof is 7; expected the name of a file"),
     (ExactOptions, {"every": float("nan")}, "every is nan; expected a finite number of seconds, 0 or more"),
     (MipOptions, {"mu": 0.0}, "mu is 0.0; expected a finite number above 0"),
-    (MipOptions, {"assist": "exact"}, "assist is 'exact'; expected a tuple of some of exact, search"),
+    (MipOptions, {"start": "exact"}, "start is 'exact'; expected cart or search"),
     (
         MipOptions,
         {"write": "model.txt"},
@@ -47,8 +47,8 @@ def test_every_option_has_a_line_of_help_and_a_default_that_needs_no_value(kind)
 
 
 def test_words_become_the_options_that_they_name():
-    words = {"assist": "exact,search", "mu": "0.01", "write": "model.lp"}
-    assert MipOptions.read(words, "flow") == MipOptions(assist=("exact", "search"), mu=0.01, write="model.lp")
+    words = {"start": "search", "mu": "0.01", "write": "model.lp"}
+    assert MipOptions.read(words, "flow") == MipOptions(start="search", mu=0.01, write="model.lp")
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from octmip.trees.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path
-from octmip.trees.tree import complexity, depth
+from octmip.trees.tree import complexity
 from tests.test_octmip.test_mip import blobs
 
 WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])
@@ -106,15 +106,6 @@ def test_trees_that_are_known_are_not_lost():
     known = [best_tree.tree for best_tree in deep.trees]
     poor = trace_path(blobs(depth=2), method="cart", incumbents=known)
     assert [c.cost for c in poor.trees] == [c.cost for c in deep.trees]
-
-
-def test_depths_are_ascending_and_deeper_is_never_worse():
-    shallow, deep = paths.trace_depths(WEIGHTED, [2, 1], method="cart")
-    assert (shallow.problem.depth, deep.problem.depth) == (1, 2)
-    assert all(depth(best_tree.tree) <= 1 for best_tree in shallow.trees)
-    for penalty in (0.0, 1.0, 4.0):
-        low, high = deep.best_at(penalty), shallow.best_at(penalty)
-        assert low.cost + penalty * low.complexity <= high.cost + penalty * high.complexity
 
 
 def test_a_path_that_is_cut_short_says_so_and_proves_only_what_it_saw():

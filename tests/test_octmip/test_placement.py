@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Limits, Problem, certify, solve
+from octmip import Problem, certify, solve
 from octmip.errors import ProblemError
 from octmip.sensing import (
     by_chance,
@@ -21,7 +21,6 @@ from octmip.sensing import (
     placement_frontier,
     placement_on,
     problem_on,
-    sample_bound,
 )
 from octmip.trees.methods.options import SearchOptions
 
@@ -105,9 +104,6 @@ def test_no_bound_lies_above_the_optimum(seed):
     least = optimum(problem).objective
     slack = 1e-9 * max(1.0, least)
     assert label_bound(problem) <= least + slack
-    size = int(rng.integers(1, problem.n_samples + 1))
-    blocks = sample_bound(problem, size, problem.n_samples // size, method="exact", seed=seed)
-    assert blocks <= least + slack
 
 
 def test_bounds_are_met_where_they_can_be():
@@ -115,25 +111,12 @@ def test_bounds_are_met_where_they_can_be():
     three = Problem(features, [0, 0, 0, 1, 1, 2], depth=1)
     assert label_bound(three) == 1.0 == solve(three).objective  # two leaves: the rarest class is lost
     assert label_bound(replace(three, depth=2)) == 0.0
-    twins = Problem(np.zeros((6, 1)), [0, 1, 0, 1, 0, 1], depth=3)
-    assert sample_bound(twins, 6, method="exact") == 3.0 == solve(twins).objective
 
 
 def test_a_hyperplane_frontier_has_the_bounds_that_are_known():
     problem = replace(readings(), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
     points = placement_frontier(problem, values=[1, 2], options=SearchOptions(restarts=1))
     assert all(0 < label_bound(problem) <= p.solution.bound <= p.solution.objective for p in points)
-    told = placement_frontier(
-        problem, values=[2], bound=points[1].solution.objective, options=SearchOptions(restarts=1)
-    )
-    assert told[0].solution.is_optimal
-
-
-def test_mixed_integer_proofs_on_samples_bound_the_whole():
-    problem = replace(readings(40), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
-    bound = sample_bound(problem, 20, 2, limits=Limits(seconds=20.0))
-    best = solve(problem).objective
-    assert label_bound(problem) / 2 < bound <= best
 
 
 def test_the_highest_readings_and_chance_keep_the_budget():

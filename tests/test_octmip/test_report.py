@@ -1,12 +1,10 @@
 """Reports say what the tree says."""
 
 import dataclasses
-import re
 
 import numpy as np
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop
-from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import certify
@@ -45,13 +43,6 @@ def test_a_bound_over_some_trees_says_over_which():
     claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
     text = solution_text(problem(), claim, certify(problem(), claim))
     assert text.startswith("objective 0, bound 0: proven optimal among small trees\n")
-
-
-def test_dot_has_every_node_and_edge_once_and_quotes_names():
-    text = tree_dot(TREE, FEATURES, CLASSES)
-    assert len(re.findall(r"-> n\d", text)) == 4
-    assert len(re.findall(r"shape=ellipse", text)) == 3
-    assert r'label="a\"1 <= 0.5"' in text
 
 
 def test_a_markdown_table_is_aligned_and_shows_unknown_as_dash():

@@ -1,7 +1,7 @@
 """Hostile names through every export and report: `python -m benchmarks.run exports`, about three minutes.
 
 Every name is once the name of a feature and once that of a class. What each target makes of it is parsed, and run,
-by the machine that it is for: SQLite, a C compiler, onnxruntime, Graphviz, Chromium.
+by the machine that it is for: SQLite, a C compiler, onnxruntime, Chromium.
 """
 
 import shutil

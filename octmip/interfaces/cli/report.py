@@ -14,7 +14,6 @@ from octmip.interfaces.cli.answer import printable, verdict
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
 from octmip.interfaces.cli.options.report import KINDS
 from octmip.interfaces.cli.stages import StageLine
-from octmip.interfaces.report.dot import tree_dot
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
 
@@ -47,8 +46,6 @@ def run(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace, kind: str) -> None:
     if kind not in KINDS:
         raise DataError(f"--out {arguments.out} ends with {kind!r}; expected one of {', '.join(KINDS)}")
-    if arguments.data and kind == ".dot":
-        raise DataError(".dot shows the tree alone; leave DATA out, or write one of the other kinds")
     if arguments.dark and kind not in PICTURES:
         raise DataError(f"--dark is for pictures; write one of {', '.join(PICTURES)} (a page follows its reader)")
     if arguments.histograms and (not arguments.data or kind not in (".html", *PICTURES)):
@@ -115,7 +112,7 @@ def _content(
     units: dict[str, str],
     masthead: "Masthead | None",
 ) -> bytes:
-    if kind in (".dot", *PICTURES):
+    if kind in PICTURES:
         return _drawing(arguments, kind, file, evidence, units)
     if kind == ".html":
         from octmip.interfaces.report.html import tree_page  # slow to import, and words do without
@@ -137,8 +134,6 @@ def _content(
 def _drawing(
     arguments: argparse.Namespace, kind: str, file: TreeFile, evidence: "Evidence | None", units: dict[str, str]
 ) -> bytes:
-    if kind == ".dot":
-        return (tree_dot(file.tree, file.feature_names, file.class_names, file.columns) + "\n").encode()
     from octmip.interfaces.plot import counted_tree_figure  # needs the extra "plot", which words do not
     from octmip.interfaces.report.tree.contents import measure_of
     from octmip.interfaces.report.tree.seen import Seen

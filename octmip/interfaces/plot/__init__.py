@@ -9,10 +9,8 @@ from octmip.errors import needed_by
 
 with needed_by("a picture"):
     from octmip.interfaces.plot.curves import (
-        benchmark_figure,
         choice_figure,
         frontier_figure,
-        reliability_figure,
     )
     from octmip.interfaces.plot.drawing import counted_tree_figure, tree_figure
     from octmip.interfaces.plot.plane import partition_figure
@@ -20,13 +18,11 @@ with needed_by("a picture"):
     from octmip.interfaces.plot.style import class_colours
 
 __all__ = [
-    "benchmark_figure",
     "choice_figure",
     "class_colours",
     "counted_tree_figure",
     "frontier_figure",
     "partition_figure",
-    "reliability_figure",
     "sensors_figure",
     "tree_figure",
 ]

@@ -18,8 +18,6 @@ from typing import Any, Self, TypeVar
 from octmip.errors import ProblemError
 from octmip.trees.cluster import Cluster, open_cluster
 
-ASSISTANTS = ("exact", "search")
-"""Who may assist HiGHS."""
 SET_HERE = frozenset(
     {"time_limit", "mip_abs_gap", "mip_rel_gap", "mip_max_nodes", "mip_feasibility_tolerance", "random_seed", "threads"}
     | {"primal_feasibility_tolerance", "dual_feasibility_tolerance", "parallel", "output_flag", "log_file"}
@@ -62,10 +60,6 @@ def _is_path(value: object) -> bool:
     return isinstance(value, str | os.PathLike)
 
 
-def _some_assistants(value: object) -> bool:
-    return isinstance(value, tuple | list | set) and set(value) <= set(ASSISTANTS)
-
-
 FILE = Values("the name of a file", _is_path)
 MODEL_FILE = Values(
     f"the name of a file that ends with {' or '.join(MODEL_FILES)}",
@@ -80,9 +74,6 @@ POSITIVE = Values(
     "a finite number above 0", lambda value: isinstance(value, numbers.Real) and 0 < float(value) < math.inf, float
 )
 ANYONE = Values("'local', the address of a Dask scheduler, a Dask client or an open Cluster", lambda value: True)
-SOME_ASSISTANTS = Values(
-    f"a tuple of some of {', '.join(ASSISTANTS)}", _some_assistants, lambda word: tuple(word.split(","))
-)
 
 
 def _of_highs(word: str) -> dict[str, bool | int | float | str]:
@@ -294,12 +285,6 @@ class MipOptions(BendersOptions):
     )
     log: str | Path | None = field(
         default=None, metadata=_means(FILE, "file for HiGHS's own log, to be written over; /dev/stderr shows it")
-    )
-    assist: tuple[str, ...] = field(
-        default=(),
-        metadata=_means(
-            SOME_ASSISTANTS, "exact: the exact core proves a bound first; search: local search hands over better trees"
-        ),
     )
     mu: float | None = field(
         default=None,

@@ -21,7 +21,7 @@ from octmip.trees.tree import Node, without_empty_sides
 def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:
     """Return a solver of complete problems as one of problems that lack readings, too.
 
-    It refuses hyperplanes where readings are missing, and trees that a search hands over while it runs.
+    It refuses hyperplanes where readings are missing.
     """
 
     @functools.wraps(solver)
@@ -29,7 +29,8 @@ def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:
         if not problem.n_missing:
             solution = solver(problem, incumbent=incumbent, **settings)
             return solution if solution.tree is None else replace(solution, tree=problem.with_sides(solution.tree))
-        _check(problem, settings)
+        if problem.split != "axis":
+            refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
         ranks = rank_features(problem)
         complete = column_problem(problem, ranks)
         of_complete = rank_features(complete)
@@ -42,14 +43,6 @@ def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:
         return replace(solution, tree=problem.with_sides(tree_from_rows(rows, ranks)))
 
     return solve
-
-
-def _check(problem: Problem, settings: dict[str, Any]) -> None:
-    if problem.split != "axis":
-        refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")
-    if settings.get("inject") is not None:
-        why = "assist 'search' hands over trees of features while the model is one of columns"
-        refuse_missing(problem.n_missing, why, "leave 'search' out of assist, or fill them in")
 
 
 def column_problem(problem: Problem, ranks: Ranks) -> Problem:

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import CertificateError, ProblemError, SolverError
+from octmip.errors import CertificateError, SolverError
 from octmip.trees.certificate import checked_leaf_index
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.blocks.heap import Heap, Placed, place, to_tree
@@ -32,7 +32,7 @@ from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import HyperplaneSplit, Node, Split, depth
+from octmip.trees.tree import HyperplaneSplit, Node, Split
 
 FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried again with
 # Above it interior points solve the first relaxation: measured on 175 x 20 thresholds, 6828 columns, 1.6 s against the
@@ -84,11 +84,6 @@ class Request:
         as in `octmip.trees.solver.solve`.
     options
         of the method; not all of its models have a use for each.
-    lower_bound
-        a bound proven elsewhere, for instance by `octmip.trees.methods.exact`; enters the model as the bound of a
-        column that is the objective, and is named in the details.
-    inject
-        asked for a better tree while HiGHS runs, with the best objective so far; None when it has none.
     """
 
     method: str
@@ -98,8 +93,6 @@ class Request:
     n_jobs: int = 1
     progress: ProgressCallback | None = None
     options: MipOptions = MipOptions()  # noqa: RUF009  (frozen)
-    lower_bound: float = -math.inf
-    inject: Callable[[float], Node | None] | None = None
 
 
 Formulate = Callable[[Problem, Known, MipOptions], Formulation]
@@ -168,7 +161,7 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
     Raises
     ------
     ProblemError
-        the incumbent is deeper than the problem allows, or the lower bound is none.
+        the incumbent is deeper than the problem allows.
     SolverError
         HiGHS cannot be run, or refuses the model.
     """
@@ -191,7 +184,6 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
         method=request.method,
         seed=request.seed,
         seconds=clock.seconds,
-        given_bound=request.lower_bound,
         gap=request.limits.gap,
     )
 
@@ -204,11 +196,6 @@ def check_heap(problem: Problem, rows: Rows) -> None:
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:
     tree = starting_tree(problem, request.incumbent, request.seed)
     objective = problem.objective(tree)
-    if request.lower_bound > objective * (1 + 1e-9):
-        raise ProblemError(
-            f"lower_bound is {request.lower_bound} but a tree of objective {objective} is known; "
-            "it is no bound of this problem; give one that is proven for it"
-        )
     return Known(tree, objective, whole_prices(problem, objective), Rows(limit_check=clock.check))
 
 
@@ -217,13 +204,11 @@ def run_formulation(
 ) -> None:
     """Run HiGHS on a formulation, again with finer tolerances if need be, and keep the outcome in `result`."""
     rows, prices = formulation.rows, formulation.prices
-    if not math.isinf(request.lower_bound):
-        rows.bound_objective(min(prices.priced_bound(request.lower_bound), prices.of_tree(problem, result.known.tree)))
     result.details |= _describe(problem, formulation, request)
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
     exact = accuracy(rows, prices, formulation.scope.tolerance)
-    # HiGHS 1.16.0 may take a start for cheaper than it is, and what it finds too: benchmarks/instances/highs_start.py.
+    # HiGHS 1.16.0 may take a start for cheaper than it is, and what it finds too: benchmarks/cases/mio/highs_start.py.
     for tolerance, values in ((exact.tolerance, start), (FINEST, None)):
         exact = replace(exact, tolerance=tolerance)
         result.refuted = _run_once(problem, formulation, request, clock, result, exact, values)
@@ -239,7 +224,6 @@ def _start_values(
     values = formulation.start(place(tree, formulation.heap, problem.features))
     if values is None:
         return None, said | {"reason": f"outside the model, which holds {formulation.scope.trees}"}
-    values = formulation.rows.completed(values)
     worst, where = formulation.rows.violation(values)
     if worst > START_SLACK:
         return None, said | {"reason": f"breaks row {where} by {worst:.3g}"}
@@ -268,9 +252,8 @@ def _run_once(
         further=request.options.highs or {},
         log=request.options.log,
     )
-    inject = None if request.inject is None else _injector(problem, formulation, request, result)
     progress = None if request.progress is None else _in_true_units(prices, request.progress, clock)
-    outcome = highs.run(rows, options, start=start, progress=progress, inject=inject)
+    outcome = highs.run(rows, options, start=start, progress=progress)
     _note_run(result, outcome, start, formulation, exact)
     result.stop, result.n_nodes, result.price_bound = outcome.stop, outcome.n_nodes, exact.bound(outcome)
     if outcome.stop is Stop.NUMERICS:
@@ -344,31 +327,6 @@ def refutation(problem: Problem, outcome: highs.Outcome, bound: float, decoded: 
     return ""
 
 
-def _injector(
-    problem: Problem, formulation: Formulation, request: Request, result: RunResult
-) -> Callable[[float], NDArray[np.float64] | None]:
-    """Return the function that hands the trees of `inject` to HiGHS; `result` takes each whatever HiGHS makes of it."""
-    source = request.inject
-    assert source is not None
-
-    def give(best: float) -> NDArray[np.float64] | None:
-        tree = source(formulation.prices.true(best))
-        if tree is None:
-            return None
-        tree = canonicalise(problem, tree)
-        if depth(tree) > formulation.heap.depth or formulation.prices.of_tree(problem, tree) > best - 0.5:
-            return None
-        checked_leaf_index(problem, tree)
-        result.better(problem, tree)
-        values = formulation.start(place(tree, formulation.heap, problem.features))
-        if values is None:
-            return None
-        values = formulation.rows.completed(values)
-        return values if formulation.rows.violation(values)[0] <= START_SLACK else None
-
-    return give
-
-
 def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
     """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
     most = problem.limited_splits
@@ -382,7 +340,7 @@ def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
 
 def _describe(problem: Problem, formulation: Formulation, request: Request) -> dict[str, object]:
     rows, prices = formulation.rows, formulation.prices
-    details: dict[str, object] = {
+    return {
         "scope": _scope(problem, formulation, request),
         **formulation.scope.notes,
         "model": {
@@ -393,6 +351,3 @@ def _describe(problem: Problem, formulation: Formulation, request: Request) -> d
         },
         "prices": {"unit": float(prices.unit), "rounding": float(prices.above + prices.below)},
     }
-    if not math.isinf(request.lower_bound):
-        details["lower_bound_given"] = request.lower_bound
-    return details

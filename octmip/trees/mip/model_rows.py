@@ -158,9 +158,7 @@ class Model:
             scope += f" that keep what was added to the model (rows and fixed values: {answer.n_added})"
         # A known tree outside the model, or against a row that was added, contradicts no bound.
         result = RunResult(replace(self.known, tree=tree), tree, Stop.FINISHED, {"scope": scope}, price_bound=bound)
-        solution = solution_of_run(
-            self.problem, result, method=self.method, seed=0, seconds=0.0, given_bound=-math.inf, gap=0.0
-        )
+        solution = solution_of_run(self.problem, result, method=self.method, seed=0, seconds=0.0, gap=0.0)
         certify(self.problem, solution)
         return replace(solution, version=answer.solver)
 

@@ -92,7 +92,7 @@ def encode(
     prices: Prices | None = None,
     rows: Rows | None = None,
 ) -> OctH:
-    """Return OCT-H as rows, built family by family: the model of `benchmarks.oracles.paper_models.oct_h`.
+    """Return OCT-H as rows, built family by family.
 
     Parameters
     ----------

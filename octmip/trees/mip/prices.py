@@ -96,10 +96,6 @@ class Prices:
         bound = self.unit * price - self.above
         return bound if self.limit is None else min(bound, self.limit)
 
-    def priced_bound(self, bound: float) -> int:
-        """Return the least price of a tree, unless it is cut, when none truly costs less than `bound`."""
-        return math.ceil((Fraction(bound) - self.below) / self.unit - NEARLY_WHOLE)
-
 
 def own_prices(problem: Problem) -> Prices:
     """Return the prices of a problem as they stand."""

@@ -86,9 +86,7 @@ class RunResult:
             self.tree = tree
 
 
-def solution_of(
-    problem: Problem, result: RunResult, *, method: str, seed: int, seconds: float, given_bound: float, gap: float
-) -> Solution:
+def solution_of(problem: Problem, result: RunResult, *, method: str, seed: int, seconds: float, gap: float) -> Solution:
     """Return the Solution that follows from the result of a run.
 
     Parameters
@@ -97,8 +95,6 @@ def solution_of(
         of the run, to be named.
     seconds
         that it took.
-    given_bound
-        a bound proven elsewhere; -inf without one.
     gap
         the relative gap that was asked for.
     """
@@ -107,10 +103,7 @@ def solution_of(
     proven = _believed_bound(problem, result)
     if result.is_outside and proven > Fraction(objective):
         result.details |= _better_outside(str(result.details["scope"]), rounded_down(proven), objective)
-    bound = max(proven, Fraction(max(given_bound, 0.0)))
-    if problem.has_integer_costs:
-        bound = Fraction(math.ceil(bound))
-    bound = min(bound, Fraction(objective))
+    bound = min(Fraction(math.ceil(proven)) if problem.has_integer_costs else proven, Fraction(objective))
     stop = result.stop
     if bound >= Fraction(objective) - Fraction(tolerance):
         stop = Stop.OPTIMAL

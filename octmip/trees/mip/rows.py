@@ -46,7 +46,6 @@ class Rows:
     _columns: list[tuple[NDArray[np.float64], ...]] = field(default_factory=list)
     _entries: list[tuple[Columns, Columns, NDArray[np.float64]]] = field(default_factory=list)
     _bounds: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=list)
-    _priced: NDArray[np.float64] | None = None  # the costs, once they are in a row of their own
     _n_entries: int = 0
     _matrix: sp.csr_array | None = None  # what `matrix` made of the entries so far
 
@@ -102,20 +101,6 @@ class Rows:
         self._bounds.append((low[is_row], high[is_row]))
         self.row_families.append((name, int(is_row.sum())))
         self.n_rows += self.row_families[-1][1]
-
-    def bound_objective(self, bound: float) -> None:
-        """Make the objective a column of its own, at least `bound`: HiGHS then knows it before it solves anything."""
-        priced, cost = np.flatnonzero(self.cost), self.cost
-        self._columns = [(low, high, np.zeros_like(price), whole) for low, high, price, whole in self._columns]
-        column = self.columns("objective", (range(1),), bound - self.offset, np.inf, cost=1.0)
-        self.add("objective", 0, 0, (priced, cost[priced]), (column, -1.0))
-        self._priced = np.append(cost, 0.0)
-
-    def completed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return a solution (n_columns,) with the objective's own column, if there is one, set to what it costs."""
-        if self._priced is None:
-            return values
-        return np.append(values[:-1], self._priced @ values)
 
     def _stack(self, position: int) -> NDArray[np.float64]:
         return np.concatenate([block[position] for block in self._columns])

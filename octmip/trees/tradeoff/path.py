@@ -205,34 +205,6 @@ def _objective(problem: Problem, tree: Node) -> float:
     return problem.objective_of(tree, route(tree, problem.features))
 
 
-def trace_depths(
-    problem: Problem,
-    depths: Sequence[int],
-    *,
-    method: Method = "auto",
-    limits: Limits = Limits(),  # noqa: B008 (frozen)
-    most_solves: int = MOST_SOLVES,
-    seed: int = 0,
-    options: Options = NO_OPTIONS,
-) -> list[PenaltyPath]:
-    """Return one path for each depth, ascending, each begun with the trees of the path before.
-
-    Raises
-    ------
-    ProblemError, SolverError
-        as `trace_path`.
-    """
-    run = Run(method, limits, seed, options=options)
-    paths: list[PenaltyPath] = []
-    for level in sorted(depths):
-        known = [known.tree for known in paths[-1].trees] if paths else []
-        path = trace_run(replace(problem, depth=level), run, known, most_solves)
-        paths.append(path)
-        if path.is_interrupted:
-            break
-    return paths
-
-
 def middle(low: float, high: float) -> float:
     """Return the middle of an interval of penalties; twice `low` where it has no upper end."""
     return (low + high) / 2 if math.isfinite(high) else 2 * low

@@ -165,7 +165,7 @@ def test_doctor_works_where_the_installation_does_not(module):
     assert module in done.stdout
 
 
-LONG = ("solve", "compare", "benchmark", "near-optimal", "sensors", "worst-case", "frontier")
+LONG = ("solve", "compare", "near-optimal", "sensors", "worst-case", "frontier")
 """Commands with more options than a screen takes."""
 
 
@@ -190,7 +190,7 @@ def test_the_rest_of_a_long_help_is_shown_when_asked(run, command):
 
 def test_help_all_lists_the_options_of_the_methods_that_have_no_option_of_their_own(run):
     listed = run("solve", "--help-all")[1].split(OF_METHODS)[1]
-    for name, is_listed in (("restarts", True), ("assist", True), ("proof", False), ("cluster", False)):
+    for name, is_listed in (("restarts", True), ("write", True), ("proof", False), ("cluster", False)):
         assert (f"\n  {name} " in listed) is is_listed
 
 
@@ -204,6 +204,6 @@ def test_an_option_of_the_methods_goes_to_those_compared_that_take_it(data, run)
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "cart,search"]
     rows = json.loads(run(*words, "--option", "restarts=2", "--json")[1])["rows"]
     assert ["error" in row for row in rows] == [False, False]
-    code, _, err = run(*words, "--option", "assist=exact")
+    code, _, err = run(*words, "--option", "start=search")
     assert code == 2
-    assert "--option names 'assist'; expected what one of the methods takes: cluster, perturbations, restarts" in err
+    assert "--option names 'start'; expected what one of the methods takes: cluster, perturbations, restarts" in err

@@ -35,9 +35,9 @@ BAD_WORDS = {
     "a proof of no depth": (["--proof", "log"], "--proof is given without --depth"),
     "unknown option": (["--depth", 1, "--dept", 2], "unrecognized arguments: --dept"),
     "unknown method": (["--depth", 1, "--method", "magic"], "invalid choice: 'magic'"),
-    "assistance without HiGHS": (
-        ["--depth", 1, "--option", "assist=exact"],
-        "method 'exact' takes no option 'assist'; expected some of: checkpoint, cluster, every, proof, solves;",
+    "a start of HiGHS without HiGHS": (
+        ["--depth", 1, "--option", "start=search"],
+        "method 'exact' takes no option 'start'; expected some of: checkpoint, cluster, every, proof, solves;",
     ),
     "option without a value": (["--depth", 1, "--option", "restarts"], "--option is 'restarts'; expected NAME=VALUE"),
     "file as an option": (["--depth", 1, "--option", "proof=iris.csv"], "--option is 'proof=iris.csv'; expected NAME="),

@@ -86,7 +86,6 @@ def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, 
     ("words", "said"),
     [
         (("--holdout", 0.2), "--holdout needs the table"),
-        (("DATA", "--out", "page.dot"), ".dot shows the tree alone"),
         (("--histograms", "--out", "tree.svg"), "--histograms needs the training table"),
         (("--dark", "--out", "page.html"), "--dark is for pictures"),
         (("DATA", "--unit", "w=kg"), "'w', which is no column of numbers"),

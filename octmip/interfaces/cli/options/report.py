@@ -1,6 +1,6 @@
 """Show a tree file in words on standard output, or write it as a file of the kind that its ending names.
 
-.html  a page to read and to send    .md  Markdown    .dot  Graphviz    .txt  words    .svg .png .pdf  a drawing
+.html  a page to read and to send    .md  Markdown    .txt  words    .svg .png .pdf  a drawing
 
 With DATA, the table that the tree was trained on, every claim is recounted, and the report also has the greedy tree
 (CART), the error on samples held out, and in a page trees of lower depth and the samples in each leaf.
@@ -12,7 +12,7 @@ from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import TABLE_HELP, add_held_out_arguments
 
-KINDS = (".html", ".md", ".dot", ".txt", ".svg", ".png", ".pdf")
+KINDS = (".html", ".md", ".txt", ".svg", ".png", ".pdf")
 EXAMPLES = """\
   octmip report tree.json
   octmip report tree.json iris.csv --out iris.html

@@ -77,9 +77,7 @@ def solve_benders(
         result.stop = Stop.INTERRUPTED
     result.n_nodes = runner.n_subproblems
     result.details["subproblems"] = runner.n_subproblems
-    return solution_of(
-        problem, result, method=METHOD, seed=seed, seconds=clock.seconds, given_bound=-math.inf, gap=limits.gap
-    )
+    return solution_of(problem, result, method=METHOD, seed=seed, seconds=clock.seconds, gap=limits.gap)
 
 
 def _run(

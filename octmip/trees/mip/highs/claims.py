@@ -81,7 +81,7 @@ def accuracy(rows: Rows, prices: Prices, tolerance: float) -> Accuracy:
 def _ranges(rows: Rows, prices: Prices) -> float:
     """Return the sum of the ranges of all columns and of the activities of all rows that are no equalities."""
     upper = rows.upper
-    for letter, most in _most(rows, prices).items():
+    for letter, most in _most(prices).items():
         if letter in rows.families:
             upper[rows.families[letter][0]] = most
     columns = upper - rows.lower
@@ -90,7 +90,7 @@ def _ranges(rows: Rows, prices: Prices) -> float:
     return float(columns.sum() + activities[low < high].sum())
 
 
-def _most(rows: Rows, prices: Prices) -> dict[str, float]:
+def _most(prices: Prices) -> dict[str, float]:
     """Return, by letter, the largest value of the columns that have no bound of their own."""
-    weight, n_priced = float(prices.weights.sum()), rows.n_columns
-    return {"N_t": weight, "N_kt": weight, "L": prices.worst, "objective": prices.worst + prices.penalty * n_priced}
+    weight = float(prices.weights.sum())
+    return {"N_t": weight, "N_kt": weight, "L": prices.worst}

@@ -1,4 +1,4 @@
-"""HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress, a start and injected incumbents.
+"""HiGHS: one run of the solver on a model, with limits, Ctrl-C, progress and a start.
 
 HiGHS runs in a process of its own (`octmip.trees.mip.highs.worker`) while this one waits and keeps time and memory:
 HiGHS looks at its time too rarely within a relaxation and not at all in presolve, and has no limit of memory. At a
@@ -9,7 +9,7 @@ it reported stand.
 import math
 import os
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -125,7 +125,6 @@ def run(
     *,
     start: NDArray[np.float64] | None = None,
     progress: ProgressCallback | None = None,
-    inject: Callable[[float], NDArray[np.float64] | None] | None = None,
 ) -> Outcome:
     """Solve a model and return the outcome.
 
@@ -135,8 +134,6 @@ def run(
         (n_columns,) a full solution to start from.
     progress
         called in this thread while HiGHS runs; what it raises stops the run and is raised again.
-    inject
-        called in this thread with HiGHS's best objective; may return a better solution (n_columns,).
 
     Raises
     ------
@@ -144,8 +141,8 @@ def run(
         HiGHS refused the model or an option, or its process cannot be started.
     """
     with lent_worker() as lent:
-        supervisor = _Supervisor(lent, rows, options.limits, progress, inject)
-        return supervisor.over(_job(rows, _settings(options), start, inject))
+        supervisor = _Supervisor(lent, rows, options.limits, progress)
+        return supervisor.over(_job(rows, _settings(options), start))
 
 
 def arrays(rows: Rows) -> dict[str, Any]:
@@ -163,10 +160,8 @@ def arrays(rows: Rows) -> dict[str, Any]:
     }
 
 
-def _job(
-    rows: Rows, settings: dict[str, Any], start: NDArray[np.float64] | None, inject: Callable[..., Any] | None
-) -> dict[str, Any]:
-    return {"model": arrays(rows), "options": settings, "start": start, "takes_trees": inject is not None}
+def _job(rows: Rows, settings: dict[str, Any], start: NDArray[np.float64] | None) -> dict[str, Any]:
+    return {"model": arrays(rows), "options": settings, "start": start}
 
 
 def _settings(options: Options) -> dict[str, Any]:
@@ -195,17 +190,10 @@ def _threads(n_threads: int) -> dict[str, Any]:
 
 
 class _Supervisor:
-    """The supervision of one run: waits for the worker, keeps the limits, hands over trees, takes its reports."""
+    """The supervision of one run: waits for the worker, keeps the limits, takes its reports."""
 
-    def __init__(
-        self,
-        lent: Worker,
-        rows: Rows,
-        limits: Limits,
-        progress: ProgressCallback | None,
-        inject: Callable[[float], NDArray[np.float64] | None] | None,
-    ) -> None:
-        self.worker, self.rows, self.limits, self.progress, self.inject = lent, rows, limits, progress, inject
+    def __init__(self, lent: Worker, rows: Rows, limits: Limits, progress: ProgressCallback | None) -> None:
+        self.worker, self.rows, self.limits, self.progress = lent, rows, limits, progress
         self.began = time.perf_counter()
         self.state = worker.State()
         self.values: NDArray[np.float64] | None = None
@@ -276,19 +264,15 @@ class _Supervisor:
         return self._left(f"its process ended by itself with code {code}")
 
     def _check(self) -> None:
-        """Keep the limits, then ask for better trees and report progress."""
+        """Keep the limits and report progress."""
         if self.stop is not None:
             return
         reached = self._reached()
         if reached is not None:
             self._end(reached)
             return
-        best = min(self.state.objective, self.objective)
-        if self.inject is not None:
-            values = self.inject(best)
-            if values is not None:
-                self.worker.send("inject", values)
         if self.progress is not None:
+            best = min(self.state.objective, self.objective)
             self.progress(Progress(self.seconds, best, self.state.bound, self.state.n_nodes))
 
     def _reached(self) -> Stop | None:

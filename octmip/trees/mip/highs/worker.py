@@ -5,7 +5,7 @@ and the reading of a model are silent for many seconds. A thread in there cannot
 
 Frames of pickled tuples go both ways, each behind its length in eight bytes (see `octmip.trees.mip.highs.process`):
 
-    to the worker     ("run", job)   ("stop",)   ("inject", values)
+    to the worker     ("run", job)   ("stop",)
     from the worker   ("started", pid)   ("state", State as a dict)   ("incumbent", objective, values)
                       ("done", what HiGHS ended with)   ("failed", sentence)
 
@@ -26,7 +26,6 @@ from typing import Any, BinaryIO
 
 import highspy
 import numpy as np
-from numpy.typing import NDArray
 
 REPORT = 0.01  # seconds between two reports of bound and nodes
 PARENT = 0.5  # seconds between two looks at the parent
@@ -48,7 +47,6 @@ class Commands:
     """The parent's commands since the run began."""
 
     stop: bool = False
-    inject: NDArray[np.float64] | None = None
 
 
 def read_frame(stream: BinaryIO) -> Any:
@@ -143,8 +141,6 @@ class Run:
         highs.cbSimplexInterrupt.subscribe(self._obey)
         highs.cbIpmInterrupt.subscribe(self._obey)
         highs.cbMipImprovingSolution.subscribe(self._note_incumbent)
-        if self.job["takes_trees"]:
-            highs.cbMipUserSolution.subscribe(self._give)
 
     def _report(self, event: highspy.HighsCallbackEvent) -> None:
         out, state = event.data_out, self.state
@@ -166,11 +162,6 @@ class Run:
         if math.isinf(self.state.first_incumbent):
             self.state.first_incumbent = objective
         self.tell("incumbent", objective, np.array(event.data_out.mip_solution))
-
-    def _give(self, event: highspy.HighsCallbackEvent) -> None:
-        values, self.commands.inject = self.commands.inject, None
-        if values is not None and event.data_in is not None:
-            event.data_in.setSolution(values)
 
     def _end(self, highs: highspy.Highs) -> dict[str, Any]:
         info = highs.getInfo()
@@ -194,8 +185,6 @@ def _listen(stream: BinaryIO, jobs: "queue.SimpleQueue[tuple[dict[str, Any], Com
             jobs.put((frame[1], commands))
         elif frame[0] == "stop":
             commands.stop = True
-        elif frame[0] == "inject":
-            commands.inject = frame[1]
     os._exit(0)
 
 
