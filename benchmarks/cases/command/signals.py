@@ -11,6 +11,7 @@ seconds     from the signal to the end, of wall time and of processor time
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -58,6 +59,7 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "edit": ("tree.json", "small.csv", "--set", "ROOT=?", "--json"),
     "predict": ("tree.json", "long.csv", "--json"),
     "compare": ("hard.csv", "--label", "y", "--depth", "4", "--json"),
+    "benchmark": ("tables", "--depth", "3", "--json"),
     "near-optimal": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
     "sensors": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
     "worst-case": ("hard.csv", "--label", "y", "--depth", "2", "--off", "0.1", "--json"),
@@ -85,6 +87,8 @@ def prepare(folder: Path) -> None:
     for name, n_rows in (("hard", 2000), ("small", 250), ("long", 200_000)):
         frame = pd.DataFrame(rng.normal(size=(n_rows, 8)).round(3), columns=[f"x{k}" for k in range(8)])
         frame.assign(y=rng.integers(0, 3, n_rows)).to_csv(folder / f"{name}.csv", index=False)
+    (folder / "tables").mkdir()
+    shutil.copy(folder / "hard.csv", folder / "tables")
     words = ["solve", str(folder / "small.csv"), "--label", "y", "--depth", "2", "--json"]
     with (folder / "solved.json").open("w") as out:
         command = [sys.executable, "-m", "octmip.interfaces.cli", *words, "--proof", "proof.log", "--out", "tree.json"]

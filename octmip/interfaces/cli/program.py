@@ -29,6 +29,7 @@ COMMANDS = {
     "edit": "say what a change of a tree costs: the best tree that has given splits, proven",
     "predict": "apply a tree file to a table",
     "compare": "run every method on a table and show their gaps side by side",
+    "benchmark": "run every method on every table of a folder: how many each proves, how fast, and the gap meanwhile",
     "near-optimal": "count all trees near the optimum, list the best, draw samples",
     "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
     "worst-case": "find the tree of least worst case while gauges are off by up to given amounts",

@@ -9,6 +9,7 @@ from octmip.errors import needed_by
 
 with needed_by("a picture"):
     from octmip.interfaces.plot.curves import (
+        benchmark_figure,
         choice_figure,
         frontier_figure,
     )
@@ -18,6 +19,7 @@ with needed_by("a picture"):
     from octmip.interfaces.plot.style import class_colours
 
 __all__ = [
+    "benchmark_figure",
     "choice_figure",
     "class_colours",
     "counted_tree_figure",

@@ -1,13 +1,15 @@
-"""Curves: along a frontier, and what cross-validation chose from."""
+"""Curves: bound and objective over time, along a frontier, what cross-validation chose from."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.interfaces.plot.names import name_entries
 from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame, titled
 from octmip.trees.tradeoff import Choice, Step
 
@@ -38,6 +40,54 @@ def frontier_figure(
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
     return titled(figure, axes, title)
+
+
+def benchmark_figure(
+    ratios: Mapping[str, Sequence[float]], gaps: Mapping[str, Sequence[Sequence[tuple[float, float]]]]
+) -> Figure:
+    """Return how methods compare over several problems: their performance profile, and the mean gap over time.
+
+    Parameters
+    ----------
+    ratios
+        by method, for each problem that any method proves: seconds until the proof over those of the quickest, +inf
+        without a proof.
+    gaps
+        by method, for each problem: (seconds, gap) each time that the gap became smaller. Before the first the gap is
+        1, and so is one above 1.
+
+    Source: Dolan & More (2002), Benchmarking optimization software with performance profiles.
+    """
+    figure = Figure(figsize=(8.4, 3.4), layout="tight")
+    left, right = figure.subplots(1, 2)
+    finite = [ratio for of_method in ratios.values() for ratio in of_method if np.isfinite(ratio)]
+    most = 1.5 * max(finite, default=1.0)
+    times = [seconds for of_method in gaps.values() for runs in of_method for seconds, _ in runs if seconds > 0]
+    grid = np.geomspace(min(times, default=0.01), 1.1 * max(times, default=1.0), 400)
+    for k, name in enumerate(gaps):
+        style: dict[str, Any] = {"color": DISTINCT[k % len(DISTINCT)], "linewidth": 1.4, "label": "curve"}
+        style["linestyle"] = "-" if k < len(DISTINCT) else "--"
+        reached = np.sort([ratio for ratio in ratios[name] if np.isfinite(ratio)])
+        shares = np.arange(len(reached) + 1) / max(1, len(ratios[name]))
+        left.step([1, *reached, most], [*shares, shares[-1]], where="post", **style)
+        right.plot(grid, 100 * np.mean([_gap_at(grid, run) for run in gaps[name]], axis=0), **style)
+    left.set_xlim(1, most)
+    left.set_xlabel("seconds until the proof / those of the quickest", color=INK)
+    left.set_ylabel("share of problems proven", color=INK)
+    right.set_xlabel("seconds", color=INK)
+    right.set_ylabel("mean gap [%]", color=INK)
+    for axes in (left, right):
+        axes.set_xscale("log")
+        axes.set_ylim(bottom=0)
+        quiet_frame(axes)
+    name_entries(right.legend(frameon=False, fontsize=8), list(gaps))
+    return figure
+
+
+def _gap_at(seconds: NDArray[np.float64], run: Sequence[tuple[float, float]]) -> NDArray[np.float64]:
+    """Return the gap of one run at some times, 1 before it was known."""
+    found = np.searchsorted([at for at, _ in run], seconds, side="right")
+    return np.array([1.0, *(min(1.0, gap) for _, gap in run)])[found]
 
 
 def choice_figure(choice: Choice, title: str | None = None) -> Figure:

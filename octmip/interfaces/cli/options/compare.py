@@ -32,16 +32,18 @@ EXAMPLES = """\
 """
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of `octmip compare`."""
-    add_everyday_arguments(parser, seconds=60.0, has_target=True)
-    rarely(add_held_out_arguments(group_of(parser, DATA)))
+def add_arguments(parser: argparse.ArgumentParser, of_folder: bool = False) -> None:
+    """Add the arguments of `octmip compare`: of one table, or of a folder of them."""
+    add_everyday_arguments(parser, seconds=60.0, has_target=True, of_folder=of_folder)
+    if not of_folder:
+        rarely(add_held_out_arguments(group_of(parser, DATA)))
     group_of(parser, METHOD).add_argument("--methods", metavar="A,B,...", help="methods to run (default: all)")
-    group_of(parser, METHOD).add_argument(
-        "--baselines",
-        action="store_true",
-        help="beside them a linear model, pruned CART, a random forest and gradient boosting",
-    )
+    if not of_folder:
+        group_of(parser, METHOD).add_argument(
+            "--baselines",
+            action="store_true",
+            help="beside them a linear model, pruned CART, a random forest and gradient boosting",
+        )
     add_problem_arguments(parser)
     add_part_arguments(group_of(parser, TREE))
     add_run_arguments(parser, with_method=False)

@@ -1,0 +1,117 @@
+"""octmip benchmark: every method on every table of a folder."""
+
+import json
+import math
+import signal
+
+import pandas as pd
+import pytest
+
+from octmip.interfaces.cli.benchmark import Found, ratios_of, shifted_mean
+from octmip.interfaces.plot import benchmark_figure
+from octmip.trees.certificate import certify
+
+METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
+
+
+@pytest.fixture
+def folder(tmp_path, data):
+    """Return a folder with two tables whose last column is the label, one that is none, and a file of another kind."""
+    tables = tmp_path / "tables"
+    tables.mkdir()
+    frame = pd.read_csv(data)[["a", "b", "y"]]
+    frame.to_csv(tables / "one.csv", index=False)
+    frame.rename(columns={"y": "state"}).to_csv(tables / "two.csv.gz", index=False)
+    (tables / "empty.csv").write_text("a,y\n")
+    (tables / "notes.txt").write_text("nothing")
+    return tables
+
+
+def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
+    code, out, _ = run("benchmark", folder, *METHODS, "--json")
+    assert code == 0
+    answer = json.loads(out)
+    assert {one["table"]: one["n_samples"] for one in answer["tables"]} == {
+        "empty.csv": 0,
+        "one.csv": 30,
+        "two.csv.gz": 30,
+    }
+    cart, exact, oct_h = answer["methods"]
+    assert (cart["tables"], cart["proven"], cart["seconds to proof"]) == (2, 0, None)
+    assert (exact["tables"], exact["proven"], exact["best tree"], exact["within 1 x"]) == (2, 2, 2, "100 %")
+    assert (oct_h["tables"], oct_h["mean gap to best bound %"]) == (0, None)
+
+
+def test_its_table_says_once_what_holds_for_all_and_beside_each_table_what_is_its_own(folder, run):
+    out = run("benchmark", folder, *METHODS)[1]
+    assert out.count("oct_h: method 'oct_h' finds no axis trees") == 1
+    assert "empty.csv has 2 columns and 0 rows" in out.split("one.csv: 30 samples")[0]
+
+
+def test_rows_and_picture_are_written(folder, run, tmp_path):
+    assert run("benchmark", folder, *METHODS, "--out", tmp_path / "out" / "deep")[0] == 0
+    rows = pd.read_csv(tmp_path / "out" / "deep" / "rows.csv")
+    assert list(rows["table"]) == ["one.csv"] * 3 + ["two.csv.gz"] * 3
+    assert (tmp_path / "out" / "deep" / "benchmark.svg").read_text().count("<svg") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("DATA",), "is no folder; expected one with tables; for one table: octmip compare"),
+        (("EMPTY",), "holds no table; expected files that end with"),
+        (("TABLES", "--label", "state"), None),
+        (("TABLES", "--label", "nobody"), "no table of"),
+        (("TABLES", "--methods", "best"), "--methods names 'best'"),
+    ],
+)
+def test_what_cannot_be_benchmarked_is_a_sentence(folder, run, data, tmp_path, words, said):
+    (tmp_path / "none").mkdir()
+    places = {"DATA": data, "EMPTY": tmp_path / "none", "TABLES": folder}
+    code, out, err = run("benchmark", *METHODS, *(places.get(word, word) for word in words))
+    assert code == (0 if said is None else 2)
+    assert (said or "has no column 'state'") in (err if said else out)
+
+
+def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeypatch):
+    asked = []
+
+    def signalled(problem, solution):
+        if problem not in asked and asked:
+            signal.raise_signal(signal.SIGINT)
+        asked.append(problem)
+        return certify(problem, solution)
+
+    monkeypatch.setattr("octmip.interfaces.cli.compare.certify", signalled)
+    code, out, _ = run("benchmark", folder, *METHODS, "--json")
+    assert code == 0
+    assert [one["table"] for one in json.loads(out)["tables"] if one["rows"]] == ["one.csv"]
+
+
+def proven(method, seconds):
+    """Return a row of a method that proves its tree after so many seconds, None: never."""
+    return {"method": method, "is_optimal": seconds is not None, "seconds_to_gap": {"0 %": seconds}}
+
+
+def test_a_ratio_is_of_the_quickest_proof_and_infinite_without_one():
+    found = [
+        Found("a", 9, (), (proven("x", 2.0), proven("y", 1.0)), ()),
+        Found("b", 9, (), (proven("x", None), proven("y", 3.0)), ()),
+        Found("c", 9, (), (proven("x", None), proven("y", None)), ()),
+    ]
+    assert ratios_of("x", found) == [2.0, math.inf]
+    assert ratios_of("y", found) == [1.0, 1.0]
+
+
+def test_the_mean_of_seconds_is_geometric_and_shifted_by_one():
+    assert shifted_mean([0.0, 3.0]) == pytest.approx(1.0)
+
+
+def test_the_figure_shows_the_share_proven_and_the_mean_gap():
+    figure = benchmark_figure(
+        {"x": [1.0, 4.0], "y": [2.0, math.inf]}, {"x": [[(1.0, 0.5), (2.0, 0.0)], []], "y": [[], []]}
+    )
+    profile, gaps = figure.axes
+    assert list(profile.lines[0].get_ydata()) == [0.0, 0.5, 1.0, 1.0]
+    assert list(profile.lines[1].get_ydata()) == [0.0, 0.5, 0.5]
+    assert [min(line.get_ydata()) for line in gaps.lines] == [50.0, 100.0]
