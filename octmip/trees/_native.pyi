@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.encoding.rows import NodeRow
+from octmip.trees.encoding.ranks import NodeRow
 
 class Limits(Protocol):
     """Limits of a call, as `octmip.trees.solution.Limits` has them."""
