@@ -16,8 +16,9 @@ UNKNOWN_BESIDE = 3
 class Differences:
     """How far two honest models of one structure lie apart before any effect: relative standard deviations.
 
-    They are those of level 1; how far twin and asset lie apart is learnt, kind of reading by kind of reading
-    (`octmip.gap.inference.difference`). The defaults were measured between models of a wing (docs/gap/sealed.md).
+    They are those of level 1; how far twin and asset lie apart is learnt from a run, kind of reading by kind of reading
+    (`octmip.gap.inference.difference`). Without a run other values than the defaults are taken as they are stated, and
+    twice the defaults, which is what models of a wing differ by (docs/gap/sealed.md).
 
     Attributes
     ----------

@@ -28,17 +28,21 @@ from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
+from octmip.gap.odds import Differences
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEVELS = {2.0: 0.85, 4.0: 0.15}
-OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
-"""Levels of the difference without a run, and with one of what damage changes, and their probabilities.
+OF_MODELS = {2.0: 0.85, 4.0: 0.15}
+"""Levels of the difference without a run, and their probabilities: two models of a wing differ by 2.
 
-Two honest models of a wing differ by level 2 (docs/gap/sealed.md): with level 1 as the most probable one, 56 of 76
-sound wings were called faulty without a run, of a torsion above all; clear effects are named as often.
-Of damage none is below 1: a gauge at which it acts by a third more than elsewhere has no fault."""
+With 1 as the most probable level 56 of 76 sound wings were called faulty without a run; clear effects are named as
+often."""
+STATED = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
+"""The same where `Odds` say themselves how far twin and asset lie apart."""
+OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
+"""With a run, the levels of what damage changes. None is below 1: a gauge at which damage acts by a third more than
+elsewhere has no fault."""
 N_TRIED = 60
 """Best single candidates under the first noise, beside which every other noise and level is weighed."""
 VARIANT_BEHIND, MOST_LEVELS = 4.0, 2
@@ -170,8 +174,13 @@ class _Variant:
 def _levels(model: LinearModel) -> Mapping[float, float]:
     """Return the levels that are open: where nothing is damaged, a run of the sound asset leaves none."""
     if model.inputs.run is None:
-        return LEVELS
+        return levels_without_run(model.inputs)
     return OF_DAMAGE if model.means.rows.change.any() else {1.0: 1.0}
+
+
+def levels_without_run(inputs: Inputs) -> Mapping[float, float]:
+    """Return the levels of the difference, with their probabilities, where no run measures it."""
+    return OF_MODELS if inputs.odds.differences == Differences() else STATED
 
 
 def _best_single(model: LinearModel, among: Ints | None = None) -> float:

@@ -21,7 +21,7 @@ from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import single_logs
 from octmip.gap.inference.inputs import Inputs, Run, relearnt
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.posterior import LEVELS
+from octmip.gap.inference.posterior import levels_without_run
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.gap.inference.whitening import log_normal
@@ -183,7 +183,7 @@ def _by_asset(model: LinearModel, run: Run) -> WrongRun:
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     log_run = float(logsumexp(logs)) - float(np.log(len(logs)))
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
-    of_levels = [alone.under(level).log_none + np.log(p) for level, p in LEVELS.items()]
+    of_levels = [alone.under(level).log_none + np.log(p) for level, p in levels_without_run(inputs).items()]
     total = float(logsumexp(of_levels)) + log_run
     return WrongRun(total, "it differs from the asset of today as another asset would", None, None, None)
 
