@@ -61,7 +61,7 @@ def test_the_reduced_twin_keeps_its_bound(full: WingTwin, reduced: WingTwin) -> 
 
 @pytest.mark.parametrize(
     ("state", "effect", "size", "is_known"),
-    [({"mu1": 0.4}, "temperature_gradient", 25.0, True), ({"mu1": 0.3, "mu2": 0.2}, "modulus", 6.0, False)],
+    [({"mu1": 0.4}, "temperature_gradient", 25.0, True), ({"mu1": 0.3, "mu2": 0.2}, "modulus", 20.0, False)],
     ids=["known state", "unknown state"],
 )
 def test_a_diagnosis_with_the_reduced_twin_is_that_with_the_full_one(
