@@ -113,7 +113,7 @@ def to_verdict() -> Callable[[], object]:
         test=("T0",) * len(loads),
         load_factor=loads,
         states=np.zeros((len(loads), len(twin.parameters))),
-        readings=1.05 * readings + noise,  # a gain that the diagnosis is to find
+        readings=1.25 * readings + noise,  # a gain that the diagnosis is to find
         time=np.arange(len(loads), dtype=np.float64),
         temperature=np.full(len(loads), np.nan),
     )
