@@ -103,10 +103,10 @@ def to_certificate() -> Callable[[], object]:
 def to_verdict() -> Callable[[], object]:
     """Return the call that diagnoses a small campaign of the wing.
 
-    Of its 121 stays half lead to five files: `twin`, `inputs`, `linear_model`, `candidates` and `gap.twins`. Seven joins
-    of neighbouring files (evidence with candidates, rows with difference, linear_model with whitening, posterior with
-    unknown, noise with spectrum, checks with outliers, families with words) would leave 101, and four of these files
-    would have more than 400 lines.
+    Of its 121 stays half lead to five files: `twin`, `inputs`, `linear_model`, `candidates` and `gap.twins`. Seven
+    joins of neighbouring files (evidence with candidates, rows with difference, linear_model with whitening, posterior
+    with unknown, noise with spectrum, checks with outliers, families with words) would leave 101, and four of these
+    files would have more than 400 lines.
     """
     wing = uav_wing(refinement=COARSE)
     twin = CachedTwin(WingTwin(wing, wing_effects(wing)))
