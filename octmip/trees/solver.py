@@ -313,8 +313,14 @@ def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float =
         axis = replace(call.problem, split="axis", split_size=None, integer_normals=None)
         return replace(call, problem=axis).solve("exact", None, share=share)
     if share < 1.0 and _starts_less_deep(call.problem, name):
-        left = call.run.limits.seconds - (time.perf_counter() - call.start)
-        run = replace(call.run, limits=replace(call.run.limits, seconds=max(0.0, left / 2)), progress=None)
+        spent, progress = time.perf_counter() - call.start, call.run.progress
+
+        def shown(state: Progress) -> None:  # the tree is one of the deeper problem's too, the bound is not
+            if progress is not None:
+                progress(replace(state, seconds=state.seconds + spent, bound=-math.inf))
+
+        limits = replace(call.run.limits, seconds=max(0.0, (call.run.limits.seconds - spent) / 2))
+        run = replace(call.run, limits=limits, progress=shown)
         less = _Call(replace(call.problem, depth=call.problem.depth - 1), run, time.perf_counter())
         return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
     options = SearchOptions(cluster=call.run.options.cluster)

@@ -7,6 +7,9 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import diagnose
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.posterior import OF_MODELS, STATED, levels_without_run
+from octmip.gap.inference.wrong_run import WrongRun, corrected
 from octmip.gap.odds import Differences, Odds
 from tests.test_octmip.beam_twin import Beam, measured
 
@@ -86,3 +89,23 @@ def test_a_run_is_left_out_for_what_it_differs_by_and_not_for_what_is_called_usu
     assert "temperature_uniform" in diagnosis.which[0].effects
     with pytest.raises(DataError, match=r"differences own is -0\.1; expected a number above 0"):
         Differences(own=-0.1)
+
+
+def test_what_is_taken_off_a_run_is_known_gauge_by_gauge_no_better_than_a_change_by_damage():
+    inputs, _ = prepare(measured(21000), TWIN, TWIN.effects, measured(31000))
+    n = len(inputs.run.residual)
+    correction = np.linspace(1.0, 2.0, n)
+    left = corrected(inputs, WrongRun(0.0, "", correction, 0.1 * correction, 0.2 * correction)).run
+    added = left.noises[0].covariance - inputs.run.noises[0].covariance
+    same = inputs.run.means.gauge[:, None] == inputs.run.means.gauge
+    assert added == pytest.approx((0.01 + 0.04 * same) * np.outer(correction, correction), abs=1e-9)
+
+
+def test_without_a_run_models_differ_as_wings_do_unless_more_is_known():
+    stiff = measured(21000, stiffer(0.06))
+    inputs, _ = prepare(stiff, TWIN, TWIN.effects)
+    known = Odds(differences=Differences(common=0.002))
+    assert levels_without_run(inputs) == OF_MODELS
+    assert levels_without_run(replace(inputs, odds=known)) == STATED
+    assert diagnose(stiff, TWIN).is_sound
+    assert not diagnose(stiff, TWIN, odds=known).is_sound

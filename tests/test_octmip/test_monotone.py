@@ -172,8 +172,11 @@ def test_a_proof_in_order_that_is_stopped_has_a_tree_no_worse_than_the_best_one_
     features = rng.normal(size=(3000, 8)).round(2)
     labels = features[:, 0] + features[:, 1] * features[:, 2] + rng.normal(size=3000) > 0
     less, deep = (Problem(features, labels, depth=depth, monotone=[1] + 7 * [0]) for depth in (3, 4))
-    call = _Call(deep, Run("exact", Limits(seconds=60.0)), time.perf_counter())
+    seen = []
+    call = _Call(deep, Run("exact", Limits(seconds=60.0), progress=seen.append), time.perf_counter())
     first = _first_tree(call, "exact")
     assert (first.solver, first.bound) == (SHALLOWER, -np.inf)
     assert first.objective == solve(less, "exact").objective
     assert deep.objective(first.tree) == first.objective
+    assert seen
+    assert {state.bound for state in seen} == {-np.inf}

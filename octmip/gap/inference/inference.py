@@ -275,13 +275,15 @@ class Inference:
         return self._identifiable[members]
 
     def _without_idle(self, members: Members) -> Members:
-        while members and not self.is_idle(members):
+        while members:
+            if self.is_idle(members):
+                return ()
             visible = self.visibilities(members)
             faintest = int(np.argmin(visible))
             if visible[faintest] >= VISIBLE:
                 break
             members = (*members[:faintest], *members[faintest + 1 :])
-        return () if self.is_idle(members) else members
+        return members
 
 
 @dataclass(frozen=True, slots=True, eq=False)

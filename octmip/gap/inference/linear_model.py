@@ -113,7 +113,7 @@ class LinearModel:
 
     @cached_property
     def white(self) -> Floats:
-        """(n, n_candidates) L^-1 S: the dearest of all, made where every candidate is compared."""
+        """(n, n_candidates) L^-1 S; of all that is derived this takes the most time."""
         return _fixed(self.whiten(self.signatures))
 
     @cached_property
