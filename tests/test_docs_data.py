@@ -32,7 +32,7 @@ def commands(text: str) -> list[str]:
     """
     code = re.findall(r"`([^`]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
     named = [words.split()[0] for words in code if words.strip() and words.split()[0] in FAMILIES]
-    return [*MODULE.findall(text), *named, *re.findall(r"`make \w+|commit `[0-9a-f]{8}`", text)]
+    return [*MODULE.findall(text), *named, *re.findall(r"(?<=`)make \w+|commit `[0-9a-f]{8}", text)]
 
 
 def places() -> dict[str, list[str]]:
