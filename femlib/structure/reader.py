@@ -17,7 +17,6 @@ The nodes of every element set are a node set of the same name.
 
 import contextlib
 import io
-import re
 import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -52,6 +51,11 @@ QUADRATIC = {"quad8": "quad", "quad9": "quad", "triangle6": "triangle", "triangl
 ROOM, ROOM_PER_BYTE = 2**28, 100
 """Bytes that reading a file may take, and bytes more for each of its own: gmsh's reader makes a table as long as the
 largest number of a node, which one wrong digit makes thousands of millions."""
+UNREAD = {
+    b'compressor="vtkLZ4DataCompressor"': "it is compressed by LZ4, expected zlib, LZMA or none",
+    b'type="String"': "it has texts as data, which are not read; take them out of its field data",
+}
+"""What meshio does not read of a .vtu file, and the reason that it does not give."""
 OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags")
 """What meshio keeps of gmsh's geometry; no set of the user's."""
 
@@ -127,9 +131,9 @@ def _read_file(path: Path) -> FileMesh:
 def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
     """Return what meshio's own reader of the format finds: `meshio.read` ends the program where a file is bad."""
     content = read_bytes(path, "a mesh file")
-    packed = re.search(rb'compressor="vtk(LZ4)DataCompressor"', content[:1000])
-    if packed:
-        raise _unreadable(path, kind, "compressed by LZ4, expected zlib, LZMA or none")
+    for mark, reason in UNREAD.items():
+        if kind == "vtu" and mark in content.partition(b"<AppendedData")[0]:
+            raise _unreadable(path, kind, reason)
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):

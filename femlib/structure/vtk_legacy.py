@@ -243,9 +243,12 @@ class LegacyFile:
         self.arrays[self.where][words[1]] = self.numbers(words[2], width * self.n).reshape(self.n, width)
 
     def read_colours(self, words: list[str]) -> None:
-        """Pass over colours: real numbers in text, bytes in binary."""
-        n = 4 * int(words[2]) if words[0].upper() == "LOOKUP_TABLE" else int(words[2]) * self.n
-        self.numbers("unsigned_char" if self.is_binary else "double", n)
+        """Read colours: bytes in binary, in text their share of 255; one a cell is how VTK writes numbers of a byte."""
+        is_table = words[0].upper() == "LOOKUP_TABLE"
+        width, n = (4, int(words[2])) if is_table else (int(words[2]), self.n)
+        values = self.numbers("unsigned_char" if self.is_binary else "double", width * n).reshape(n, width)
+        if not is_table:
+            self.arrays[self.where][words[1]] = np.rint(values * (1 if self.is_binary else 255)).astype(np.int64)
 
     def read_textures(self, words: list[str]) -> None:
         """Pass over texture coordinates."""
