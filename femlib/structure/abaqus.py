@@ -4,17 +4,16 @@ meshio 5.3.5 turns its shells into other kinds, keeps the last of several *NODE 
 same in capitals or not, as in both programs, and are kept as the deck first writes them.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from femlib.arrays import FloatArray
 from femlib.checked import fortran_number
 from femlib.errors import InputError
-from femlib.structure.abaqus_cards import MIDDLE, WIDTHS, Card, cards_of, kind_of
-from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
+from femlib.structure.abaqus_cards import WIDTHS, Card, cards_of, kind_of
+from femlib.structure.abaqus_part import MOST_GENERATED, Part, counted, element_rows, extend, joined, mesh_of, motion
+from femlib.structure.file_mesh import FileMesh, wrong_kind
 
 MAKERS = ("NCOPY", "NFILL", "NMAP", "ELCOPY", "SYSTEM", "SUBSTRUCTURE GENERATE")
 """Cards that make or move nodes and elements, and are not read."""
@@ -27,24 +26,6 @@ LEFT_OUT = {
     "NONSTRUCTURAL MASS": "masses", "FOUNDATION": "springs", "PRE-TENSION SECTION": "loads",
 }  # fmt: skip
 """Cards that change the structure and are no part of a mesh."""
-MOST_GENERATED = 10_000_000
-"""Nodes, elements or numbers that one card may generate."""
-
-
-@dataclass(slots=True)
-class Part:
-    """Nodes and elements of a part or of a flat deck, by number, in the order of the deck.
-
-    Attributes
-    ----------
-    nodes : places (3,) by number.
-    elements : kind, nodes by number.
-    sets : members by kind ("NSET", "ELSET"), then by name.
-    """
-
-    nodes: dict[int, tuple[float, ...]] = field(default_factory=dict)
-    elements: dict[int, tuple[str, tuple[int, ...]]] = field(default_factory=dict)
-    sets: dict[str, dict[str, list[int]]] = field(default_factory=lambda: {"NSET": {}, "ELSET": {}})
 
 
 def read_deck(path: Path) -> FileMesh:
@@ -68,7 +49,7 @@ def read_deck(path: Path) -> FileMesh:
                 f"{path} could not be read as abaqus (card *{card.keyword}: {reason[:120]}); expected a whole deck; "
                 "write it again"
             ) from error
-    return _mesh_of(deck.part, left_out)
+    return mesh_of(path, deck.whole(), left_out)
 
 
 class Deck:
@@ -84,8 +65,12 @@ class Deck:
         self.path, self.left_out = path, left_out
         self.part = self.own = Part()
         self.parts: dict[str, Part] = {}
-        self.first: dict[str, tuple[str, int]] = {}  # of an instance: its part, and what is added to its numbers
+        self.first: dict[str, int] = {}  # of an instance: what is added to its numbers
         self.instance: Card | None = None
+        self.waiting: list[Card] = []  # sets of the part, which may name what comes behind them
+        self.of_parts: dict[
+            tuple[str, str], list[tuple[str, str, list[int]]]
+        ] = {}  # their sets: instance, part, members
 
     def take(self, card: Card) -> None:
         """Take the next card."""
@@ -98,33 +83,71 @@ class Deck:
         if card.keyword == "PART":
             self.own = self.parts[name.upper()] = Part()
         elif card.keyword in ("END PART", "ASSEMBLY"):
+            self._fill()
             self.own = self.part
         elif card.keyword == "INSTANCE":
+            self._fill()
             self.instance, self.own = card, Part()
         elif card.keyword == "END INSTANCE":
+            self._fill()
             self._place()
+        elif card.keyword in ("NSET", "ELSET"):
+            self.waiting.append(card)
         elif card.keyword in TAKEN:
             TAKEN[card.keyword](self, card)
         elif card.keyword in LEFT_OUT:
             self._say(f"*{card.keyword} ({LEFT_OUT[card.keyword]})", max(len(card.rows), 1))
 
+    def whole(self) -> Part:
+        """Return all nodes and elements, the sets of parts beside those of the assembly.
+
+        A set of a part has its name where no other part and no set of the assembly has it, with the instance before it
+        where there are several.
+        """
+        self._fill()
+        if not self.first:  # parts alone: each lies where it is
+            for name in self.parts:
+                self.instance, self.own = Card("INSTANCE", {"NAME": name, "PART": name}, ()), Part()
+                self._place()
+        for (kind, name), owners in self.of_parts.items():
+            is_free = self._name(kind, name) not in self.part.sets[kind] and len({part for _, part, _ in owners}) == 1
+            for instance, _, members in owners:
+                if is_free:
+                    extend(self.part.sets[kind], name, members)
+                if not is_free or len(owners) > 1:
+                    extend(self.part.sets[kind], f"{instance}.{name}", members)
+        return self.part
+
+    def _fill(self) -> None:
+        """Take the sets that wait, those that name others after them."""
+        waiting, self.waiting = self.waiting, []
+        while waiting:
+            later = []
+            for card in waiting:
+                try:
+                    self._set(card)
+                except InputError:
+                    later.append(card)
+            if len(later) == len(waiting):
+                self._set(later[0])
+            waiting = later
+
     def _place(self) -> None:
         """Add the instance that ends here, its own nodes and elements after its part's."""
         assert self.instance is not None
         options = self.instance.options
-        part = _joined(self.parts[options["PART"].upper()] if "PART" in options else Part(), self.own)
-        move = _motion(self.instance.rows)
-        numbers = [0, *self.part.nodes, *self.part.elements]
-        by = max(numbers) if self.part.nodes else 0
+        name, of = options["NAME"], options.get("PART", "").upper()
+        part = joined(self.parts[of] if of else Part(), self.own)
+        move = motion(self.instance.rows)
+        by = max([0, *self.part.nodes, *self.part.elements])
         self.part.nodes |= {by + k: tuple(move(place)) for k, place in part.nodes.items()}
         for number, (kind, nodes) in part.elements.items():
             self.part.elements[by + number] = (kind, tuple(by + n for n in nodes))
         for kind, sets in part.sets.items():
-            for name, members in sets.items():
-                several = sum(own == options.get("PART", "").upper() for own, _ in self.first.values()) > 0
-                own = f"{options['NAME']}.{name}" if several or self._name(kind, name) in self.part.sets[kind] else name
-                _extend(self.part.sets[kind], own, [by + n for n in members])
-        self.first[options["NAME"].upper()] = (options.get("PART", "").upper(), by)
+            for own, members in sets.items():
+                moved = [by + n for n in members]
+                self.of_parts.setdefault((kind, own), []).append((name, of or name, moved))
+        self.first[name.upper()] = by
         self.own, self.instance = self.part, None
 
     def _name(self, kind: str, name: str) -> str:
@@ -133,7 +156,7 @@ class Deck:
 
     def _add(self, kind: str, name: str | None, members: Sequence[int]) -> None:
         if name:
-            _extend(self.own.sets[kind], self._name(kind, name), members)
+            extend(self.own.sets[kind], self._name(kind, name), members)
 
     def _nodes(self, card: Card) -> None:
         if card.options.get("SYSTEM", "R").upper() != "R":
@@ -149,7 +172,7 @@ class Deck:
             raise InputError(f"{self.path} has nodes on a curve by *NGEN; expected a straight line; write them out")
         for row in card.rows:
             first, last, step = int(row[0]), int(row[1]), int(row[2]) if len(row) > 2 and row[2] else 1
-            numbers = _counted(first, last, step)
+            numbers = counted(first, last, step)
             ends = np.array([self.own.nodes[first], self.own.nodes[last]])
             for k, number in enumerate(numbers):
                 self.own.nodes[number] = tuple((ends[0] + k / max(len(numbers) - 1, 1) * (ends[1] - ends[0])).tolist())
@@ -163,8 +186,10 @@ class Deck:
             return
         if not kind:
             raise wrong_kind(str(self.path), len(card.rows), own)
+        if own.upper().startswith("M3D"):
+            self._say(f"bending of {own.upper()} (membranes are read as shells)", len(card.rows))
         numbers = []
-        for number, nodes in _element_rows(card.rows, WIDTHS[kind]):
+        for number, nodes in element_rows(card.rows, WIDTHS[kind]):
             if number in self.own.elements:
                 raise ValueError(f"element {number} is there twice")
             self.own.elements[number] = (kind, nodes)
@@ -197,7 +222,7 @@ class Deck:
         kind, options = card.keyword, card.options
         name = options[kind]
         sets, known = self.own.sets[kind], self.own.nodes if kind == "NSET" else self.own.elements
-        by = self.first[options["INSTANCE"].upper()][1] if "INSTANCE" in options else 0
+        by = self.first[options["INSTANCE"].upper()] if "INSTANCE" in options else 0
         members: list[int] = []
         if kind == "NSET" and "ELSET" in options:
             of = self.own.sets["ELSET"][self._name("ELSET", options["ELSET"])]
@@ -206,7 +231,7 @@ class Deck:
             for row in card.rows:
                 words = [by + int(row[0]), by + int(row[1] if len(row) > 1 and row[1] else row[0])]
                 step = int(row[2]) if len(row) > 2 and row[2] else 1
-                members += [number for number in _counted(*words, step) if number in known]
+                members += [number for number in counted(words[0], words[1], step) if number in known]
         else:
             for word in (word for row in card.rows for word in row if word):
                 members += self._named(word, kind, by, sets, known, name)
@@ -218,23 +243,28 @@ class Deck:
         """Return what a word of a set names: a number, one of an instance, or another set."""
         instance, dot, rest = word.partition(".")
         if dot and instance.upper() in self.first:
-            by, word = self.first[instance.upper()][1], rest
+            by, word = self.first[instance.upper()], rest
+            for own, _, members in self.of_parts.get((kind, rest), ()):
+                if own.upper() == instance.upper():
+                    return members
         if word.lstrip("-").isdigit() and by + int(word) in known:
             return [by + int(word)]
         if self._name(kind, word) in sets:
             return sets[self._name(kind, word)]
         raise InputError(
-            f"{self.path}, set {name!r} names {word!r}, which is not in the deck before it; expected it; "
-            "correct the set"
+            f"{self.path}, set {name!r} names {word!r}, which is not in the deck; expected it; correct the set"
         )
 
     def _section(self, card: Card) -> None:
         """Note what of a shell's section moves it off its nodes, or turns its material."""
-        offset = card.options.get("OFFSET", "0")
-        if offset.upper() not in ("MIDDLE SURFACE", "MID") and offset.strip("+-0.eE"):
-            self._say("OFFSET of *SHELL SECTION (shells beside their nodes)")
+        for name in ("OFFSET", "OFFSET1", "OFFSET2"):
+            offset = card.options.get(name, "0").upper()
+            if offset not in ("MIDDLE SURFACE", "MID") and offset.strip("+-0.E"):
+                self._say(f"{name} of *{card.keyword} (elements beside their nodes)")
         if "ORIENTATION" in card.options:
-            self._say("ORIENTATION of *SHELL SECTION (directions of the material)")
+            self._say(f"ORIENTATION of *{card.keyword} (directions of the material)")
+        if "NODAL THICKNESS" in card.options:
+            self._say(f"NODAL THICKNESS of *{card.keyword} (thickness at nodes)")
 
     def _say(self, what: str, n: int = 1) -> None:
         self.left_out[what] = self.left_out.get(what, 0) + n
@@ -245,80 +275,7 @@ TAKEN: dict[str, Callable[[Deck, Card], None]] = {
     "NGEN": Deck._nodes_between,
     "ELEMENT": Deck._elements,
     "ELGEN": Deck._elements_again,
-    "NSET": Deck._set,
-    "ELSET": Deck._set,
     "SHELL SECTION": Deck._section,
+    "SHELL GENERAL SECTION": Deck._section,
+    "BEAM SECTION": Deck._section,
 }
-
-
-def _extend(sets: dict[str, list[int]], name: str, members: Sequence[int]) -> None:
-    sets.setdefault(name, []).extend(members)
-
-
-def _joined(first: Part, second: Part) -> Part:
-    """Return both parts as one."""
-    sets = {kind: first.sets[kind] | second.sets[kind] for kind in first.sets}
-    return Part(first.nodes | second.nodes, first.elements | second.elements, sets)
-
-
-def _counted(first: int, last: int, step: int) -> list[int]:
-    """Return the numbers from `first` to `last`."""
-    if step == 0 or abs(last - first) // abs(step) > MOST_GENERATED:
-        raise ValueError(f"{first} to {last} by {step}; expected at most {MOST_GENERATED} numbers")
-    return list(range(first, last + (1 if step > 0 else -1), step))
-
-
-def _motion(rows: Sequence[Sequence[str]]) -> Callable[[tuple[float, ...]], FloatArray]:
-    """Return what moves a place as an instance says: a shift, then a turn [deg] about the line through two points."""
-    numbers = [[fortran_number(word) if word else 0.0 for word in row] for row in rows]
-    shift = np.array((numbers[0] + [0.0] * 3)[:3] if numbers else [0.0] * 3)
-    if len(numbers) < 2:
-        return lambda place: np.array(place) + shift
-    start, end, angle = np.array(numbers[1][:3]), np.array(numbers[1][3:6]), np.radians(numbers[1][6])
-    axis = (end - start) / np.linalg.norm(end - start)
-    cross = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
-    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-    return lambda place: start + turn @ (np.array(place) + shift - start)
-
-
-def _element_rows(rows: Sequence[Sequence[str]], width: int) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Give number and nodes of elements, whose lines go on until they have `width` nodes.
-
-    A beam may have one node more, which says how its section stands: it is no end of it.
-    """
-    got: list[int] = []
-    for row in rows:
-        got += [int(word) for word in row if word]
-        if len(got) > width:
-            is_turned = width in (2, 3) and len(got) == width + 2
-            if len(got) != width + 1 and not is_turned:
-                raise ValueError(f"element {got[0]} has {len(got) - 1} nodes, expected {width}")
-            yield got[0], tuple(got[1 : width + 1])
-            got = []
-    if got:
-        raise ValueError(f"element {got[0]} has {len(got) - 1} nodes, expected {width}")
-
-
-def _mesh_of(part: Part, left_out: dict[str, int]) -> FileMesh:
-    """Return the mesh of the whole, elements in blocks of a kind."""
-    place = {number: k for k, number in enumerate(part.nodes)}
-    kinds = list(dict.fromkeys(kind for kind, _ in part.elements.values() if kind))
-    position: dict[int, int] = {}
-    blocks = []
-    for kind in kinds:
-        own = {number: nodes for number, (its, nodes) in part.elements.items() if its == kind}
-        position |= {number: len(position) + k for k, number in enumerate(own)}
-        order = MIDDLE.get(kind)
-        rows = [[place[n] for n in (nodes if order is None else [nodes[k] for k in order])] for nodes in own.values()]
-        blocks.append((kind, np.array(rows, dtype=np.int64)))
-    elements = {}
-    for name, members in part.sets["ELSET"].items():
-        known = [position[n] for n in members if n in position]
-        if known or not members:
-            elements[name] = known
-    nodes = {
-        name: np.array(list(dict.fromkeys(place[n] for n in own)), dtype=np.int64)
-        for name, own in part.sets["NSET"].items()
-    }
-    points = np.array(list(part.nodes.values()), dtype=np.float64).reshape(-1, 3)
-    return FileMesh(points, blocks, dict(masks(elements, len(position))), nodes, left_out)

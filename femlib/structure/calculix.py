@@ -45,7 +45,7 @@ def write_deck(
     ------
     InputError
         If state or load is bad, a beam is no rectangle on its nodes' line, a spring joins two nodes, stacked plies
-        stand beside beams, masses or springs, or the file cannot be written.
+        stand beside other parts, or the file cannot be written.
     """
     target = Path(path)
     if target.suffix != ".inp":
@@ -79,8 +79,8 @@ def _check_stacks(structure: Structure) -> None:
     if stacked and any(others.values()):
         told = " and ".join(f"{n} {name}" for name, n in others.items() if n)
         raise InputError(
-            f"laminate {stacked[0]} is a stack of plies beside {told}, where CalculiX 2.20 stops; expected shells alone "
-            "or shells of one ply; leave the others out or write an equivalent ply"
+            f"laminate {stacked[0]} is a stack of plies beside {told}, where CalculiX 2.20 stops; expected shells "
+            "alone or of one ply; leave the others out or write an equivalent ply"
         )
 
 
@@ -137,7 +137,7 @@ def _sets(structure: Structure) -> list[str]:
     ):
         for name, own in members.items():
             if not SET_NAME.fullmatch(name) or OWN_NAMES.fullmatch(name) or _is_taken(name, members):
-                lines.append(f"** the set {ascii(name)} has a name that the deck cannot bear: it is left out")
+                lines.append(f"** the set {name!a} has a name that the deck cannot bear: it is left out")
             elif own.size:
                 lines += [f"*{card}, {card}={name}", *(f"{number + 1}," for number in own.tolist())]
     return lines

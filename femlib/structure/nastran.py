@@ -226,7 +226,7 @@ class Bulk:
             raise InputError(f"{self.path} has a CORD1 card at node {number}, which is not in it; expected its GRID")
         own, place = self.grids[number]
         system = self.default_system if own is None else own
-        return self._placed(system, np.array([place]), depth)[0]
+        return np.asarray(self._placed(system, np.array([place]), depth)[0])
 
 
 def _axes(a: FloatArray, b: FloatArray, c: FloatArray, where: str) -> FloatArray:

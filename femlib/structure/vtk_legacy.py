@@ -7,6 +7,7 @@ sets of SCALARS, no 64-bit numbers and no polygons; VTK's own reader takes memor
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -163,8 +164,9 @@ class LegacyFile:
         self.at = end
         return found
 
-    def _text_numbers(self, own: np.dtype, n: int) -> Numbers:  # type: ignore[type-arg]  # of any number
-        words, end = [], self.at
+    def _text_numbers(self, own: np.dtype[Any], n: int) -> Numbers:
+        words: list[bytes] = []
+        end = self.at
         for found in WORD.finditer(self.content, self.at):
             if len(words) == n:
                 break
@@ -175,11 +177,11 @@ class LegacyFile:
         self.at = end
         return np.array(words, dtype="S").astype(own) if words else np.zeros(0, dtype=own)
 
-    def _bits(self, n: int) -> IntArray:
+    def _bits(self, n: int) -> Numbers:
         if not self.is_binary:
             return self._text_numbers(np.dtype("u1"), n)
         packed = self.numbers("unsigned_char", (n + 7) // 8)
-        return np.unpackbits(packed.astype(np.uint8))[:n]
+        return np.unpackbits(packed.astype(np.uint8))[:n].astype(np.int64)
 
     def _strings(self, n: int) -> FloatArray:
         """Pass over `n` texts: a line each, in binary with their length in the lowest bits of 1 to 8 bytes."""
