@@ -12,6 +12,7 @@ import numpy as np
 import pyomo.environ as pyo
 from pyomo.common.errors import ApplicationError
 from pyomo.contrib.solver.common.factory import SolverFactory
+from pyomo.contrib.solver.common.util import NoFeasibleSolutionError
 
 from benchmarks.oracles.heap_trees import heap_tree, heap_trees
 from benchmarks.pyomo_ways import WAYS, Changed
@@ -23,8 +24,8 @@ from octmip.trees.problem import Problem
 COUNT, FIRST_SEED = 200, 91_000
 PATIENCE = 30.0
 """Seconds that a solver has."""
-UNSUPPORTED = (NotImplementedError, ValueError, ApplicationError, RuntimeError)
-"""What Pyomo raises where a solver does not know a kind of component, or ends without a solution."""
+UNSUPPORTED = (NotImplementedError, ValueError, ApplicationError)
+"""What Pyomo raises where a solver does not know a kind of component."""
 
 
 def results(limit: float, threads: Sequence[int]) -> Iterator[Line]:
@@ -82,22 +83,29 @@ def _problem(rng: np.random.Generator) -> Problem:
 
 
 def _solve(name: str) -> Callable[..., Any]:
-    """Return how a solver solves a model, and loads its solution unless told not to."""
+    """Return how a solver solves a model, and loads its solution unless told not to, or there is none."""
 
     def solve(M: Any, load: bool = True, seconds: float = PATIENCE) -> Any:
-        if name.startswith("new "):
-            return SolverFactory(name[4:]).solve(
-                M, load_solutions=load, raise_exception_on_nonoptimal_result=False, time_limit=seconds
-            )
-        solver = pyo.SolverFactory(name)
-        if name == "appsi_highs":
-            solver.highs_options = {"time_limit": seconds}
-        else:
-            option, value = ("tmlim", max(1, int(seconds))) if name == "glpk" else ("sec", seconds)
-            solver.options[option] = value
-        return solver.solve(M, load_solutions=load)
+        try:
+            return _once(name, M, load, seconds)
+        except (NoFeasibleSolutionError, RuntimeError):
+            return _once(name, M, False, seconds)
 
     return solve
+
+
+def _once(name: str, M: Any, load: bool, seconds: float) -> Any:
+    if name.startswith("new "):
+        return SolverFactory(name[4:]).solve(
+            M, load_solutions=load, raise_exception_on_nonoptimal_result=False, time_limit=seconds
+        )
+    solver = pyo.SolverFactory(name)
+    if name == "appsi_highs":
+        solver.highs_options = {"time_limit": seconds}
+    else:
+        option, value = ("tmlim", max(1, int(seconds))) if name == "glpk" else ("sec", seconds)
+        solver.options[option] = value
+    return solver.solve(M, load_solutions=load)
 
 
 def _is_old(name: str) -> Callable[[], bool]:
