@@ -49,6 +49,7 @@ FAMILIES = {
     "fem_rom": "benchmarks.cases.fem.rom",
     "command_tables": "benchmarks.cases.command.tables",
     "gap_noise": "benchmarks.cases.gap.noise",
+    "doors_pyomo": "benchmarks.cases.doors.pyomo_models",
 }
 
 

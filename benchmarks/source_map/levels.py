@@ -57,6 +57,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.proof": 6,
         "trees.set_certificate": 6,
         "trees.mip": 8,
+        "trees.mip.pyomo_model": 9,
         "trees.methods.exact": 8,
         "trees.methods.two_feature": 8,
         "trees.methods.search": 8,
