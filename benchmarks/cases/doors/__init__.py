@@ -1,0 +1,1 @@
+"""Sweeps of the doors: inputs as other programs and instruments write them."""
