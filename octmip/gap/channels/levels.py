@@ -37,6 +37,8 @@ BEYOND, SHARE_BEYOND = 3.0, 0.05
 """The same, or the share of the reading, by which the twin lies beyond a range at whose end a whole cell stands."""
 AS_OFTEN = 0.01
 """Probability that noise takes so many readings of a cell to the end of the range, below which they are stuck there."""
+PILED = 1e-4
+"""Probability that so many readings of a cell fall into the most probable step, below which they pile up."""
 CHANCE, HELD = 1e-6, 0.05
 """Probability below which equal readings of a campaign, and of one cell, are no chance."""
 LEAST_EQUAL, LEAST_OF_A_CELL = 8, 4
@@ -200,12 +202,14 @@ def _rails(channel: _Channel) -> list[float]:
     found = []
     for end, inner, sign in ((-1, -2, 1.0), (0, 1, -1.0)):
         is_pile = counts[end] >= LEAST_OF_A_CELL and counts[end] > 2 * counts[inner]
-        if is_pile and any(_is_beyond(channel, rows, past) for rows, past in _past(channel, levels[end], sign, None)):
-            found.append(float(levels[end]))
+        level = float(levels[end])
+        past = _past(channel, level, sign, None) if is_pile else []
+        if any(_is_beyond(channel, rows, level, distance) for rows, distance in past):
+            found.append(level)
     return found
 
 
-def _is_beyond(channel: _Channel, rows: Rows, past: float) -> bool:
+def _is_beyond(channel: _Channel, rows: Rows, level: float, past: float) -> bool:
     """Return whether readings of a cell stand at their extreme since the twin lies `past` it.
 
     Where all of them do, they may be one reading held: only a twin that is far beyond tells. Where noise takes some of
@@ -216,7 +220,8 @@ def _is_beyond(channel: _Channel, rows: Rows, past: float) -> bool:
     if (values == values[0]).all():
         return past > margin
     is_loaded = abs(float(channel.predicted[rows[0]])) > channel.least
-    return is_loaded and past > -margin and channel.step < float(values.std())
+    equal = int((values == level).sum())
+    return is_loaded and past > -margin and float(binom.sf(equal - 1, len(rows), channel.chance)) < PILED
 
 
 def _past(channel: _Channel, level: float, sign: float, otherwise: float | None) -> list[tuple[Rows, float]]:

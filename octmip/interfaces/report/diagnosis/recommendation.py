@@ -3,7 +3,7 @@
 | verdict | holds where | sentence |
 |---|---|---|
 | unexplained | the first cause is, or has beside it, something outside the library | Stop: ... inspect ... |
-| unmeasured | the first cause is no effect, but readings and twin differ and no run says that they always did | Cannot be told: ... bring ... |
+| unmeasured | the first cause is no effect, but readings and twin differ, without a run | Cannot be told: ... |
 | sound | the first cause is no effect | Nothing to do: ... |
 | too small | some effect acts, but none stands d' = 3 above the noise | Nothing to do yet: ... |
 | hidden | an unknown damage could make the same readings as an effect of it | Cannot be told: ... |
@@ -35,7 +35,7 @@ FEW = 3
 MORE = "repeat the test with more readings"
 
 
-DIFFERENT = 0.001
+DIFFERENT = 0.01
 """Probability of a gap as great between a sound asset and its twin, below which "nothing to do" needs a run."""
 
 
@@ -120,11 +120,10 @@ def _is_unmeasured(diagnosis: Diagnosis) -> bool:
 
 def _bring_a_run(diagnosis: Diagnosis) -> str:
     where = diagnosis.where
-    far = where.gauges[0]
     return (
         f"cannot be told: readings and twin differ by {amount(where.rms, where.unit)} root mean square, most at gauge "
-        f"{far.name} (p-value {where.p_value:.2g}), and no effect of the library explains it; bring a run of the sound "
-        "asset (--commissioning), which says whether the twin was always off by as much"
+        f"{where.gauges[0].name} (p-value {where.p_value:.2g}), and no effect of the library explains it; bring a run "
+        "of the sound asset (--commissioning), which says whether the twin was always off by as much"
     )
 
 
