@@ -18,6 +18,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.margin": 1,
         "trees.methods.options": 2,
         "input.names": 1,
+        "input.named_arrays": 1,
         "trees.tree": 1,
         "twin": 1,
         "trees.problem_values": 1,
