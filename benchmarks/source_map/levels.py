@@ -20,6 +20,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "input.names": 1,
         "trees.tree": 1,
         "twin": 1,
+        "trees.classes": 1,
         "trees.problem_values": 1,
         "trees.parts": 1,
         "trees.losses": 2,

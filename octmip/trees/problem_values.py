@@ -89,48 +89,6 @@ def refuse_missing(n_missing: int, why: str, cure: str) -> None:
         raise ProblemError(f"{what} missing (NaN), and {why}; expected every reading; {cure}")
 
 
-def labels_of(values: ArrayLike) -> NDArray[Any]:
-    """Return a copy of the labels of an array or a series.
-
-    Raises
-    ------
-    ProblemError
-        a label is missing or infinite.
-    """
-    labels = np.array(values)
-    is_absent = np.zeros(labels.shape, dtype=bool)
-    if labels.dtype.kind == "f":
-        is_absent = ~np.isfinite(labels)
-    elif labels.dtype.kind in "mM":
-        is_absent = np.isnat(labels)
-    elif labels.dtype == np.dtype(object):
-        is_absent = np.array([_is_missing(value) for value in labels.ravel()], dtype=bool).reshape(labels.shape)
-    if is_absent.any():
-        row = ", ".join(str(int(i)) for i in np.argwhere(is_absent)[0])
-        first = labels[is_absent][0]
-        raise ProblemError(
-            f"labels[{row}] is {first}; {int(is_absent.sum())} of {labels.size} labels are missing or infinite; "
-            "expected a class for each sample; drop the others or give their labels"
-        )
-    return labels
-
-
-def _is_missing(label: Any) -> bool:
-    """Whether a label is None, a NaN of any kind or the NA of pandas, which compares to nothing."""
-    return label is None or type(label).__name__ == "NAType" or bool(label != label)
-
-
-def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
-    """Return the distinct labels in ascending order and the index of each sample's label among them."""
-    if labels.dtype != np.dtype(object):
-        distinct, inverse = np.unique(labels, return_inverse=True)
-        return distinct.tolist(), inverse.astype(np.int64)
-    values = labels.tolist()
-    present = sorted(set(values), key=lambda value: (type(value).__name__, value))
-    position = {value: k for k, value in enumerate(present)}
-    return present, np.array([position[value] for value in values], dtype=np.int64)
-
-
 def numbers_of(
     values: ArrayLike,
     name: str,
@@ -207,34 +165,6 @@ def feature_names_of(given: Sequence[object] | None, n_features: int) -> tuple[s
             f"{n_features} columns; give one name for each column, none twice"
         )
     return names
-
-
-def classes_of(
-    given: ArrayLike, class_names: Sequence[Any] | None, n_samples: int
-) -> tuple[NDArray[Any], tuple[Any, ...], NDArray[np.int64]]:
-    """Return targets (n_samples,), the names of the classes, and of each target the index of its class.
-
-    Raises
-    ------
-    ProblemError
-        there is no target for each sample, one class only, or one without a name or with two.
-    """
-    targets = labels_of(given)
-    if targets.shape != (n_samples,):
-        raise ProblemError(
-            f"targets has shape {targets.shape} but features has {n_samples} rows; give one for each row"
-        )
-    present, inverse = distinct_labels(targets)
-    names = tuple(present if class_names is None else class_names)
-    if len(names) < 2:
-        raise ProblemError(f"targets holds one class only ({present[0]!r}); expected two or more")
-    position = {name: k for k, name in enumerate(names)}
-    unknown = [label for label in present if label not in position]
-    if unknown or len(position) != len(names):
-        raise ProblemError(
-            f"targets holds {unknown} which class_names {names} lacks (or names twice); name every class once"
-        )
-    return targets, names, np.array([position[label] for label in present], dtype=np.int64)[inverse]
 
 
 def numbers_to_predict(given: ArrayLike, n_samples: int) -> NDArray[np.float64]:

@@ -108,7 +108,7 @@ def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) ->
     check_consistent_length(features, labels)
     if not hasattr(estimator, "classes_"):
         return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
-    position = {label: code for code, label in enumerate(estimator.classes_.tolist())}
+    position = {label: code for code, label in enumerate(estimator.problem_.class_names)}
     unknown = next((label for label in labels.tolist() if label not in position), None)
     if unknown is not None:
         raise DataError(

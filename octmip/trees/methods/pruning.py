@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
+from octmip.trees.shape import with_leaves
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, simplify
 
@@ -193,7 +194,7 @@ def ordered(problem: Problem, tree: Node) -> Node:
         together = group == group[found[0]]
         pooled, _ = problem.leaf_and_cost(np.flatnonzero(together[reached]))
         predicted = [pooled if joins else leaf for leaf, joins in zip(predicted, together.tolist(), strict=True)]
-        tree = _with_leaves(tree, iter(predicted))
+        tree = with_leaves(tree, iter(predicted))
     return simplify(tree)
 
 
@@ -206,10 +207,3 @@ def fitting(problem: Problem, solution: Solution) -> Solution:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
     return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
-
-
-def _with_leaves(tree: Node, predicted: Iterator[Leaf]) -> Node:
-    if isinstance(tree, Leaf):
-        return next(predicted)
-    left = _with_leaves(tree.left, predicted)
-    return replace(tree, left=left, right=_with_leaves(tree.right, predicted))
