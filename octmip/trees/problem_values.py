@@ -1,5 +1,6 @@
 """The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
@@ -7,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.cells import BEYOND, beyond_exact
 
 
 def names_of_columns(features: object) -> tuple[str, ...] | None:
     """Return the names of the columns of a data frame; None for an array, or where the columns are only numbered."""
-    columns = getattr(features, "columns", None)
+    columns = getattr(features, "column_names", getattr(features, "columns", None))
     if columns is None or all(isinstance(name, int | np.integer) for name in columns):
         return None
     return tuple(str(name) for name in columns)
@@ -44,7 +46,7 @@ def features_of(
     names = names_of_columns(values)
     if names is None:
         return numbers_of(values, "features", 2, takes_missing=takes_missing, kept=kept)
-    columns = [_numbers_of_column(values, j) for j in range(len(names))]
+    columns = [_numbers_of_column(values, j, name) for j, name in enumerate(names)]
     wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, takes_missing)]
     if wrong:
         shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
@@ -61,15 +63,35 @@ def features_of(
     return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, takes_missing=takes_missing)
 
 
-def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
-    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else."""
-    column = frame.iloc[:, position]
+def _numbers_of_column(frame: Any, position: int, name: str) -> NDArray[np.float64] | None:
+    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else.
+
+    Raises
+    ------
+    ProblemError
+        it holds a whole number beyond 2^53.
+    """
+    column = frame.iloc[:, position] if hasattr(frame, "iloc") else _settled_column(frame, position)
     try:
-        if column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype):
-            return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
-        return np.asarray(column, dtype=np.float64)
+        if hasattr(column, "iloc") and (column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype)):
+            numbers = np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+        else:
+            numbers = np.asarray(column, dtype=np.float64)
     except (TypeError, ValueError):
         return None
+    row = beyond_exact(column, numbers)
+    if row is not None:
+        raise ProblemError(f"features holds a whole number in row {row} of {name!r}, {BEYOND}")
+    return numbers
+
+
+def _settled_column(frame: Any, position: int) -> Any:
+    """Return a column of a frame of polars or a table of Arrow as an array, of objects where some are missing."""
+    column = frame.to_series(position) if hasattr(frame, "to_series") else frame.column(position)
+    if column.null_count:
+        listed = column.to_pylist() if hasattr(column, "to_pylist") else column.to_list()
+        return np.array([math.nan if cell is None else cell for cell in listed], dtype=object)
+    return np.asarray(column.to_numpy())
 
 
 def _are_usable(numbers: NDArray[np.float64] | None, takes_missing: bool) -> bool:
@@ -113,6 +135,10 @@ def numbers_of(
         raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
     if array.ndim != n_dimensions:
         raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
+    position = None if array is values else beyond_exact(values, array)
+    if position is not None:
+        place = ", ".join(map(str, np.unravel_index(position, array.shape)))
+        raise ProblemError(f"{name}[{place}] is {np.asarray(values, dtype=object).ravel()[position]}, {BEYOND}")
     if all(np.isfinite(block).all() for block in in_blocks(array)):
         return array
     is_wrong = ~np.isfinite(array)
