@@ -32,7 +32,6 @@ COMMANDS = {
     "benchmark": "run every method on every table of a folder: how many each proves, how fast, and the gap meanwhile",
     "near-optimal": "count all trees near the optimum, list the best, draw samples",
     "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
-    "worst-case": "find the tree of least worst case while gauges are off by up to given amounts",
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
     "diagnose": "explain why an asset does not behave like its twin, and what to test next",
     "monitor": "make trees, page and C code that read an asset's state from few sensors, from its twin",
@@ -40,7 +39,7 @@ COMMANDS = {
     "doctor": "check this installation: versions, native core, extras, memory",
     "completion": "print the script that lets a shell complete octmip's words",
 }
-MODULES = {"worst-case": "sets.worst_case", "near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
+MODULES = {"near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""
 OPTIONS = {
     "fixed_splits": "--fix",
