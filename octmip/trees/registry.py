@@ -207,6 +207,8 @@ UNKNOWN = {
 OF_CLASSES_ALONE: Mapping[str, str] = {
     "costs": "prices of taking one class for another",
     "numbers_are_classes": "a label of classes",
+    "class_order": "an order of classes",
+    "class_weight": "weights of classes",
 }
 """What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
 

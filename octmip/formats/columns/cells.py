@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.written import DAY, DAYS, ISO, form_of, read_texts, read_times, unit_of, words_of
-from octmip.input.cells import plain_number
+from octmip.input.cells import BEYOND, beyond_exact, is_beyond, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
-EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,15 +102,11 @@ def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: 
 
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return numbers as float64; refuse a whole number that it cannot hold."""
-    if series.dtype.kind in "iu":
-        present = series[~is_missing]
-        beyond = np.flatnonzero(((present > EXACT_INTEGERS) | (present < -EXACT_INTEGERS)).to_numpy(dtype=bool))
-        if len(beyond):
-            raise DataError(
-                f"holds {int(present.iloc[int(beyond[0])])}, beyond 2^53, where float64 merges neighbouring integers; "
-                "subtract an offset first, or leave it out"
-            )
-    return np.asarray(series.to_numpy(dtype=np.float64, na_value=math.nan))
+    numbers = np.asarray(series.to_numpy(dtype=np.float64, na_value=math.nan))
+    row = beyond_exact(series.to_numpy(dtype=object) if is_missing.any() else series, numbers)
+    if row is not None:
+        raise DataError(f"holds {int(series.iloc[row])}, {BEYOND}, or leave it out")
+    return numbers
 
 
 def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
@@ -176,13 +171,10 @@ def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArra
 
 
 def _number_of(cell: object) -> float | None:
+    if is_beyond(cell):
+        raise DataError(f"holds {shown(cell)}, {BEYOND}, or leave it out")
     if isinstance(cell, str):
         return plain_number(cell.strip())
-    if isinstance(cell, int | np.integer) and abs(int(cell)) > EXACT_INTEGERS:
-        raise DataError(
-            f"holds {shown(int(cell))}, beyond 2^53, where float64 merges neighbouring integers; subtract an offset "
-            "first, or leave it out"
-        )
     return float(cell)  # type: ignore[arg-type]
 
 

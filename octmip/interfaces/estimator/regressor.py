@@ -10,6 +10,7 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.errors import DataError
+from octmip.input.cells import BEYOND, beyond_exact
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
 from octmip.trees.losses import NumberLoss, number_loss
@@ -95,6 +96,9 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
             targets = np.asarray(given, dtype=np.float64)
         except (TypeError, ValueError) as error:
             raise DataError(f"y cannot be read as numbers ({error}); a regression tree predicts numbers") from error
+        row = beyond_exact(given, targets)
+        if row is not None:
+            raise DataError(f"y holds {given[row]} in row {row}, {BEYOND}")
         weights = _check_sample_weight(sample_weight, features, dtype=np.float64)
         own = {"loss": number_loss(self.loss), "leaf_model": self.leaf_model, "ridge": self.ridge}
         self._answer(features, targets, weights, **own)

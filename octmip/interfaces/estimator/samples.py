@@ -15,6 +15,7 @@ from sklearn.utils.validation import assert_all_finite, check_consistent_length,
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.column import Column
+from octmip.input.cells import BEYOND, beyond_exact
 from octmip.trees.tradeoff.held_out import Samples
 
 Floats = NDArray[np.float64]
@@ -36,7 +37,7 @@ def learn_samples(
     """
     checked, labels = validate_data(estimator, _objects(X), _labels(y), dtype=None, ensure_all_finite=False)
     names = _names(estimator)
-    numbers = _numbers(estimator, checked)
+    numbers = _numbers(estimator, checked, X)
     if numbers is not None and not np.isnan(numbers).any():
         return numbers, labels, plain_columns(names, numbers)
     columns = Columns.learn(
@@ -62,7 +63,7 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     """
     checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
-    numbers = _numbers(estimator, checked)
+    numbers = _numbers(estimator, checked, X)
     if numbers is not None and columns.is_plain and (columns.lack_numbers or not np.isnan(numbers).any()):
         return numbers
     return columns.encode(_frame(X, checked, columns.names))
@@ -108,7 +109,7 @@ def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) ->
     check_consistent_length(features, labels)
     if not hasattr(estimator, "classes_"):
         return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
-    position = {label: code for code, label in enumerate(estimator.classes_.tolist())}
+    position = {label: code for code, label in enumerate(estimator.problem_.class_names)}
     unknown = next((label for label in labels.tolist() if label not in position), None)
     if unknown is not None:
         raise DataError(
@@ -137,11 +138,21 @@ def _names(estimator: BaseEstimator) -> tuple[str, ...]:
     return tuple(f"x{j}" for j in range(estimator.n_features_in_)) if given is None else tuple(map(str, given))
 
 
-def _numbers(estimator: BaseEstimator, checked: NDArray[Any]) -> Floats | None:
-    """Return an array of numbers as float64, NaN where missing; None where X holds text or objects."""
+def _numbers(estimator: BaseEstimator, checked: NDArray[Any], given: Any) -> Floats | None:
+    """Return the checked array as float64, NaN where missing; None where it holds text or objects.
+
+    Raises
+    ------
+    DataError
+        a value is missing that may not be, or X, as it was given, holds a whole number that float64 does not.
+    """
     if checked.dtype.kind not in "biuf":
         return None
     numbers = checked.astype(np.float64)
+    position = beyond_exact(given if isinstance(given, list | tuple) else checked, numbers)
+    if position is not None:
+        row, column = np.unravel_index(position, checked.shape)
+        raise DataError(f"X holds a whole number in row {row}, column {column}, {BEYOND}")
     name = type(estimator).__name__
     assert_all_finite(numbers, allow_nan=True, estimator_name=name, input_name="X")
     is_missing = np.isnan(numbers)
