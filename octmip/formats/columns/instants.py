@@ -17,6 +17,7 @@ import math
 import zoneinfo
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ MOST_DAYS = 1e11
 """Farther from 1970 there is no calendar."""
 
 
-def days_of(ticks: NDArray[np.int64], per_day: int) -> NDArray[np.float64]:
+def days_of(ticks: NDArray[np.integer[Any]], per_day: int) -> NDArray[np.float64]:
     """Return the days of instants (n,) that are counted in ticks since 1970, the same for every length of a tick."""
     days, rest = np.divmod(ticks, per_day)
     return days + rest / per_day
@@ -97,7 +98,7 @@ def _days(instant: int) -> float:
 
 def _instants(days: float) -> tuple[int, int]:
     """Return the first and the last nanosecond of these days; where none has them, the last one before, twice."""
-    near = math.floor(Fraction(days) * DAY)
+    near: int = math.floor(Fraction(days) * DAY)
     reach = 2 + math.ceil(math.ulp(days) * DAY)
     first = _first(lambda instant: _days(instant) >= days, near - reach, near + reach)
     last = _first(lambda instant: _days(instant) > days, near - reach, near + reach) - 1
