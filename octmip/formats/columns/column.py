@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.cells import Cells
+from octmip.formats.columns.cells import Cells, Stored
 from octmip.formats.columns.written import FORMS, number_words
 from octmip.input.cells import plain_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
@@ -44,6 +44,7 @@ CONTENT = Record(
         "values": ListOf(Text()),
         "is_doubled": Truth(),
         "form": Text(pattern=FORMS, meaning="a form of numbers"),
+        "stored": Choice(("numbers", "texts", "truths")),
     },
     closed=True,
 )
@@ -95,6 +96,8 @@ class Column:
         whether missing cells are numbers below and above all others, in two features.
     form
         how its numbers are written (`octmip.formats.columns.written`), "" for plain numbers and texts.
+    stored
+        what its cells are in the table: a database asks each of them in another way.
     """
 
     name: str
@@ -105,6 +108,7 @@ class Column:
     values: tuple[str, ...] = ()
     is_doubled: bool = False
     form: str = ""
+    stored: Stored = "numbers"
 
     @property
     def lacks_numbers(self) -> bool:
@@ -262,6 +266,7 @@ class Column:
             "values": list(self.values),
             "is_doubled": self.is_doubled,
             "form": self.form,
+            "stored": self.stored,
         }
 
     @classmethod
@@ -291,4 +296,5 @@ class Column:
             tuple(taken["values"]),
             taken["is_doubled"],
             taken["form"],
+            taken["stored"],
         )
