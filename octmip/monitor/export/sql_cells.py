@@ -12,16 +12,15 @@ Dates. A text is what all databases make of a date in the same order, and SQLite
 threshold has as many digits as there can be, so a shorter text stands before it where its time does.
 """
 
-import math
 from dataclasses import dataclass
 from decimal import Decimal
-from fractions import Fraction
 
 import numpy as np
 
 from octmip.errors import TreeError
 from octmip.formats.columns.cells import EXACT_INTEGERS, MISSING_WORDS, UNKNOWN
 from octmip.formats.columns.column import Column
+from octmip.formats.columns.instants import DAY, SECOND, instants_of
 from octmip.formats.columns.written import DAYS, is_date, words_of
 from octmip.input.cells import plain_number
 from octmip.input.names import shown
@@ -34,7 +33,7 @@ MOST_DECIMALS = 18
 NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}))}
 """Texts of a missing number, by what the cells are; SQLite keeps the empty cells of a CSV file as empty texts."""
 SPELLINGS = {False: "('false', 'f', '0', '0.0')", True: "('true', 't', '1', '1.0')"}
-NANOSECONDS_OF_DAY = 86_400 * 10**9
+UTC = ("", "UTC", "Etc/UTC", "Z", "+00:00", "-00:00")
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,7 +153,12 @@ class Cells:
 
 
 def _check_date(column: Column) -> None:
-    """Refuse a date that is written in an order that texts do not have."""
+    """Refuse a date that is written in an order that texts do not have, or a time of another zone than UTC."""
+    if column.zone not in UTC:
+        raise TreeError(
+            f"the times in column {shown(column.name)} are of the zone {shown(column.zone)}; expected UTC, as databases "
+            "show other zones in different ways; store them in UTC and train again, or export to C or ONNX"
+        )
     if column.stored == "texts" and column.form != "%Y-%m-%d":
         raise TreeError(
             f"column {shown(column.name)} holds {words_of(column.form)}; expected dates of the database or ISO text "
@@ -163,15 +167,12 @@ def _check_date(column: Column) -> None:
 
 
 def _time_text(days: float) -> str:
-    """Return the last instant whose days behind 1970 are at most `days` in float64, as ISO text to the nanosecond."""
-    above = (Fraction(days) + Fraction(math.nextafter(days, math.inf))) / 2  # from here on float64 is greater
-    nanoseconds = above * NANOSECONDS_OF_DAY // 1
-    nanoseconds -= nanoseconds / NANOSECONDS_OF_DAY > days
-    day, within = divmod(nanoseconds, NANOSECONDS_OF_DAY)
+    """Return the last instant that has at most so many days, as ISO text to the nanosecond."""
+    day, clock = divmod(instants_of(days)[1], DAY)
     date = np.datetime64(day, "D")
     if not np.datetime64("0000-01-01") <= date <= np.datetime64("9999-12-31"):
         raise TreeError(f"the tree splits at day {days:g} behind 1970; expected years 0 to 9999, which ISO text has")
-    seconds, rest = divmod(within, 10**9)
+    seconds, rest = divmod(clock, SECOND)
     return f"{date} {seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{rest:09d}"
 
 
