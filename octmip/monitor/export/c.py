@@ -74,10 +74,9 @@ def c_source(
         )
     own = own_tree(tree, columns, class_names)
     kind, none = ("const char *", "0") if own.answers_text else ("double ", "NAN")
-    head = (legend or Legend()).lines(
-        own, "reading[{}]".format, _cells, "a null pointer" if own.answers_text else "NaN"
-    )
-    head.insert(2, f"It is given reading[0] to reading[{len(own.columns) - 1}], and reads")
+    given = f"It is given reading[0] to reading[{len(own.columns) - 1}], and reads{'' if own.read else ' none'}:"
+    nothing = "a null pointer" if own.answers_text else "NaN"
+    head = (legend or Legend()).lines(own, "reading[{}]".format, _cells, nothing, given)
     lines = [comment(head), GUARD, f"{kind}{name}(const double *reading)", "{"]
     if _adds(own.root):
         lines.append("    volatile double product, total;")

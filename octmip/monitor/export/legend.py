@@ -5,12 +5,14 @@ begin a comment is broken up by the backslash that JSON allows.
 """
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from octmip.formats.columns.column import Column
+from octmip.formats.tree_file import Readings
 from octmip.monitor.export.questions import OwnTree
+from octmip.trees.digits import exact
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,17 +23,16 @@ class Legend:
     ----------
     target
         name of what is answered.
-    units
-        of the columns, by name; of the answer by `target`.
-    loads
-        the loads at which the readings are taken, by name.
+    readings
+        units, of what is answered too, and loads.
     """
 
     target: str = ""
-    units: Mapping[str, str] = field(default_factory=dict)
-    loads: Mapping[str, float] = field(default_factory=dict)
+    readings: Readings = Readings()
 
-    def lines(self, own: OwnTree, place: Callable[[int], str], cells: Callable[[Column], str], none: str) -> list[str]:
+    def lines(
+        self, own: OwnTree, place: Callable[[int], str], cells: Callable[[Column], str], none: str, given: str = ""
+    ) -> list[str]:
         """Return the lines of a head.
 
         Parameters
@@ -42,21 +43,24 @@ class Legend:
             what stands there, in words.
         none
             what the export returns where the tree has no answer.
+        given
+            a sentence before the list of columns.
         """
         target = f"{quoted(self.target)}{self._unit(self.target)}: " if self.target else ""
         values = f"one of {', '.join(map(quoted, own.answers))}" if own.answers else "a number"
         lines = [f"Answers {target}{values};"]
         lines.append(f"{none} where the tree has no answer, as a cell that it asks for is missing or unknown.")
-        if self.loads:
-            at = ", ".join(f"{quoted(name)} {value:.17g}" for name, value in self.loads.items())
+        if self.readings.loads:
+            at = ", ".join(f"{quoted(name)} {exact(value)}" for name, value in self.readings.loads.items())
             lines.append(f"Readings are taken at the load {at}, and go in as they are.")
+        lines += [given] * bool(given)
         for k in own.read:
             column = own.columns[k]
             lines.append(f"{place(k)}{self._unit(column.name)}: {cells(column)}")
         return lines
 
     def _unit(self, name: str) -> str:
-        unit = self.units.get(name, "")
+        unit = self.readings.units.get(name, "")
         return f" [{quoted(unit)[1:-1]}]" if unit else ""
 
 

@@ -78,14 +78,14 @@ def onnx_model(
 def _told(own: OwnTree, legend: Legend) -> dict[str, Any]:
     """Return what the model says of itself."""
     readings = [
-        {"name": column.name, "unit": legend.units.get(column.name, ""), "cells": _cells(column)}
+        {"name": column.name, "unit": legend.readings.units.get(column.name, ""), "cells": _cells(column)}
         for column in own.columns
     ]
     return {
         "readings": readings,
         "answers": list(own.answers),
-        "target": {"name": legend.target, "unit": legend.units.get(legend.target, "")},
-        "loads": dict(legend.loads),
+        "target": {"name": legend.target, "unit": legend.readings.units.get(legend.target, "")},
+        "loads": dict(legend.readings.loads),
     }
 
 
