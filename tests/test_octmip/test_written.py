@@ -10,7 +10,6 @@ from octmip import OptimalTreeClassifier
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.interfaces.cli import main
-from octmip.monitor.export.fit import input_words
 from octmip.trees.tree import Leaf, Split
 
 
@@ -110,7 +109,6 @@ def test_a_threshold_is_said_as_people_write_it():
         "a <= 2025-03-04 12:00"
     )
     assert learned(["5%", "7%"]).left_words(Split(0, 6.0, Leaf(0), Leaf(1))) == "a <= 6%"
-    assert input_words(learned(["5%", "7%"])) == ("a in per cent (5% is 5, and 1,000.5 is 1000.5)",)
 
 
 # Every dtype of pandas and polars

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from datetime import date
 from decimal import Decimal
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -34,6 +34,8 @@ MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
+Stored = Literal["numbers", "texts", "truths"]
+"""What the cells of a column are in its table: numbers or times, texts (numbers among words too), or Booleans."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,6 +90,18 @@ def read_cells(series: "pd.Series[Any]", form: str | None = None) -> Cells:
         got = f"{words_of(cells.form)}" if cells.form else found
         raise DataError(f"holds {got}; expected {words_of(form)}, as in training; write it so")
     return cells
+
+
+def stored_as(series: "pd.Series[Any]") -> Stored:
+    """Return what the cells of a column are in its table, whatever is read from them."""
+    if isinstance(series.dtype, pd.CategoricalDtype):
+        return stored_as(series.cat.categories.to_series())
+    if series.dtype.kind == "b":
+        return "truths"
+    present = series[series.notna()] if series.dtype.kind not in "iufcmM" else ()
+    if any(isinstance(cell, str) for cell in present):
+        return "texts"
+    return "truths" if len(present) and all(isinstance(cell, bool | np.bool_) for cell in present) else "numbers"
 
 
 def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:

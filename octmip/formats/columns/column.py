@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.cells import Cells
+from octmip.formats.columns.cells import Cells, Stored
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
 from octmip.formats.columns.written import DAYS, FORMS, is_date
 from octmip.input.cells import plain_number
@@ -47,6 +47,7 @@ CONTENT = Record(
         "is_doubled": Truth(),
         "form": Text(pattern=FORMS, meaning="a form of numbers"),
         "zone": Text(pattern=r"^[-+A-Za-z0-9_/:]{0,40}$", meaning="a time zone"),
+        "stored": Choice(("numbers", "texts", "truths")),
     },
     closed=True,
 )
@@ -100,6 +101,8 @@ class Column:
         how its numbers are written (`octmip.formats.columns.written`), "" for plain numbers and texts.
     zone
         of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
+    stored
+        what its cells are in the table: a database asks each of them in another way.
     """
 
     name: str
@@ -111,6 +114,7 @@ class Column:
     is_doubled: bool = False
     form: str = ""
     zone: str = ""
+    stored: Stored = "numbers"
 
     @property
     def lacks_numbers(self) -> bool:
@@ -281,6 +285,7 @@ class Column:
             "is_doubled": self.is_doubled,
             "form": self.form,
             "zone": self.zone,
+            "stored": self.stored,
         }
 
     @classmethod
@@ -311,4 +316,5 @@ class Column:
             taken["is_doubled"],
             taken["form"],
             taken["zone"],
+            taken["stored"],
         )

@@ -56,7 +56,7 @@ def date_text(days: float, zone: str) -> str:
     if abs(days) > MOST_DAYS:
         return f"day {exact(days)}"
     offset = _offset(days, zone)
-    day, clock = divmod(_last(days) + offset, DAY)
+    day, clock = divmod(last_instant(days) + offset, DAY)
     text = str(np.datetime64(day, "D"))
     if clock or zone:
         text += f" {_clock(clock, least=2)}"
@@ -67,7 +67,7 @@ def duration_text(days: float) -> str:
     """Return a duration in the fewest fields: 3 days, 3 days 02:00:00, 00:05:12.3; of a negative one a minus before."""
     if abs(days) > MOST_DAYS:
         return f"{exact(days)} days"
-    instant = _last(days)
+    instant = last_instant(days)
     day, clock = divmod(abs(instant), DAY)
     sign, plural = "-" if instant < 0 else "", "" if day == 1 else "s"
     whole = f"{day} day{plural}" if day or not clock else ""
@@ -81,7 +81,7 @@ def cut_between(low: float, high: float, zone: str = "") -> float:
     middle third.
     """
     offset = _offset(low, zone)
-    before, after = _last(low) + offset, _last(high) + offset
+    before, after = last_instant(low) + offset, last_instant(high) + offset
     middle = (before + after) // 2
     for grain in GRAINS:
         cut = middle // grain * grain
@@ -98,7 +98,7 @@ def _days(instant: int) -> float:
     return float(days_of(np.array([instant]), DAY)[0])
 
 
-def _last(days: float) -> int:
+def last_instant(days: float) -> int:
     """Return the last nanosecond that has these days or fewer, by halving."""
     near, reach = math.floor(Fraction(days) * DAY), 2 * MICROSECOND + math.ceil(2 * math.ulp(days) * DAY)
     low, high = near - reach, near + reach  # of these two, low has no more days and high has more
