@@ -6,7 +6,7 @@ dates, per cent and amounts as people write them (`octmip.formats.columns.writte
 
 import math
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, time, timedelta
 from decimal import Decimal
 from typing import Any
 
@@ -23,6 +23,8 @@ MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
+DATE_CELLS = (date, np.datetime64, pd.Period)
+DURATION_CELLS = (timedelta, np.timedelta64)
 EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 
 
@@ -81,12 +83,10 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     kind = series.dtype.kind
     if isinstance(series.dtype, pd.CategoricalDtype):
         return _categories(series, is_missing)
-    if isinstance(series.dtype, pd.PeriodDtype):
-        return _numbers(read_times(series.dt.to_timestamp()), is_missing, ISO)
-    if kind == "M":
-        return _numbers(read_times(series), is_missing, ISO)
+    if isinstance(series.dtype, pd.PeriodDtype) or kind == "M":
+        return _dates(series, is_missing)
     if kind == "m":
-        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)  # type: ignore[operator]
+        return _durations(series, is_missing)
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
@@ -99,6 +99,35 @@ def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: 
     if len(infinite):
         raise DataError(f"is {numbers[infinite[0]]:g} in row {infinite[0] + 1}; expected finite numbers")
     return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form)
+
+
+def _dates(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    if series.dtype.kind == "O":  # a period begins where its date does
+        series = series.map(lambda cell: cell.to_timestamp() if isinstance(cell, pd.Period) else cell)
+    stamps = series.dt.to_timestamp() if isinstance(series.dtype, pd.PeriodDtype) else series
+    try:
+        return _numbers(_distinct(read_times(stamps), stamps, "dates"), is_missing, ISO)
+    except (OverflowError, pd.errors.OutOfBoundsDatetime) as error:
+        raise DataError(f"holds a date that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _durations(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    try:
+        spans = pd.to_timedelta(series) if series.dtype.kind == "O" else series
+        days = np.asarray((spans / DAY.as_unit("s")).to_numpy(dtype=np.float64, na_value=math.nan))
+        return _numbers(_distinct(days, spans, "durations"), is_missing, DAYS)
+    except (OverflowError, pd.errors.OutOfBoundsTimedelta) as error:
+        raise DataError(f"holds a duration that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _distinct(days: NDArray[np.float64], series: "pd.Series[Any]", what: str) -> NDArray[np.float64]:
+    """Return days; refuse those that float64 merges: of the year 2026 it keeps steps of 0.6 microseconds."""
+    if pd.Series(days).nunique() < series.nunique():
+        raise DataError(
+            f"holds {what} closer to each other than float64 tells days apart; subtract the first one, and give the "
+            "rest as numbers"
+        )
+    return days
 
 
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -130,8 +159,12 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
 def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
-    if len(present) and all(isinstance(cell, date) for cell in present):
-        return _numbers(read_times(series), is_missing, ISO)
+    if len(present) and all(isinstance(cell, DATE_CELLS) for cell in present):
+        return _dates(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, DURATION_CELLS) for cell in present):
+        return _durations(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, time) for cell in present):  # as a file has it
+        return _objects(series.astype(object).map(str, na_action="ignore"), is_missing, form)
     odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
@@ -178,7 +211,8 @@ def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArra
 def _number_of(cell: object) -> float | None:
     if isinstance(cell, str):
         return plain_number(cell.strip())
-    if isinstance(cell, int | np.integer) and abs(int(cell)) > EXACT_INTEGERS:
+    is_whole = isinstance(cell, int | np.integer) or (isinstance(cell, Decimal) and cell == cell.to_integral_value())
+    if is_whole and abs(int(cell)) > EXACT_INTEGERS:  # type: ignore[call-overload]
         raise DataError(
             f"holds {shown(int(cell))}, beyond 2^53, where float64 merges neighbouring integers; subtract an offset "
             "first, or leave it out"

@@ -28,6 +28,8 @@ from octmip.input.messages import shown
 Floats = NDArray[np.float64]
 ISO, DAYS = "%Y-%m-%d", "days"
 DAY = pd.Timedelta(days=1)
+EPOCH = pd.Timestamp(0, tz="UTC").as_unit("s")
+"""In seconds: in nanoseconds no date beyond 2262 could be counted from it."""
 ORDERS = ("%Y/%m/%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y")
 MONTH_NAMES = ("%d %b %Y", "%d %B %Y", "%d-%b-%Y", "%b %d, %Y", "%B %d, %Y")
 TIMES = ("", " %H:%M", " %H:%M:%S")
@@ -101,7 +103,7 @@ def read_texts(texts: Sequence[str], form: str) -> Floats:
 def read_times(series: "pd.Series") -> Floats:
     """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,)."""
     stamps = pd.to_datetime(series, utc=True)
-    return np.asarray((stamps - pd.Timestamp(0, tz="UTC")) / DAY, dtype=np.float64)
+    return np.asarray((stamps - EPOCH) / DAY.as_unit("s"), dtype=np.float64)
 
 
 def is_date(form: str) -> bool:
