@@ -146,6 +146,11 @@ def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[n
 def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     categories = series.cat.categories
     kind = categories.dtype.kind
+    is_date = isinstance(categories.dtype, pd.PeriodDtype) or (
+        kind == "O" and len(categories) and all(isinstance(one, DATE_CELLS + DURATION_CELLS) for one in categories)
+    )
+    if is_date and not series.cat.ordered:
+        return read_cells(series.astype(object))
     if kind in "biufmM" and not series.cat.ordered:  # numbers and dates that pandas only stores as categories
         return read_cells(series.astype(np.float64 if is_missing.any() and kind in "biuf" else categories.dtype))
     values = tuple(str(value) for value in categories)

@@ -64,16 +64,26 @@ def unmasked(values: Any) -> Any:
 
 
 def _of_arrow(table: "pyarrow.Table") -> pd.DataFrame:
-    import pyarrow
-
-    columns = [
-        pd.Series(pd.arrays.ArrowExtensionArray(one.cast(pyarrow.large_string()) if _is_view(one) else one))
-        for one in table.columns
-    ]
-    frame = pd.DataFrame(dict(enumerate(columns)), index=range(table.num_rows))
-    return frame.set_axis(table.column_names, axis=1)
+    columns = {k: _series(column) for k, column in enumerate(table.columns)}
+    return pd.DataFrame(columns, index=range(table.num_rows)).set_axis(table.column_names, axis=1)
 
 
-def _is_view(column: "pyarrow.ChunkedArray") -> bool:
-    """Whether a column holds texts in the form that pandas cannot search for missing ones, as polars has them."""
-    return str(column.type) == "string_view"
+def _series(column: "pyarrow.ChunkedArray") -> "pd.Series[Any]":
+    """Return a column of Arrow in its own type where pandas knows that, else as objects, whose types are then named."""
+    from pyarrow import types
+
+    kind = column.type
+    if types.is_string_view(kind):  # texts as polars has them
+        column, kind = column.cast("large_string"), None
+    known = (types.is_primitive, types.is_decimal, types.is_dictionary, types.is_string, types.is_large_string)
+    if kind is None or (any(knows(kind) for knows in known) and not types.is_interval(kind)):
+        return pd.Series(pd.arrays.ArrowExtensionArray(column))
+    cells = column.to_pylist()
+    return pd.Series([_span(cell) for cell in cells] if types.is_interval(kind) else cells, dtype=object)
+
+
+def _span(cell: Any) -> Any:
+    """Return an interval as DuckDB has it as a duration; one of months has no length, and stays what it is."""
+    if cell is None or cell.months:
+        return cell
+    return pd.Timedelta(days=cell.days) + pd.Timedelta(cell.nanoseconds, unit="ns")

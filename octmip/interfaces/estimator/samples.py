@@ -106,7 +106,7 @@ def _objects(X: Any) -> Any:
 
 def _is_plain(kind: Any, column: "pd.Series[Any]") -> bool:
     """Whether a column of numpy's numbers is the same as float64."""
-    return isinstance(kind, np.dtype) and (kind.kind in "bfc" or (kind.kind in "iu" and _is_exact(column.to_numpy())))
+    return isinstance(kind, np.dtype) and (kind.kind in "bf" or (kind.kind in "iu" and _is_exact(column.to_numpy())))
 
 
 def _is_exact(whole: NDArray[Any]) -> bool:
