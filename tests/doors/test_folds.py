@@ -57,7 +57,8 @@ def table(case: str) -> pd.DataFrame:
 
 CASES = {
     "one number", "few numbers", "one text", "few texts", "a level of one row", "True, False and None",
-    "boolean and NA", "Int64 and NA", "string and NA", "an ordered category", "texts that seldom repeat", "dates and NaT",
+    "boolean and NA", "Int64 and NA", "string and NA", "an ordered category",
+    "texts that seldom repeat", "dates and NaT",
 }  # fmt: skip
 
 
