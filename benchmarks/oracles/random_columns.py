@@ -53,7 +53,9 @@ def _times(unit: int) -> Values:
 def _iso(rng: Rng, n: int) -> list[str]:
     """Return ISO texts of one column: dates alone, or with a time in several spellings."""
     stamps = pd.to_datetime(_times(1000)(rng, n), unit="us")
-    style = rng.choice(["%Y-%m-%d", "%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%SZ"])
+    style = rng.choice(
+        ["%Y-%m-%d", "%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%SZ"]
+    )
     return list(stamps.strftime(str(style)))
 
 
@@ -162,4 +164,13 @@ def answers_of(tree: Node, table: RandomTable, classes: tuple[Any, ...]) -> list
     return [classes[code] for code in predict(tree, table.features).tolist()]
 
 
-__all__ = ["ANSWERS", "TYPES", "HyperplaneSplit", "RandomTable", "answers_of", "column_of", "random_table", "random_tree"]
+__all__ = [
+    "ANSWERS",
+    "TYPES",
+    "HyperplaneSplit",
+    "RandomTable",
+    "answers_of",
+    "column_of",
+    "random_table",
+    "random_tree",
+]

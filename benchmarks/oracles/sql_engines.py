@@ -97,7 +97,9 @@ def run_postgres(path: Path, expressions: Sequence[str]) -> Rows:
     table = pq.read_table(path)
     columns = ", ".join(f"{_quoted(field.name)} {_postgres_type(field.type)}" for field in table.schema)
     lines = io.StringIO()
-    csv.writer(lines, lineterminator="\n").writerows([["\\N" if cell is None else _for_postgres(cell) for cell in r] for r in _rows(table)])
+    csv.writer(lines, lineterminator="\n").writerows(
+        [["\\N" if cell is None else _for_postgres(cell) for cell in r] for r in _rows(table)]
+    )
     script = (
         f"SET TimeZone = 'UTC'; CREATE TEMP TABLE t ({columns});\n"
         f"COPY t FROM STDIN WITH (FORMAT csv, NULL '\\N');\n{lines.getvalue()}\\.\n"
@@ -142,7 +144,11 @@ def _has(package: str) -> Callable[[], str]:
 def _postgres() -> str:
     if not (shutil.which("psql") and "PGHOST" in os.environ):
         return ""
-    return subprocess.run(["psql", "-XAtc", "SHOW server_version"], capture_output=True, text=True).stdout.split(" ")[0].strip()
+    return (
+        subprocess.run(["psql", "-XAtc", "SHOW server_version"], capture_output=True, text=True)
+        .stdout.split(" ")[0]
+        .strip()
+    )
 
 
 ENGINES: dict[str, tuple[Run, Callable[[], str]]] = {

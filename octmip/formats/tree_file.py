@@ -173,7 +173,7 @@ def record_tree(
     weights_column: str | None = None,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
-    readings: Readings = Readings(),  # noqa: B008 (frozen)
+    readings: Readings = Readings(),
 ) -> TreeFile:
     """Return the tree file of a solution.
 

@@ -209,7 +209,9 @@ class _Writer:
     def asked(self, split: Split | HyperplaneSplit) -> Asked:
         if isinstance(split, HyperplaneSplit):
             terms = zip(split.coefficients, split.features, strict=True)
-            return SumAsked(tuple(self.term(float(c), j) for c, j in terms), float(split.offset), split.missing)
+            return SumAsked(
+                tuple(self.term(float(c), j) for c, j in terms), float(split.offset), split.missing
+            )
         place, feature = self.places[split.feature]
         column = self.columns[place]
         if column.kind != "number":

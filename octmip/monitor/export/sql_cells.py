@@ -18,7 +18,8 @@ from decimal import Decimal
 import numpy as np
 
 from octmip.errors import TreeError
-from octmip.formats.columns.cells import EXACT_INTEGERS, MISSING_WORDS, UNKNOWN
+from octmip.formats.columns.cells import MISSING_WORDS, UNKNOWN
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.instants import DAY, SECOND, last_instant
 from octmip.formats.columns.written import DAYS, is_date, words_of
@@ -65,9 +66,7 @@ class Cells:
             _check_date(column)
             return cls(column, quoted, "a date or time of UTC, or its ISO text (2025-03-14, 2025-03-14 15:09:26.5)")
         if column.form:
-            what = (
-                "durations, which each database writes in another way" if column.form == DAYS else words_of(column.form)
-            )
+            what = "durations, which each database writes in another way" if column.form == DAYS else words_of(column.form)
             raise TreeError(
                 f"column {shown(column.name)} holds {what}; expected plain numbers, dates, Booleans or texts, which an "
                 "expression can ask for in every database; train on a column of plain numbers, or export to C or ONNX"
