@@ -39,7 +39,7 @@ def _columns_read(file: TreeFile, wording: Wording) -> str:
 
 def trees_meant(file: TreeFile) -> str:
     """Return the trees over which the bound speaks."""
-    scope = narrow_scope(file.solution)
+    scope = narrow_scope(file.solution, file.settings["depth"])
     return (
         f"among {short_name(scope)}, no tree"
         if scope
@@ -134,12 +134,9 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
     solution = file.solution
     if solution.is_optimal:
-        return (
-            "Proven best",
-            "yes",
-            f"among {short_name(scope)}" if (scope := narrow_scope(solution)) else f"of depth {file.settings['depth']}",
-            "good",
-        )
+        scope = narrow_scope(solution, file.settings["depth"])
+        among = f"among {short_name(scope)}" if scope else f"of depth {file.settings['depth']}"
+        return ("Proven best", "yes", among, "good")
     if not math.isfinite(solution.bound):
         return ("Proven best", "no", "no bound is known", "warn")
     return (
