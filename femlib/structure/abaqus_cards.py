@@ -40,7 +40,7 @@ WIDTHS = {"quad": 4, "triangle": 3, "quad8": 8, "quad9": 9, "triangle6": 6, "lin
 WORDS = ("GENERATE", "INTERNAL", "UNSORTED", "COMPOSITE")
 """Options without a value that may stand first in a keyword's second line."""
 MIDDLE = {"line3": (0, 2, 1)}
-"""Places of the ends and of the middle in a row of the deck, where the middle does not stand last; it does in meshio's."""
+"""Places of the ends and of the middle in a row of the deck, where the middle does not stand last."""
 
 
 @dataclass(frozen=True, slots=True)
