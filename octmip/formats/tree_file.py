@@ -7,8 +7,9 @@
                                                                 everything of the Problem but its samples
      "training": {"sha256": ..., "n_samples": ..., "target": "mu1", "weights": null, "leaf_counts": [[...], ...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
-     "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
-     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0}}    or null
+     "table": {"columns": {...}, "index": null, "rows": "all", ...},  how columns became features, or null
+     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0},    or null
+     "readings": {"units": {"g01": "microstrain"}, "loads": {"force": 20.0}}}
 
 A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
 
@@ -64,6 +65,22 @@ class HeldOut:
     cost: float
 
 
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """How the numbers that a tree reads are measured.
+
+    Attributes
+    ----------
+    units
+        of the columns, by name.
+    loads
+        the loads at which they are read, by name: the tree takes readings at these as they are.
+    """
+
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    loads: Mapping[str, float] = dataclasses.field(default_factory=dict)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TreeFile:
     """The content of a tree file.
@@ -89,6 +106,8 @@ class TreeFile:
         how the training's table became samples; None where it was none.
     held_out
         what the tree loses on samples held out; None without such.
+    readings
+        units and loads of what it reads; none are known where a table was all.
     """
 
     solution: Solution
@@ -102,6 +121,7 @@ class TreeFile:
     leaf_counts: NDArray[np.int64]
     preparation: Preparation | None = None
     held_out: HeldOut | None = None
+    readings: Readings = Readings()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
@@ -121,6 +141,16 @@ class TreeFile:
     def columns(self) -> Columns | None:
         """How the columns of a table become the features; None where every feature is its column."""
         return None if self.preparation is None or self.preparation.columns.is_plain else self.preparation.columns
+
+    @property
+    def class_weight(self) -> tuple[float, ...] | None:
+        """What multiplied the weight of the training rows of each class; None: nothing."""
+        return None if self.preparation is None else self.preparation.class_weight
+
+    @property
+    def is_weighted(self) -> bool:
+        """Whether training rows weighed more or less than 1."""
+        return self.weights_column is not None or self.class_weight is not None
 
     @property
     def loss(self) -> Loss:
@@ -143,6 +173,7 @@ def record_tree(
     weights_column: str | None = None,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
+    readings: Readings = Readings(),
 ) -> TreeFile:
     """Return the tree file of a solution.
 
@@ -175,6 +206,7 @@ def record_tree(
         leaf_counts=leaf_counts(problem, solution.tree),
         preparation=preparation,
         held_out=held_out,
+        readings=readings,
     )
 
 
@@ -197,9 +229,14 @@ def write_tree_file(path: PathLike, file: TreeFile) -> None:
     DataError
         it cannot be written, or holds what no reader would take, such as a name of a thousand characters.
     """
+    write_bytes(path, file_bytes(file))
+
+
+def file_bytes(file: TreeFile) -> bytes:
+    """Return the content of a tree file as bytes; see `write_tree_file`."""
     content = encode(file)
     CONTENT.take(content)  # what could not be read again is not written
-    write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+    return (json.dumps(content, indent=1, allow_nan=False) + "\n").encode()
 
 
 def encode(file: TreeFile) -> dict[str, Any]:
@@ -225,6 +262,7 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "solution": solution,
         "table": None if file.preparation is None else file.preparation.to_json(),
         "held_out": None if file.held_out is None else dataclasses.asdict(file.held_out),
+        "readings": {"units": dict(file.readings.units), "loads": dict(file.readings.loads)},
     }
 
 
@@ -289,8 +327,9 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         target_column=training["target"],
         weights_column=training["weights"],
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
-        preparation=_preparation(content["table"], features),
+        preparation=_preparation(content["table"], features, classes),
         held_out=_held_out(content["held_out"], loss_of(content["problem"]["loss"])),
+        readings=Readings(**content["readings"]),
     )
 
 
@@ -305,10 +344,16 @@ def _held_out(content: dict[str, Any] | None, loss: Loss) -> HeldOut | None:
     return HeldOut(**content)
 
 
-def _preparation(content: dict[str, Any] | None, features: tuple[Any, ...]) -> Preparation | None:
+def _preparation(
+    content: dict[str, Any] | None, features: tuple[Any, ...], classes: tuple[Any, ...]
+) -> Preparation | None:
     if content is None:
         return None
     found = Preparation.from_json(content)
+    if found.class_weight is not None and len(found.class_weight) != len(classes):
+        raise TreeError(
+            f"table.class_weight has {len(found.class_weight)} numbers; expected one of {len(classes)} classes"
+        )
     if found.columns.feature_names != features:
         raise TreeError(
             f"table.columns gives {len(found.columns.features)} features, which are not the {len(features)} of "

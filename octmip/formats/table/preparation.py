@@ -1,7 +1,7 @@
 """How the rows and columns of a table became the samples of a problem, so that they can become so again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.table.samples import Table
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
 
 RowsKept = Literal["all", "labelled", "complete"]
 
@@ -26,15 +28,19 @@ class Preparation:
     rows
         those that are kept: "all", the "labelled" (their label is not missing), or the "complete" (no cell of
         theirs is missing: features, label, weights).
+    class_weight
+        what multiplies the weight of the training rows of each class, in the order of the problem's; None: nothing.
     """
 
     columns: Columns
     index: str | None = None
     rows: RowsKept = "all"
+    class_weight: tuple[float, ...] | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the preparation as a JSON object."""
-        return {"columns": self.columns.to_json(), "index": self.index, "rows": self.rows}
+        weight = None if self.class_weight is None else list(self.class_weight)
+        return {"columns": self.columns.to_json(), "index": self.index, "rows": self.rows, "class_weight": weight}
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> Self:
@@ -45,7 +51,18 @@ class Preparation:
         DataError
             the columns are none.
         """
-        return cls(Columns.from_json(content["columns"]), content["index"], content["rows"])
+        weight = None if content["class_weight"] is None else tuple(content["class_weight"])
+        return cls(Columns.from_json(content["columns"]), content["index"], content["rows"], weight)
+
+
+def with_written_cuts(problem: Problem, solution: Solution, columns: Columns) -> Solution:
+    """Return a solution whose tree asks for dates and durations in the fewest fields, and parts the samples alike.
+
+    Splits that are given, or those of an old tree, stay as they are.
+    """
+    if solution.tree is None or problem.given_splits or problem.old_tree is not None:
+        return solution
+    return replace(solution, tree=columns.with_written_cuts(solution.tree, problem.features))
 
 
 def kept_rows(table: Table, rows: RowsKept, label: str, others: Sequence[str]) -> Table:

@@ -9,7 +9,7 @@ from octmip.input.names import shown
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
-from octmip.interfaces.report.tree.words import Wording, counted, figure, percent, short_name
+from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
 from octmip.trees.solution import Stop
 from octmip.trees.tree import ValueLeaf, leaves, splits
 
@@ -44,7 +44,7 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     total = sum(cost.get(sensor, 1.0) for sensor in {sensor_of[column] for column in asked})
     budget = file.settings["sensor_budget"]
     of = len({wording.feature(j).column for j in range(len(file.feature_names))})
-    sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}."
+    sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}{_at(file)}."
     if has_sensors or budget is not None:
         limit = f", of a budget of {figure(budget)}" if budget is not None else ""
         sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often the tree reads it."
@@ -58,12 +58,23 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     return {"sentence": sentence, "head": head, "rows": rows, "right": (1, 3)}
 
 
+def _at(file: TreeFile) -> str:
+    """Return the loads at which the readings are taken, in words; "" where none is known."""
+    loads = listed([f"{short_name(name)} {figure(value)}" for name, value in file.readings.loads.items()], 5)
+    return f", measured at {loads} and given as they are" if loads else ""
+
+
 def risk(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[str, Any]:
     """Return how errors are weighed, where that is not all alike."""
     sentences = []
     if file.weights_column:
         sentences.append(
             f"Every sample counts by its risk weight, column {short_name(file.weights_column)}{_range(evidence)}."
+        )
+    if file.class_weight is not None:
+        pairs = zip(file.class_names, file.class_weight, strict=True)
+        sentences.append(
+            f"Samples of a class count by its weight: {', '.join(f'{shown(c)} {figure(w)}' for c, w in pairs)}."
         )
     if file.settings["leaf_penalty"]:
         sentences.append(f"Each feature in a split is charged {figure(file.settings['leaf_penalty'])}.")
@@ -90,6 +101,10 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
         ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
         ("monotone", _order(asked["monotone"], file.feature_names) if asked["monotone"] else None),
+        (
+            "order of classes",
+            " < ".join(map(shown, file.class_names)) if asked["monotone"] and file.class_names else None,
+        ),
         ("given splits", _given(asked["fixed_splits"])),
         ("rules for paths", _rules(asked["path_rules"])),
         (
