@@ -43,6 +43,8 @@ GUARD = """\
 #endif
 #include <math.h>
 """
+LONGEST = 4095
+"""Bytes of a string that every compiler of C99 takes."""
 UNKNOWN = -1.0
 """Code of a text that training had not."""
 
@@ -199,7 +201,10 @@ def _bytes(text: str) -> bytes:
             f"the class {shown(text)} holds a character that no string of C can hold; expected text without NUL and "
             "halves of surrogate pairs; rename the class"
         )
-    return text.encode()
+    held = text.encode()
+    if len(held) > LONGEST:
+        raise TreeError(f"the class {shown(text[:60])}... has {len(held)} bytes; expected at most {LONGEST}; shorten it")
+    return held
 
 
 def _character(byte: int) -> str:

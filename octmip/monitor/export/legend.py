@@ -1,7 +1,7 @@
 """What the readings and the answers of an export are, said in its head: names, units, the load, the values.
 
-A name is text from outside, and in a comment it must not act: it stands there as JSON in ASCII, and what would end or
-begin a comment is broken up by the backslash that JSON allows.
+A name is text from outside, and in a comment it must not act: it stands there as JSON in ASCII, and the star that
+would end or begin a comment as its escape.
 """
 
 import json
@@ -66,7 +66,7 @@ class Legend:
 
 def quoted(value: Any) -> str:
     """Return a name or a value for a comment of C or SQL: JSON in ASCII, which neither ends nor begins one."""
-    return json.dumps(value).replace("*/", "*\\/").replace("/*", "\\/*")
+    return json.dumps(value).replace("*/", "\\u002a/").replace("/*", "/\\u002a")
 
 
 def comment(lines: list[str]) -> str:
