@@ -53,8 +53,8 @@ def _times(unit: int) -> Values:
 def _iso(rng: Rng, n: int) -> list[str]:
     """Return ISO texts of one column: dates alone, or with a time in several spellings."""
     stamps = pd.to_datetime(_times(1000)(rng, n), unit="us")
-    style = rng.choice(["%Y-%m-%d", "%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%SZ"])
-    return list(stamps.strftime(str(style)))
+    clock = rng.choice(["", " %H:%M", "T%H:%M:%S", " %H:%M:%S.%f", "T%H:%M:%SZ"])
+    return list(stamps.strftime(f"%Y-%m-%d{clock}"))
 
 
 TYPES: dict[str, tuple[pa.DataType, Values]] = {

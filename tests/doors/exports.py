@@ -7,6 +7,7 @@ import subprocess
 from collections.abc import Callable
 from datetime import UTC, date, datetime, timedelta
 from decimal import Decimal
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -133,12 +134,11 @@ def _needs_sqlite_shell(make: Callable[[Path], Path]) -> Callable[[Path], Path]:
     return checked
 
 
-def _c_answers(tree: Path, rows: list[tuple[float, ...]], is_text: bool = False) -> list[Any]:
+def _c_answers(tree: Path, rows: list[tuple[float, ...]]) -> list[Any]:
     out = tree.with_name("tree.c")
     command("report", tree, "--out", out)
-    library = _compiled(out, "-std=c99")
-    predicted = library.octmip_predict
-    predicted.restype = ctypes.c_char_p if is_text else ctypes.c_double
+    predicted = _compiled(out, "-std=c99").octmip_predict
+    predicted.restype = ctypes.c_char_p if "const char *octmip_predict" in out.read_text() else ctypes.c_double
     found = [predicted((ctypes.c_double * len(row))(*row)) for row in rows]
     return [one.decode() if isinstance(one, bytes) else None if one is None or one != one else one for one in found]
 
@@ -215,20 +215,22 @@ def _rod(folder: Path) -> Path:
 def _of_raw_readings(folder: Path) -> tuple[list[float], list[bool]]:
     told = [float(line) for line in command("predict", folder / "out/crack.json", folder / "raw.csv").split()[1:]]
     said = [(folder / "out" / name).read_text() for name in ("crack.c", "crack.json", "crack.html")]
-    return [round(level, 9) for level in told], [all(word in one for word in ("force", "20", "mm", "0.64")) for one in said]
+    words = ("force", "20", "mm", "0.64")
+    return [round(level, 9) for level in told], [all(word in one for word in words) for one in said]
 
 
 NUMBERS = _csv(_lines("a,y", "1,10.5", "2,10.5", "3,-20", "4,-20"), "--target", "y", "--depth", "1")
 TEXTS = _csv(_lines("a,m,y", "1,press,good", "2,pump,bad", "2,saw,good"), "--label", "y", "--depth", "1")
 MISSING = _csv(_lines("a,y", "1,7", "2,7", ",7", "3,0", "4,0"), "--label", "y", "--depth", "1")
 NO_SIDE = _csv(_lines("a,y", "1,7", "2,7", "3,0", "4,0"), "--label", "y", "--depth", "1")
+TEXT_ANSWERS = ["good", "bad", "good", None, "good"]
 TEXT_ROWS = [(1.0, code) for code in (0.0, 1.0, 2.0, NAN, -1.0)]
 SQL, C, ONNX = (f"octmip report --out {name}" for name in ("x.sql", "x.c", "x.onnx"))
 BY_MISSING = ["7", "7", "7", "0", "0"] * 3
 
 
 def _refused(case: str, rows: tuple[str, ...], suffix: str, *words: str, options: tuple[str, ...] = ()) -> Row:
-    label = ("--label", "y", "--depth", "1") if not options else options
+    label = options or ("--label", "y", "--depth", "1")
     door = {".sql": SQL, ".c": C, ".onnx": ONNX}[suffix]
     return Row(door, "a table of text", case, _csv(_lines(*rows), *label), _is_refused(suffix), Refused(words))
 
@@ -245,13 +247,14 @@ ROWS = [
     _refused("times of another zone", ZONE, ".sql", "zone +02:00", "UTC"),
     _refused("amounts with a sign", MONEY, ".sql", "column d holds amounts in $", "plain numbers"),
     _refused("a text with a backslash", SLASH, ".sql", "backslash", "ClickHouse", "rename"),
-    _refused("columns that differ in case", CASES, ".sql", "differ in case only", options=("--label", "y", "--depth", "2")),
-    Row(C, "gcc", "a tree of numbers", _needs_gcc(NUMBERS), lambda t: _c_answers(t, [(2.0,), (3.0,), (NAN,)]), [10.5, -20.0, None]),
-    Row(C, "gcc", "texts by the codes of the head, missing and another", _needs_gcc(TEXTS),
-        lambda t: _c_answers(t, TEXT_ROWS, is_text=True), ["good", "bad", "good", None, "good"]),
-    Row(C, "gcc", "a missing reading goes to its side", _needs_gcc(MISSING), lambda t: _c_answers(t, [(NAN,), (4.0,)]), [7.0, 0.0]),
-    Row(C, "gcc", "a missing reading has no class", _needs_gcc(NO_SIDE), lambda t: _c_answers(t, [(NAN,), (4.0,)]), [None, 0.0]),
-    *(Row(C, f"gcc {flag}", "is no compiler for missing readings", _needs_gcc(MISSING), _fast(flag), Refused(("error",)))
+    _refused("columns that differ in case", CASES, ".sql", "in case only", options=("--label", "y", "--depth", "2")),
+    *(Row(C, "gcc", case, _needs_gcc(make), partial(_c_answers, rows=rows), right)
+      for case, make, rows, right in (
+          ("a tree of numbers", NUMBERS, [(2.0,), (3.0,), (NAN,)], [10.5, -20.0, None]),
+          ("texts by the codes of the head, missing and another", TEXTS, TEXT_ROWS, TEXT_ANSWERS),
+          ("a missing reading goes to its side", MISSING, [(NAN,), (4.0,)], [7.0, 0.0]),
+          ("a missing reading has no class", NO_SIDE, [(NAN,), (4.0,)], [None, 0.0]))),
+    *(Row(C, f"gcc {flag}", "takes NaN for a number", _needs_gcc(MISSING), _fast(flag), Refused(("error",)))
       for flag in ("-ffast-math", "-Ofast", "-ffinite-math-only")),
     Row(C, "g++", "no warning as C++", _needs_gcc(TEXTS), _as_cpp, 0),
     Row(ONNX, "onnxruntime", "a tree of numbers", NUMBERS,

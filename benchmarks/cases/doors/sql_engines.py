@@ -67,6 +67,4 @@ def summary(lines: Sequence[Line]) -> str:
                 wrong[kind, engine] += line["trees"] if isinstance(found, str) else found
     engines = list(dict.fromkeys(engine for _, engine in tried))
     kinds = [kind for kind in (*TYPES, "all") if (kind, engines[0]) in tried]
-    return markdown_table(
-        [{"column": k} | {e: f"{wrong[k, e]} of {tried[k, e]}" for e in engines} for k in kinds]
-    )
+    return markdown_table([{"column": k} | {e: f"{wrong[k, e]} of {tried[k, e]}" for e in engines} for k in kinds])

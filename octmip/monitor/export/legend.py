@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from octmip.formats.columns.column import Column
-from octmip.formats.tree_file import Readings
+from octmip.formats.tree_file import NO_READINGS, Readings
 from octmip.monitor.export.questions import OwnTree
 from octmip.trees.digits import exact
 
@@ -28,7 +28,7 @@ class Legend:
     """
 
     target: str = ""
-    readings: Readings = Readings()
+    readings: Readings = NO_READINGS
 
     def lines(
         self, own: OwnTree, place: Callable[[int], str], cells: Callable[[Column], str], none: str, given: str = ""
