@@ -49,7 +49,9 @@ FAMILIES = {
     "fem_dataset": "benchmarks.cases.fem.dataset",
     "fem_rom": "benchmarks.cases.fem.rom",
     "command_tables": "benchmarks.cases.command.tables",
+    "campaigns": "benchmarks.cases.doors.campaigns",
     "gap_noise": "benchmarks.cases.gap.noise",
+    "doors_pyomo": "benchmarks.cases.doors.pyomo_models",
 }
 
 

@@ -1,4 +1,4 @@
-"""Every data file beside a page is named by a page, in a section that says which command makes it."""
+"""Every data file beside a page is named by a page, in a section that says its command, or the commit that made it."""
 
 import importlib.util
 import re
@@ -26,10 +26,13 @@ def sections(text: str) -> Iterator[str]:
 
 
 def commands(text: str) -> list[str]:
-    """Return the commands in a text: modules of benchmarks, families of `benchmarks.run`, and targets of make."""
+    """Return the commands in a text: modules of benchmarks, families of `benchmarks.run`, targets of make, commits.
+
+    A finished study is gone from the sources; the commit that its section names still has it.
+    """
     code = re.findall(r"`([^`]+)`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
     named = [words.split()[0] for words in code if words.strip() and words.split()[0] in FAMILIES]
-    return [*MODULE.findall(text), *named, *re.findall(r"`(make \w+)", text)]
+    return [*MODULE.findall(text), *named, *re.findall(r"(?<=`)make \w+|commit `[0-9a-f]{8}", text)]
 
 
 def places() -> dict[str, list[str]]:

@@ -29,7 +29,7 @@ from benchmarks.kinds.classes import (
 )
 from benchmarks.kinds.kind import Kind, Question
 from benchmarks.kinds.numbers import NUMBER_KINDS
-from benchmarks.kinds.others import NearSets, WorstCases
+from benchmarks.kinds.others import NearSets
 from benchmarks.kinds.sample_costs import SAMPLE_COSTS_KIND
 from benchmarks.kinds.shaped import MONOTONE_KINDS, PART_KINDS
 from benchmarks.kinds.texts import Texts
@@ -60,7 +60,6 @@ KINDS: dict[str, Kind] = {
     "texts": Texts(),
     "sample_costs": SAMPLE_COSTS_KIND,
     "ties": TIES_KIND,
-    "worst_case": WorstCases(),
     "near": NearSets(),
 }
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from octmip.trees.problem import Problem
 
 Box = tuple[tuple[int, int], ...]  # first and last rank of each feature
-Leaves = list[tuple[Box, int]]
+Leaves = list[tuple[Box, float]]
 
 
 def least_monotone_cost(problem: Problem) -> float:
@@ -54,3 +54,45 @@ def in_order(leaves: Leaves, others: Leaves, directions: tuple[int, ...]) -> boo
                 if rise * directions[apart[0]] < 0:
                     return False
     return True
+
+
+def least_monotone_error(problem: Problem) -> float:
+    """Return the least squared error over all trees of a problem of numbers that keep its order.
+
+    The best numbers in order are means of groups of leaves: all groups of every tree's leaves are tried.
+    """
+    values = [np.unique(column) for column in problem.features.T]
+    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.features.T, strict=True)])
+    whole: Box = tuple((0, len(v) - 1) for v in values)
+
+    def shapes(rows: NDArray[np.int64], box: Box, depth: int) -> Iterator[list[tuple[Box, NDArray[np.int64]]]]:
+        """Yield boxes and samples of the leaves of every tree."""
+        if len(rows) >= problem.leaf_size:
+            yield [(box, rows)]
+        for feature, (low, high) in enumerate(box if depth else ()):
+            for cut in range(low, high):
+                is_left = ranks[feature, rows] <= cut
+                sides = [(*box[:feature], ends, *box[feature + 1 :]) for ends in ((low, cut), (cut + 1, high))]
+                rights = list(shapes(rows[~is_left], sides[1], depth - 1)) if not is_left.all() else []
+                for left in shapes(rows[is_left], sides[0], depth - 1) if is_left.any() else ():
+                    yield from (left + right for right in rights)
+
+    def error(shape: list[tuple[Box, NDArray[np.int64]]], groups: list[int]) -> float:
+        members = [[k for k, group in enumerate(groups) if group == g] for g in range(max(groups) + 1)]
+        rows = [np.concatenate([shape[k][1] for k in group]) for group in members]
+        means = [float(np.average(problem.targets[of], weights=problem.weights[of])) for of in rows]
+        leaves = [(box, means[group]) for (box, _), group in zip(shape, groups, strict=True)]
+        if any(not in_order([one], [other], problem.directions) for one in leaves for other in leaves if one != other):
+            return np.inf
+        parts = zip(rows, means, strict=True)
+        paid = sum(float(problem.weights[of] @ (problem.targets[of] - mean) ** 2) for of, mean in parts)
+        return paid + problem.leaf_penalty * (len(shape) - 1)
+
+    found = shapes(np.arange(problem.n_samples), whole, problem.depth)
+    return min(error(shape, groups) for shape in found for groups in _partitions(len(shape)))
+
+
+def _partitions(n: int) -> Iterator[list[int]]:
+    """Yield the group of each of n leaves, for every way to group them."""
+    for groups in _partitions(n - 1) if n > 1 else ([],):
+        yield from ([*groups, group] for group in range(max(groups, default=-1) + 2))

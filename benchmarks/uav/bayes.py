@@ -33,11 +33,16 @@ def bayes_limit(
 ) -> BayesLimit:
     """Return the Bayes limit of reading `levels` from noisy `means`.
 
-    Args:
-        means: (n_states, n_gauges) mean reading in each state.
-        levels: (n_states,) value to be told in each state (percent loss of stiffness).
-        noise_sd: standard deviation of the noise, in the unit of `means`.
-        n_draws: readings drawn in each state.
+    Parameters
+    ----------
+    means
+        (n_states, n_gauges) mean reading in each state.
+    levels
+        (n_states,) value to be told in each state (percent loss of stiffness).
+    noise_sd
+        standard deviation of the noise, in the unit of `means`.
+    n_draws
+        readings drawn in each state.
     """
     values, class_of_state = np.unique(levels, return_inverse=True)
     states = np.repeat(np.arange(len(means)), n_draws)

@@ -7,7 +7,7 @@
                                                                 everything of the Problem but its samples
      "training": {"sha256": ..., "n_samples": ..., "target": "mu1", "weights": null, "leaf_counts": [[...], ...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
-     "table": {"columns": {...}, "index": null, "rows": "all"},  how columns became features, or null
+     "table": {"columns": {...}, "index": null, "rows": "all", ...},  how columns became features, or null
      "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0},    or null
      "readings": {"units": {"g01": "microstrain"}, "loads": {"force": 20.0}}}
 
@@ -144,6 +144,16 @@ class TreeFile:
     def columns(self) -> Columns | None:
         """How the columns of a table become the features; None where every feature is its column."""
         return None if self.preparation is None or self.preparation.columns.is_plain else self.preparation.columns
+
+    @property
+    def class_weight(self) -> tuple[float, ...] | None:
+        """What multiplied the weight of the training rows of each class; None: nothing."""
+        return None if self.preparation is None else self.preparation.class_weight
+
+    @property
+    def is_weighted(self) -> bool:
+        """Whether training rows weighed more or less than 1."""
+        return self.weights_column is not None or self.class_weight is not None
 
     @property
     def loss(self) -> Loss:
@@ -320,7 +330,7 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         target_column=training["target"],
         weights_column=training["weights"],
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
-        preparation=_preparation(content["table"], features),
+        preparation=_preparation(content["table"], features, classes),
         held_out=_held_out(content["held_out"], loss_of(content["problem"]["loss"])),
         readings=Readings(**content["readings"]),
     )
@@ -337,10 +347,16 @@ def _held_out(content: dict[str, Any] | None, loss: Loss) -> HeldOut | None:
     return HeldOut(**content)
 
 
-def _preparation(content: dict[str, Any] | None, features: tuple[Any, ...]) -> Preparation | None:
+def _preparation(
+    content: dict[str, Any] | None, features: tuple[Any, ...], classes: tuple[Any, ...]
+) -> Preparation | None:
     if content is None:
         return None
     found = Preparation.from_json(content)
+    if found.class_weight is not None and len(found.class_weight) != len(classes):
+        raise TreeError(
+            f"table.class_weight has {len(found.class_weight)} numbers; expected one of {len(classes)} classes"
+        )
     if found.columns.feature_names != features:
         raise TreeError(
             f"table.columns gives {len(found.columns.features)} features, which are not the {len(features)} of "

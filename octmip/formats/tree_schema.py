@@ -139,6 +139,7 @@ TABLE: dict[str, Kind] = {
     "columns": COLUMNS,
     "index": maybe(NAME),
     "rows": Choice(("all", "labelled", "complete")),
+    "class_weight": maybe(ListOf(COST)),
 }
 HELD_OUT: dict[str, Kind] = {
     "share": maybe(Number(low=0.0, high=1.0)),

@@ -2,6 +2,44 @@
 
 import csv
 from collections.abc import Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+EXACT_INTEGERS = 2**53
+"""Beyond it float64 merges neighbouring whole numbers."""
+MOST_DIGITS = 400
+"""A text of more is no number that float64 comes near."""
+BEYOND = "beyond 2^53, where float64 merges neighbouring integers; subtract an offset first"
+"""What is said of such a number, by every door."""
+
+
+def beyond_exact(values: Any, numbers: NDArray[np.float64]) -> int | None:
+    """Return the position of the first whole number that float64 does not hold; None without one.
+
+    Values of any library became `numbers` of as many dimensions; those that were floats already may be of any size.
+    """
+    if getattr(getattr(values, "dtype", None), "kind", "O") in "bf":
+        return None
+    large = np.flatnonzero(np.abs(numbers) >= EXACT_INTEGERS)
+    if not len(large):
+        return None
+    cells = np.asarray(values)
+    cells = (cells if cells.dtype.kind in "iu" else np.array(values, dtype=object)).ravel()
+    return next((k for k in large.tolist() if is_beyond(cells[k])), None)
+
+
+def is_beyond(cell: object) -> bool:
+    """Whether a cell is a whole number, or the text of one, that float64 does not hold."""
+    if isinstance(cell, str) and cell.strip().lstrip("+-").isdecimal() and len(cell) < MOST_DIGITS:
+        cell = int(cell)
+    if not isinstance(cell, int | np.integer) or abs(int(cell)) <= EXACT_INTEGERS:
+        return False
+    try:
+        return int(float(cell)) != int(cell)
+    except OverflowError:
+        return True
 
 
 class CsvRows:

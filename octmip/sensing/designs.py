@@ -106,9 +106,14 @@ def by_information(problem: Problem, budget: float, sensitivity: ArrayLike) -> I
     shares, relaxed = _relaxation(information, problem.sensor_costs, budget)
     sensors = _affordable(problem, np.argsort(-shares, kind="stable"), budget)
     chosen = [problem.sensors.index(name) for name in sensors]
-    sign, log_det = np.linalg.slogdet(information[:, chosen].sum(axis=1))
-    value = float(log_det.mean()) if (sign > 0).all() else -math.inf
-    return InformationDesign(sensors, value, relaxed, tuple(shares.tolist()))
+    of_chosen = information[:, chosen].sum(axis=1)
+    if (np.linalg.matrix_rank(of_chosen, hermitian=True) < gradients.shape[2]).any():
+        raise ProblemError(
+            f"the sensors {', '.join(sensors) or 'none'} that a budget of {budget} pays for do not tell all "
+            f"{gradients.shape[2]} parameters apart in every state; give a larger budget, or leave a parameter out"
+        )
+    log_det = np.linalg.slogdet(of_chosen)[1]
+    return InformationDesign(sensors, float(log_det.mean()), relaxed, tuple(shares.tolist()))
 
 
 def _scaled(problem: Problem, sensitivity: ArrayLike) -> NDArray[np.float64]:

@@ -363,27 +363,3 @@ def regression(
 
     `squares` are rounded to the grid `grain`; `slopes` as `octmip.trees.losses.exact_sums.Slopes`, None: squared.
     """
-
-def worst_case(
-    problem: Problem,
-    band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
-    incumbent: tuple[int, list[NodeRow]] | None,
-    floor: int,
-    limit_values: Limits,
-    n_threads: int,
-    progress: NativeProgress | None = None,
-) -> Found:
-    """Return the tree of least worst case to depth 2.
-
-    `band_row`: by name `low` and `high` (n_features, n_samples) ranks, `n_off` most sensors off, `n_labels`.
-    """
-
-def worst_case_search(
-    problem: Problem,
-    band_row: tuple[NDArray[np.uint32], NDArray[np.uint32], int, int],
-    starts: list[list[NodeRow]],
-    n_rounds: int,
-    seed: int,
-    limit_values: Limits,
-) -> tuple[list[NodeRow], int, str]:
-    """Return the best tree that changes of single nodes lead to, its cost, and stop."""

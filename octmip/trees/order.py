@@ -21,15 +21,25 @@ def disorder(tree: Node, directions: Sequence[int]) -> tuple[int, int, int] | No
     return min(_disorders(tree, directions), key=lambda found: (found[1] - found[0], found), default=None)
 
 
-def _disorders(tree: Node, directions: Sequence[int]) -> Iterator[tuple[int, int, int]]:
+def n_disorders(tree: Node, directions: Sequence[int]) -> int:
+    """Return how many pairs of leaves are out of order."""
+    return sum(1 for _ in _disorders(tree, directions))
+
+
+def ordered_pairs(tree: Node, directions: Sequence[int]) -> Iterator[tuple[int, int, int, int]]:
+    """Yield leaves i < j (from the left) that must be in order, the feature, and 1 where j may not predict less, -1."""
     leaves = _boxes(tree, {})
-    for (i, (one, first)), (j, (other, second)) in combinations(enumerate(leaves), 2):
+    for (i, (one, _)), (j, (other, _)) in combinations(enumerate(leaves), 2):
         parting = _parting(one, other)
-        if parting is None or not directions[parting[0]]:
-            continue
-        feature, is_below = parting
-        rise = (_value(second) - _value(first)) * directions[feature]
-        if (rise if is_below else -rise) < 0:
+        if parting is not None and directions[parting[0]]:
+            feature, is_below = parting
+            yield i, j, feature, directions[feature] if is_below else -directions[feature]
+
+
+def _disorders(tree: Node, directions: Sequence[int]) -> Iterator[tuple[int, int, int]]:
+    values = [_value(leaf) for _, leaf in _boxes(tree, {})]
+    for i, j, feature, way in ordered_pairs(tree, directions):
+        if (values[j] - values[i]) * way < 0:
             yield i, j, feature
 
 

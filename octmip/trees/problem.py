@@ -8,8 +8,8 @@ over       trees of at most `depth` levels of splits (or of any), every leaf wit
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.classes import classes_of, refuse_without_order, words_of_order
 from octmip.trees.losses import ClassCosts, Loss, NumberLoss
 from octmip.trees.problem_values import (
     KEPT,
-    classes_of,
     feature_names_of,
     features_of,
     in_blocks,
@@ -28,7 +28,7 @@ from octmip.trees.problem_values import (
     numbers_to_predict,
     weights_of,
 )
-from octmip.trees.shape import AnyDepth, Shape, set_field
+from octmip.trees.shape import AnyDepth, Shape, set_field, with_leaves
 from octmip.trees.tree import (
     Leaf,
     Node,
@@ -71,7 +71,10 @@ class Problem(Shape):
     feature_names
         (n_features,); None: the names of the data frame's columns, of an array x0, x1, ...
     class_names
-        the classes in the order of the rows of a cost matrix; None: the sorted targets. Of numbers ().
+        the classes in the order of the rows of a cost matrix; None: `class_order`, else the sorted targets.
+    class_order
+        the classes from low to high, for `monotone`; `class_names` then have this order. None: `class_names` as given,
+        an ordered categorical's own order, that of numbers, Booleans and dates; of other texts (), none.
     target_name
         for files and pages.
     Which trees are allowed: see `octmip.trees.shape.Shape`, whose attributes a Problem has, too.
@@ -87,6 +90,7 @@ class Problem(Shape):
     takes_missing: bool = field(kw_only=True, default=False)
     feature_names: tuple[str, ...] = field(kw_only=True, default=_DERIVED)
     class_names: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
+    class_order: tuple[Any, ...] = field(kw_only=True, default=_DERIVED)
     target_name: str = field(kw_only=True, default="target")
     codes: NDArray[Any] = field(init=False, repr=False)
 
@@ -107,6 +111,8 @@ class Problem(Shape):
             self._end_depth(self.baseline + self.most_asked_splits * self.leaf_penalty, self.n_samples)
         if self.leaf_model == "linear" and self.loss.predicts == "class":
             raise ProblemError("leaf_model is 'linear' but the loss is one of classes; leave leaf_model out")
+        if self.monotone is not None and self.loss.predicts == "class":
+            refuse_without_order(self.class_order, self.class_names)
         if self.monotone is not None and self.takes_missing:
             raise ProblemError("monotone is given but readings may be missing, which have no order; fill them in")
         prices = self.leaf_penalty * min(2**self.depth - 1, self.n_samples) * self.max_split_size
@@ -124,19 +130,18 @@ class Problem(Shape):
 
     def _set_classes(self) -> None:
         assert isinstance(self.loss, ClassCosts)
-        targets, names, codes = classes_of(self.targets, self.class_names, self.n_samples)
-        set_field(self, "targets", targets)
-        set_field(self, "class_names", names)
-        set_field(self, "codes", codes)
-        set_field(self, "loss", self.loss.over(names, self.n_samples))
+        found = classes_of(self.targets, self.class_names, self.class_order, self.n_samples)
+        for name, value in zip(("targets", "class_names", "class_order", "codes"), found, strict=True):
+            set_field(self, name, value)
+        set_field(self, "loss", self.loss.over(self.class_names, self.n_samples))
 
     def _set_numbers(self) -> None:
-        if self.class_names:
-            raise ProblemError(f"class_names is {self.class_names} but {self.loss} predicts numbers; leave it out")
+        for name in ("class_names", "class_order"):
+            if given := getattr(self, name):
+                raise ProblemError(f"{name} is {given} but {self.loss} predicts numbers; leave it out")
         targets = numbers_to_predict(self.targets, self.n_samples)
-        set_field(self, "targets", targets)
-        set_field(self, "class_names", ())
-        set_field(self, "codes", targets)
+        for name, value in {"targets": targets, "class_names": (), "class_order": (), "codes": targets}.items():
+            set_field(self, name, value)
 
     def __repr__(self) -> str:
         words = [f"{self.n_samples} samples", f"{self.n_features} features"]
@@ -145,6 +150,7 @@ class Problem(Shape):
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
         words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
+        words += [words_of_order(self.class_order)] if self.monotone is not None and self.class_order else []
         words += self.words_of_shape(self.feature_names)
         words += [f"{self.n_missing} readings missing"] if self.takes_missing else []
         words += [] if (self.weights == 1).all() else ["weighted"]
@@ -283,7 +289,7 @@ class Problem(Shape):
         """Return the tree with the best value in every leaf; samples must reach each."""
         reached = leaf_index(tree, self.features)
         fitted = iter([self.best_leaf(np.flatnonzero(reached == k)) for k in range(len(leaves(tree)))])
-        return _with_leaves(tree, fitted)
+        return with_leaves(tree, fitted)
 
     def with_sides(self, tree: Node) -> Node:
         """Return a tree with a side for missing readings at every split, where this problem may lack some."""
@@ -391,10 +397,3 @@ class Problem(Shape):
         is_class = self.loss.predicts == "class"
         sha.update((repr([str(name) for name in self.class_names]) if is_class else self.loss.spelling).encode())
         return sha.hexdigest()
-
-
-def _with_leaves(tree: Node, fitted: Iterator[Leaf]) -> Node:
-    if isinstance(tree, Leaf):
-        return next(fitted)
-    left = _with_leaves(tree.left, fitted)
-    return replace(tree, left=left, right=_with_leaves(tree.right, fitted))

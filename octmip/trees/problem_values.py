@@ -1,5 +1,6 @@
 """The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
@@ -7,11 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.cells import BEYOND, beyond_exact
 
 
 def names_of_columns(features: object) -> tuple[str, ...] | None:
     """Return the names of the columns of a data frame; None for an array, or where the columns are only numbered."""
-    columns = getattr(features, "columns", None)
+    columns = getattr(features, "column_names", getattr(features, "columns", None))
     if columns is None or all(isinstance(name, int | np.integer) for name in columns):
         return None
     return tuple(str(name) for name in columns)
@@ -44,7 +46,7 @@ def features_of(
     names = names_of_columns(values)
     if names is None:
         return numbers_of(values, "features", 2, takes_missing=takes_missing, kept=kept)
-    columns = [_numbers_of_column(values, j) for j in range(len(names))]
+    columns = [_numbers_of_column(values, j, name) for j, name in enumerate(names)]
     wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, takes_missing)]
     if wrong:
         shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
@@ -61,15 +63,35 @@ def features_of(
     return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, takes_missing=takes_missing)
 
 
-def _numbers_of_column(frame: Any, position: int) -> NDArray[np.float64] | None:
-    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else."""
-    column = frame.iloc[:, position]
+def _numbers_of_column(frame: Any, position: int, name: str) -> NDArray[np.float64] | None:
+    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else.
+
+    Raises
+    ------
+    ProblemError
+        it holds a whole number beyond 2^53.
+    """
+    column = frame.iloc[:, position] if hasattr(frame, "iloc") else _settled_column(frame, position)
     try:
-        if column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype):
-            return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
-        return np.asarray(column, dtype=np.float64)
+        if hasattr(column, "iloc") and (column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype)):
+            numbers = np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+        else:
+            numbers = np.asarray(column, dtype=np.float64)
     except (TypeError, ValueError):
         return None
+    row = beyond_exact(column, numbers)
+    if row is not None:
+        raise ProblemError(f"features holds a whole number in row {row} of {name!r}, {BEYOND}")
+    return numbers
+
+
+def _settled_column(frame: Any, position: int) -> Any:
+    """Return a column of a frame of polars or a table of Arrow as an array, of objects where some are missing."""
+    column = frame.to_series(position) if hasattr(frame, "to_series") else frame.column(position)
+    if column.null_count:
+        listed = column.to_pylist() if hasattr(column, "to_pylist") else column.to_list()
+        return np.array([math.nan if cell is None else cell for cell in listed], dtype=object)
+    return np.asarray(column.to_numpy())
 
 
 def _are_usable(numbers: NDArray[np.float64] | None, takes_missing: bool) -> bool:
@@ -87,48 +109,6 @@ def refuse_missing(n_missing: int, why: str, cure: str) -> None:
     if n_missing:
         what = f"{n_missing} readings are" if n_missing > 1 else "1 reading is"
         raise ProblemError(f"{what} missing (NaN), and {why}; expected every reading; {cure}")
-
-
-def labels_of(values: ArrayLike) -> NDArray[Any]:
-    """Return a copy of the labels of an array or a series.
-
-    Raises
-    ------
-    ProblemError
-        a label is missing or infinite.
-    """
-    labels = np.array(values)
-    is_absent = np.zeros(labels.shape, dtype=bool)
-    if labels.dtype.kind == "f":
-        is_absent = ~np.isfinite(labels)
-    elif labels.dtype.kind in "mM":
-        is_absent = np.isnat(labels)
-    elif labels.dtype == np.dtype(object):
-        is_absent = np.array([_is_missing(value) for value in labels.ravel()], dtype=bool).reshape(labels.shape)
-    if is_absent.any():
-        row = ", ".join(str(int(i)) for i in np.argwhere(is_absent)[0])
-        first = labels[is_absent][0]
-        raise ProblemError(
-            f"labels[{row}] is {first}; {int(is_absent.sum())} of {labels.size} labels are missing or infinite; "
-            "expected a class for each sample; drop the others or give their labels"
-        )
-    return labels
-
-
-def _is_missing(label: Any) -> bool:
-    """Whether a label is None, a NaN of any kind or the NA of pandas, which compares to nothing."""
-    return label is None or type(label).__name__ == "NAType" or bool(label != label)
-
-
-def distinct_labels(labels: NDArray[Any]) -> tuple[list[Any], NDArray[np.int64]]:
-    """Return the distinct labels in ascending order and the index of each sample's label among them."""
-    if labels.dtype != np.dtype(object):
-        distinct, inverse = np.unique(labels, return_inverse=True)
-        return distinct.tolist(), inverse.astype(np.int64)
-    values = labels.tolist()
-    present = sorted(set(values), key=lambda value: (type(value).__name__, value))
-    position = {value: k for k, value in enumerate(present)}
-    return present, np.array([position[value] for value in values], dtype=np.int64)
 
 
 def numbers_of(
@@ -155,6 +135,10 @@ def numbers_of(
         raise ProblemError(f"{name} cannot be read as numbers ({error}); encode text as numbers first") from error
     if array.ndim != n_dimensions:
         raise ProblemError(f"{name} has {array.ndim} dimensions; expected {n_dimensions}")
+    position = None if array is values else beyond_exact(values, array)
+    if position is not None:
+        place = ", ".join(map(str, np.unravel_index(position, array.shape)))
+        raise ProblemError(f"{name}[{place}] is {np.asarray(values, dtype=object).ravel()[position]}, {BEYOND}")
     if all(np.isfinite(block).all() for block in in_blocks(array)):
         return array
     is_wrong = ~np.isfinite(array)
@@ -207,34 +191,6 @@ def feature_names_of(given: Sequence[object] | None, n_features: int) -> tuple[s
             f"{n_features} columns; give one name for each column, none twice"
         )
     return names
-
-
-def classes_of(
-    given: ArrayLike, class_names: Sequence[Any] | None, n_samples: int
-) -> tuple[NDArray[Any], tuple[Any, ...], NDArray[np.int64]]:
-    """Return targets (n_samples,), the names of the classes, and of each target the index of its class.
-
-    Raises
-    ------
-    ProblemError
-        there is no target for each sample, one class only, or one without a name or with two.
-    """
-    targets = labels_of(given)
-    if targets.shape != (n_samples,):
-        raise ProblemError(
-            f"targets has shape {targets.shape} but features has {n_samples} rows; give one for each row"
-        )
-    present, inverse = distinct_labels(targets)
-    names = tuple(present if class_names is None else class_names)
-    if len(names) < 2:
-        raise ProblemError(f"targets holds one class only ({present[0]!r}); expected two or more")
-    position = {name: k for k, name in enumerate(names)}
-    unknown = [label for label in present if label not in position]
-    if unknown or len(position) != len(names):
-        raise ProblemError(
-            f"targets holds {unknown} which class_names {names} lacks (or names twice); name every class once"
-        )
-    return targets, names, np.array([position[label] for label in present], dtype=np.int64)[inverse]
 
 
 def numbers_to_predict(given: ArrayLike, n_samples: int) -> NDArray[np.float64]:

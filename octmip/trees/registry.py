@@ -207,20 +207,21 @@ UNKNOWN = {
 OF_CLASSES_ALONE: Mapping[str, str] = {
     "costs": "prices of taking one class for another",
     "numbers_are_classes": "a label of classes",
+    "class_order": "an order of classes",
+    "class_weight": "weights of classes",
 }
 """What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
 
 ASKED_OF_CLASSES: Mapping[str, str] = {
     "near_optimal": "trees are counted by whole costs, and errors of numbers are none",
     "sensor_roles": "what a sensor is worth is counted by whole costs, and errors of numbers are none",
-    "worst_case": "the worst case is a sum of costs of wrong classes",
     "leaves_on_fresh_rows": "probabilities are those of classes",
     "shared_budget": "labels are classes",
 }
 """What is asked of classes alone, by name, and why: refused in one sentence with a loss of numbers."""
 
 
-NOT_OF_SHAPES = ("near_optimal", "sensor_roles", "worst_case")
+NOT_OF_SHAPES = ("near_optimal", "sensor_roles")
 """What knows nothing of `Problem.is_shaped`: its searches go through trees level by level."""
 
 

@@ -5,8 +5,9 @@ per split, total sensor cost at most `sensor_budget`.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import repeat
 from typing import Any, Literal
 
 import numpy as np
@@ -32,11 +33,17 @@ def set_field(noun: object, name: str, value: object) -> None:
     object.__setattr__(noun, name, value)
 
 
+def with_leaves(tree: Node, others: Iterator[Leaf]) -> Node:
+    """Return a tree with other leaves, from the left."""
+    if isinstance(tree, Leaf):
+        return next(others)
+    left = with_leaves(tree.left, others)
+    return replace(tree, left=left, right=with_leaves(tree.right, others))
+
+
 def without_predictions(tree: Node) -> Node:
     """Return a tree with class 0 in every leaf: its splits alone."""
-    if isinstance(tree, Leaf):
-        return Leaf(0)
-    return replace(tree, left=without_predictions(tree.left), right=without_predictions(tree.right))
+    return with_leaves(tree, repeat(Leaf(0)))
 
 
 def splits_of(most_leaves: int | None, split: str, name: str) -> int | None:
@@ -95,8 +102,8 @@ class Shape:
         `k` leaves has `k - 1` splits.
     monotone
         features along which the prediction never falls ("+" or 1) or never rises ("-" or -1) anywhere in the tree, all
-        other features being equal: a mapping from features, or one direction for each; classes are ordered as
-        `class_names` are. None: no order. Axis-aligned splits, constant leaves and no missing readings.
+        other features being equal: a mapping from features, or one direction for each; classes rise along
+        `class_order`. None: no order. Axis-aligned splits, constant leaves and no missing readings.
     fixed_splits
         splits that stand in the tree, by address: a mapping such as {"ROOT": "g05", "L": "g01<=3.2", "R": "leaf"}
         (`octmip.trees.parts`). None: none. Predictions are free.

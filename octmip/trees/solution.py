@@ -94,13 +94,13 @@ def is_tolerable(tolerance: float, least_saving: float) -> bool:
 def closing_tolerance(objective: float, bound: float, least_saving: float) -> float:
     """Return how far a bound is from the objective of a tree that a finished search found; -1 if too far for a proof.
 
-    The distance is rounding alone. It proves the tree optimal if `is_tolerable`; beyond, two trees may have been taken
-    for equal.
+    The distance is rounding alone. It proves the tree optimal if `is_tolerable`, half a unit in the last place of the
+    objective included, by which the tree may cost more than it says; beyond, two trees may have been taken for equal.
     """
     distance = max(0.0, objective - bound)
     while objective - distance > bound:
         distance = math.nextafter(distance, math.inf)
-    return distance if is_tolerable(distance, least_saving) else -1.0
+    return distance if is_tolerable(distance + math.ulp(objective) / 2, least_saving) else -1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +179,8 @@ class Solution:
     @property
     def is_optimal(self) -> bool:
         """Whether the bound proves that no tree of the problem is better (by more than `tolerance`)."""
-        return self.tree is not None and self.bound >= self.objective - self.tolerance
+        is_said = self.tree is not None and self.stop is not Stop.NUMERICS
+        return is_said and self.bound >= self.objective - self.tolerance
 
 
 class ProofError(SolverError):

@@ -20,24 +20,24 @@ auto      exact for axis-aligned trees where it knows all that is asked, else se
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import certify, checked_incumbent
 from octmip.trees.methods import interruption
 from octmip.trees.methods.options import (
     NO_OPTIONS,
-    OPTIONS,
     BendersOptions,
     ExactOptions,
     MipOptions,
     Options,
     SearchOptions,
 )
-from octmip.trees.methods.pruning import fitting
 from octmip.trees.problem import Problem
-from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of, taker
+from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
+from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.trees.solver_call import Call, options_for
 from octmip.trees.solves_file import kept_solve
 from octmip.trees.tree import Node
 
@@ -122,7 +122,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
 
     def result() -> Solution:
         with run.options.opened(run.n_jobs) as options:
-            return _result(_Call(problem, replace(run, options=options), start), name, first)
+            return _result(Call(problem, replace(run, options=options), start), name, first)
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
     return checked_solution(problem, replace(solution, seconds=time.perf_counter() - start))
@@ -219,17 +219,6 @@ def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) 
     model_of(problem, name, start=first, mu=options.mu, seed=run.seed, limits=run.limits).write(options.write)
 
 
-def options_for(problem: Problem, method: str, given: Options) -> Options:
-    """Return options as the class of a method, by which a problem is solved.
-
-    Raises
-    ------
-    ProblemError
-        one is given that the method does not take for this loss and split.
-    """
-    return given.of_kind(OPTIONS[method], *taker(problem, method))
-
-
 def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:
     """Whether a local search comes first: it shortens a proof; HiGHS begins with CART's tree unless it is asked for."""
     solver = solvers_of(problem)[name]
@@ -240,42 +229,11 @@ def _wants_incumbent(problem: Problem, name: str, options: Options) -> bool:
     return solver.proves and (is_deep or _starts_less_deep(problem, name))
 
 
-@dataclass(frozen=True, slots=True)
-class _Call:
-    """The call that all solvers of one `solve` share."""
-
-    problem: Problem
-    run: Run
-    start: float
-
-    def solve(
-        self,
-        name: str,
-        tree: Node | None,
-        *,
-        share: float = 1.0,
-        options: Options = NO_OPTIONS,
-    ) -> Solution:
-        """Return the solution of one solver within `share` of the seconds that are left."""
-        run, spent = self.run, time.perf_counter() - self.start
-        solution = solvers_of(self.problem)[name].load()(
-            self.problem,
-            limits=replace(run.limits, seconds=share * max(0.0, run.limits.seconds - spent)),
-            incumbent=tree,
-            seed=run.seed,
-            n_jobs=run.n_jobs,
-            progress=self._shifted_progress(spent),
-            options=options_for(self.problem, name, options),
-        )
-        return fitting(self.problem, solution) if self.problem.is_shaped else solution
-
-    def _shifted_progress(self, spent: float) -> Callable[[Progress], None] | None:
-        progress = self.run.progress
-        return progress and (lambda state: progress(replace(state, seconds=state.seconds + spent)))
-
-
-def _result(call: _Call, name: str, first: Solution | None) -> Solution:
+def _result(call: Call, name: str, first: Solution | None) -> Solution:
     """Return the solution of a method that starts from `first`, or from a search where that helps."""
+    free = freed(call.problem) if name == "search" and call.run.method == "auto" else None
+    if free is not None:
+        return in_order(call, free, first)
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
         first = _first_tree(call, name)
         if first.stop is Stop.INTERRUPTED:
@@ -306,7 +264,7 @@ def _starts_less_deep(problem: Problem, name: str) -> bool:
     return solvers_of(problem)[name] is SHAPED and problem.monotone is not None and problem.depth > PROVEN_IN_ORDER
 
 
-def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float = SEARCH_SHARE) -> Solution:
+def _first_tree(call: Call, name: str, tree: Node | None = None, share: float = SEARCH_SHARE) -> Solution:
     """Return the tree that a proof starts from: the best axis-aligned one for boxes of lines, else one of search."""
     if solvers_of(call.problem)[name] is TWO_FEATURE:
         # A few milliseconds; without it a proof that is stopped while it lays out its tables has next to nothing.
@@ -321,7 +279,7 @@ def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float =
 
         limits = replace(call.run.limits, seconds=max(0.0, (call.run.limits.seconds - spent) / 2))
         run = replace(call.run, limits=limits, progress=shown)
-        less = _Call(replace(call.problem, depth=call.problem.depth - 1), run, time.perf_counter())
+        less = Call(replace(call.problem, depth=call.problem.depth - 1), run, time.perf_counter())
         return replace(_result(less, name, None), solver=SHALLOWER, bound=-math.inf)
     options = SearchOptions(cluster=call.run.options.cluster)
     if share < 1.0:  # a proof follows; where it has ended, all the time that is left is the search's
@@ -330,7 +288,7 @@ def _first_tree(call: _Call, name: str, tree: Node | None = None, share: float =
     return call.solve("search", tree, share=share, options=options)
 
 
-def _solved(call: _Call, name: str, first: Solution | None, share: float) -> Solution:
+def _solved(call: Call, name: str, first: Solution | None, share: float) -> Solution:
     """Return one solver's solution; a Ctrl-C that it did not see itself ends with the incumbent."""
     try:
         return call.solve(name, first.tree if first else None, share=share, options=call.run.options)

@@ -57,9 +57,6 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     for loss in ("squared", "absolute", "quantile"):  # bins, buckets, parts of a feature
         assert max(len(np.unique(problem.targets)) for problem in numbers if problem.loss.name == loss) > 64
         assert max(len(np.unique(problem.features)) for problem in numbers if problem.loss.name == loss) > 256
-    worst = drawn(KINDS["worst_case"].draw, 100)
-    assert max(len(np.unique(banded.problem.features)) for banded in worst) > 64  # cuts of a feature in slices
-    assert max(banded.problem.n_classes for banded in worst) > 7  # more than 20 pairs of labels
     near = drawn(KINDS["near"].draw, 60)
     assert max(entry.problem.n_samples for entry in near) > 64
 

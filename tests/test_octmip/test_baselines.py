@@ -15,7 +15,7 @@ IRIS = Problem(X, Y, depth=1)
 
 
 def test_every_baseline_of_classes_predicts_indices_of_classes():
-    named = replace(IRIS, targets=np.array(["a", "b", "c"])[Y], class_names=None)
+    named = replace(IRIS, targets=np.array(["a", "b", "c"])[Y], class_names=None, class_order=None)
     found = baselines_of(named)
     assert set(found) == {"linear", "discriminant", "pruned CART", "forest", "boosting"}
     for name, train in found.items():

@@ -16,7 +16,6 @@ from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
 from octmip.trees.tree import Node, ValueLeaf
 from octmip.trees.uncertainty import CredibleSets
-from octmip.trees.worst_case import certify_worst_case
 from tests.test_octmip.test_near_sets import Claimed, five_values
 
 
@@ -34,23 +33,6 @@ def test_objectives_in_whole_numbers_are_compared_to_the_last_unit() -> None:
     for objective in (heavy - 1, heavy + 1):
         with pytest.raises(CertificateError, match="the tree's own"):
             certify(problem, claim(STUMP, objective, 0.0))
-
-
-def test_a_worst_case_claimed_too_low_is_refused_as_one_too_high() -> None:
-    problem = five_values("aaabb")
-    tree = Split(0, 2.5, Leaf(0), Leaf(1))
-    assert certify_worst_case(problem, claim(tree, 1.0, 0.0), 0.5).worst == 1.0
-    for objective in (0.0, 2.0):
-        with pytest.raises(CertificateError, match="claims the worst case"):
-            certify_worst_case(problem, claim(tree, objective, 0.0), 0.5)
-
-
-def test_no_worst_case_has_a_bound_above_the_best_leaf() -> None:
-    problem = five_values("aaabb")
-    crossed = Split(0, 2.5, Leaf(1), Leaf(0))
-    assert certify_worst_case(problem, claim(crossed, 5.0, 2.0), 0.0).worst == 5.0
-    with pytest.raises(CertificateError, match=r"one of 2\.0 is known"):
-        certify_worst_case(problem, claim(crossed, 5.0, 3.0), 0.0)
 
 
 def test_an_optimum_claimed_too_low_is_refused_as_one_too_high() -> None:

@@ -11,7 +11,6 @@ from octmip.sensing.shared.budget import shared_budget
 from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
 from octmip.trees.registry import ASKED_OF_CLASSES
 from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier
-from octmip.trees.worst_case import least_worst
 
 LOSSES = {
     "classes": ClassCosts(),
@@ -158,7 +157,6 @@ def test_the_digest_of_a_problem_tells_levels_apart():
     [
         ("near_optimal", lambda problem: near_optimal(problem, relative=0.1)),
         ("sensor_roles", sensor_roles),
-        ("worst_case", lambda problem: least_worst.solve(problem, 0.1)),
         ("leaves_on_fresh_rows", lambda problem: leaves_on_fresh_rows(problem, problem.best_leaf())),
         ("shared_budget", lambda problem: shared_budget([problem, problem], 2.0)),
     ],

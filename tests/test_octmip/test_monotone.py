@@ -1,24 +1,28 @@
 """Monotone trees: proven against a list of all trees, recounted by the certificate, kept by every method and door."""
 
 import time
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from sklearn.tree import DecisionTreeRegressor
 
 from benchmarks.kinds.classes import complaint
 from benchmarks.kinds.shaped import MONOTONE_KINDS
+from benchmarks.oracles.monotone import least_monotone_error
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
-from octmip.trees.losses import SquaredError
-from octmip.trees.methods.pruning import ordered
+from octmip.trees.losses import AbsoluteError, QuantileError, SquaredError
+from octmip.trees.methods.ordering import ordered
 from octmip.trees.near_sets import near_optimal
 from octmip.trees.order import disorder
 from octmip.trees.registry import Run
 from octmip.trees.solution import Progress
-from octmip.trees.solver import SHALLOWER, _Call, _first_tree
+from octmip.trees.solver import SHALLOWER, _first_tree
+from octmip.trees.solver_call import Call
 from octmip.trees.tree import predict
 
 RNG = np.random.default_rng(4)
@@ -115,6 +119,46 @@ def test_a_search_that_is_stopped_claims_no_more_than_it_knows():
     assert solution.bound <= solution.objective
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_ordered_numbers_against_the_list_of_all_trees(seed):
+    rng = np.random.default_rng(seed)
+    n, p = int(rng.integers(4, 9)), int(rng.integers(1, 3))
+    problem = Problem(
+        rng.integers(0, 4, (n, p)),
+        rng.integers(0, 6, n),
+        depth=2,
+        loss=SquaredError(),
+        monotone=[int(rng.choice([-1, 1])), *rng.choice([-1, 0, 1], p - 1).tolist()],
+        weights=rng.integers(1, 4, n),
+        leaf_size=int(rng.choice([1, 1, 2])),
+        leaf_penalty=float(rng.choice([0, 0, 1])),
+    )
+    truth, found = least_monotone_error(problem), solve(problem)
+    certify(problem, found)
+    assert found.bound <= truth + 1e-9
+    assert found.objective >= truth - 1e-9
+
+
+@pytest.mark.parametrize(("loss", "depth"), [(SquaredError(), 3), (AbsoluteError(), 2), (QuantileError(0.8), 2)])
+def test_ordered_numbers_are_no_worse_than_an_ordered_tree_that_is_known(depth, loss):
+    kept = 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        features = rng.normal(size=(40, 3))
+        targets = features @ rng.uniform(0, 1, 3) + rng.uniform(0, 1) * rng.normal(size=40)
+        problem = Problem(features, targets, depth=depth, loss=loss, monotone=[1, 1, 1])
+        free, found = solve(replace(problem, monotone=None)), solve(problem)
+        if disorder(free.tree, problem.directions) is None:
+            kept += 1
+            assert (found.objective, found.is_optimal) == (free.objective, True)
+        assert found.bound == free.bound
+        assert found.objective <= solve(replace(problem, depth=depth - 1)).objective
+        grown = DecisionTreeRegressor(max_depth=depth, monotonic_cst=[1, 1, 1], random_state=0).fit(features, targets)
+        errors = loss.of_misses(targets - grown.predict(features))
+        assert found.objective <= errors.sum() * (1 + 1e-9)
+    assert kept or depth == 3
+
+
 def test_numbers_are_searched_and_their_proof_says_that_it_cannot():
     numbers = Problem(FEATURES, -(FEATURES[:, 0] ** 2), depth=3, loss=SquaredError(), monotone={0: "+"})
     assert certify(numbers, solve(numbers, "search")).n_splits >= 1
@@ -173,7 +217,7 @@ def test_a_proof_in_order_that_is_stopped_has_a_tree_no_worse_than_the_best_one_
     labels = features[:, 0] + features[:, 1] * features[:, 2] + rng.normal(size=3000) > 0
     less, deep = (Problem(features, labels, depth=depth, monotone=[1] + 7 * [0]) for depth in (3, 4))
     seen = []
-    call = _Call(deep, Run("exact", Limits(seconds=60.0), progress=seen.append), time.perf_counter())
+    call = Call(deep, Run("exact", Limits(seconds=60.0), progress=seen.append), time.perf_counter())
     first = _first_tree(call, "exact")
     assert (first.solver, first.bound) == (SHALLOWER, -np.inf)
     assert first.objective == solve(less, "exact").objective

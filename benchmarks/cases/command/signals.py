@@ -62,7 +62,6 @@ ANSWERS: Mapping[str, tuple[str, ...]] = {
     "benchmark": ("tables", "--depth", "3", "--json"),
     "near-optimal": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
     "sensors": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
-    "worst-case": ("hard.csv", "--label", "y", "--depth", "2", "--off", "0.1", "--json"),
     "frontier": ("hard.csv", "--label", "y", "--over", "depth", "--depth", "5", "--folds", "3", "--json"),
     "diagnose": ("campaign.csv", "--twin", "asset:Asset", "--json"),
     "monitor": ("--twin", "asset:Cracked", "--noise", "2", "--depth", "4", "--out", "cracked", "--json"),

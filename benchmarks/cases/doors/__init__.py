@@ -1,1 +1,1 @@
-"""Models, tables and files that go out to other programs and come back, by the hundred."""
+"""The doors asked at size: what others made comes in, and what goes out, drawn by the hundred."""

@@ -111,7 +111,7 @@ def picture(lines: Sequence[Line], path: Path) -> None:
 
 
 def summary(lines: Sequence[Line]) -> str:
-    """Return the tables of docs/theory/shells.md."""
+    """Return the tables of docs/results/shells.md."""
     solvers = list(dict.fromkeys(line["solver"] for line in lines if "solver" in line))
     parts = [_table("problem | mesh", "problem", lines, solvers), _table("straight beam of 6", "beam", lines, solvers)]
     parts.append("\n\n".join(dict.fromkeys(_reason(line) for line in lines if "outcome" in line)))

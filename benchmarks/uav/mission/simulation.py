@@ -45,8 +45,10 @@ def fly(
 ) -> Flights:
     """Return what becomes of missions with these histories under a policy.
 
-    Args:
-        signature: (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
+    Parameters
+    ----------
+    signature
+        (n_gauges,) what a wholly damaged third region adds, microstrain per unit of load and of damage.
     """
     n = histories.n
     clock, excess = np.zeros(n), np.full(n, -1.0)

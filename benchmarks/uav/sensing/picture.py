@@ -22,10 +22,14 @@ NAME_HEIGHT, NAME_WIDTH = 0.16, 0.035  # [m] ahead of the spar, clear of the lea
 def placement_figure(wing: Wing, sensitivity: NDArray[np.float64], chosen: Sequence[str]) -> Figure:
     """Return planform, damage regions and gauges.
 
-    Args:
-        wing: with its gauges.
-        sensitivity: (n_gauges,) change of reading from no to 80 % loss in region 2 at 3 g [microstrain].
-        chosen: names of the gauges that the tree reads.
+    Parameters
+    ----------
+    wing
+        with its gauges.
+    sensitivity
+        (n_gauges,) change of reading from no to 80 % loss in region 2 at 3 g [microstrain].
+    chosen
+        names of the gauges that the tree reads.
     """
     figure = Figure(figsize=(10, 4.0), layout="constrained")
     axes = figure.subplots()

@@ -6,7 +6,7 @@ dates, per cent and amounts as people write them (`octmip.formats.columns.writte
 
 import math
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, time, timedelta
 from decimal import Decimal
 from typing import Any, Literal
 
@@ -27,16 +27,17 @@ from octmip.formats.columns.written import (
     words_of,
     zone_in,
 )
-from octmip.input.cells import plain_number
+from octmip.input.cells import BEYOND, beyond_exact, is_beyond, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
 MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
-EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 Stored = Literal["numbers", "texts", "truths"]
 """What the cells of a column are in its table: numbers or times, texts (numbers among words too), or Booleans."""
+DATE_CELLS = (date, np.datetime64, pd.Period)
+DURATION_CELLS = (timedelta, np.timedelta64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,13 +110,10 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     kind = series.dtype.kind
     if isinstance(series.dtype, pd.CategoricalDtype):
         return _categories(series, is_missing)
-    if isinstance(series.dtype, pd.PeriodDtype):
-        return _numbers(read_times(series.dt.to_timestamp()), is_missing, ISO)
-    if kind == "M":
-        zone = getattr(getattr(series.dtype, "pyarrow_dtype", series.dtype), "tz", None)  # dates of Arrow have none
-        return _numbers(read_times(series), is_missing, ISO, zone_of(zone))
+    if isinstance(series.dtype, pd.PeriodDtype) or kind == "M":
+        return _dates(series, is_missing)
     if kind == "m":
-        return _numbers(days_in(series), is_missing, DAYS)
+        return _durations(series, is_missing)
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
@@ -130,22 +128,59 @@ def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: 
     return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form, zone)
 
 
+def _dates(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    if series.dtype.kind == "O":  # a period begins where its date does
+        series = series.map(lambda cell: cell.to_timestamp() if isinstance(cell, pd.Period) else cell)
+    stamps = series.dt.to_timestamp() if isinstance(series.dtype, pd.PeriodDtype) else series
+    try:
+        return _numbers(_distinct(read_times(stamps), stamps, "dates"), is_missing, ISO, _zone(stamps))
+    except (OverflowError, pd.errors.OutOfBoundsDatetime) as error:
+        raise DataError(f"holds a date that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _zone(series: "pd.Series[Any]") -> str:
+    """Return the zone of the clock of dates; dates of Arrow have none, and objects of several zones are read as UTC."""
+    if series.dtype.kind != "O":
+        return zone_of(getattr(getattr(series.dtype, "pyarrow_dtype", series.dtype), "tz", None))
+    zones = {zone_of(getattr(cell, "tzinfo", None)) for cell in series[series.notna()]}
+    return zones.pop() if len(zones) == 1 else "UTC"
+
+
+def _durations(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    try:
+        spans = pd.to_timedelta(series) if series.dtype.kind == "O" else series
+        return _numbers(_distinct(days_in(spans), spans, "durations"), is_missing, DAYS)
+    except (OverflowError, pd.errors.OutOfBoundsTimedelta) as error:
+        raise DataError(f"holds a duration that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _distinct(days: NDArray[np.float64], series: "pd.Series[Any]", what: str) -> NDArray[np.float64]:
+    """Return days; refuse those that float64 merges: of the year 2026 it keeps steps of 0.6 microseconds."""
+    if pd.Series(days).nunique() < series.nunique():
+        raise DataError(
+            f"holds {what} closer to each other than float64 tells days apart; subtract the first one, and give the "
+            "rest as numbers"
+        )
+    return days
+
+
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return numbers as float64; refuse a whole number that it cannot hold."""
-    if series.dtype.kind in "iu":
-        present = series[~is_missing]
-        beyond = np.flatnonzero(((present > EXACT_INTEGERS) | (present < -EXACT_INTEGERS)).to_numpy(dtype=bool))
-        if len(beyond):
-            raise DataError(
-                f"holds {int(present.iloc[int(beyond[0])])}, beyond 2^53, where float64 merges neighbouring integers; "
-                "subtract an offset first, or leave it out"
-            )
-    return np.asarray(series.to_numpy(dtype=np.float64, na_value=math.nan))
+    numbers = np.asarray(series.to_numpy(dtype=np.float64, na_value=math.nan))
+    row = beyond_exact(series.to_numpy(dtype=object) if is_missing.any() else series, numbers)
+    if row is not None:
+        raise DataError(f"holds {int(series.iloc[row])}, {BEYOND}, or leave it out")
+    return numbers
 
 
 def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     categories = series.cat.categories
     kind = categories.dtype.kind
+    is_date = isinstance(categories.dtype, pd.PeriodDtype) or (
+        kind == "O" and len(categories) and all(isinstance(one, DATE_CELLS + DURATION_CELLS) for one in categories)
+    )
+    if is_date and not series.cat.ordered:
+        return read_cells(series.astype(object))
     if kind in "biufmM" and not series.cat.ordered:  # numbers and dates that pandas only stores as categories
         return read_cells(series.astype(np.float64 if is_missing.any() and kind in "biuf" else categories.dtype))
     values = tuple(str(value) for value in categories)
@@ -159,9 +194,12 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
 def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
-    if len(present) and all(isinstance(cell, date) for cell in present):
-        zones = {zone_of(getattr(cell, "tzinfo", None)) for cell in present}
-        return _numbers(read_times(series), is_missing, ISO, zones.pop() if len(zones) == 1 else "UTC")
+    if len(present) and all(isinstance(cell, DATE_CELLS) for cell in present):
+        return _dates(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, DURATION_CELLS) for cell in present):
+        return _durations(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, time) for cell in present):  # as a file has it
+        return _objects(series.astype(object).map(str, na_action="ignore"), is_missing, form)
     odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
@@ -206,13 +244,10 @@ def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArra
 
 
 def _number_of(cell: object) -> float | None:
+    if is_beyond(cell):
+        raise DataError(f"holds {shown(cell)}, {BEYOND}, or leave it out")
     if isinstance(cell, str):
         return plain_number(cell.strip())
-    if isinstance(cell, int | np.integer) and abs(int(cell)) > EXACT_INTEGERS:
-        raise DataError(
-            f"holds {shown(int(cell))}, beyond 2^53, where float64 merges neighbouring integers; subtract an offset "
-            "first, or leave it out"
-        )
     return float(cell)  # type: ignore[arg-type]
 
 

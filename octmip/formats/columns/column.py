@@ -39,7 +39,7 @@ MOST_LEVELS = 12
 CONTENT = Record(
     {
         "column": Text(),
-        "kind": Choice(("number", "values", "subsets", "order")),
+        "kind": Choice(("number", "values", "subsets", "order", "empty")),
         "has_missing": Truth(),
         "least": Number(),
         "most": Number(),
@@ -87,8 +87,8 @@ class Column:
     name
         of the column.
     kind
-        "number", "values" (text, one yes/no feature per value), "subsets" (text, one per set of values) or "order"
-        (text, its rank).
+        "number", "values" (text, one yes/no feature per value), "subsets" (text, one per set of values), "order"
+        (text, its rank) or "empty" (no value in training: one constant, whatever it holds later).
     has_missing
         whether a cell was missing in training; where none was, a missing cell is refused later.
     least, most
@@ -106,7 +106,7 @@ class Column:
     """
 
     name: str
-    kind: Literal["number", "values", "subsets", "order"]
+    kind: Literal["number", "values", "subsets", "order", "empty"]
     has_missing: bool
     least: float = 0.0
     most: float = 0.0
@@ -119,7 +119,7 @@ class Column:
     @property
     def lacks_numbers(self) -> bool:
         """Whether its feature is NaN where a cell is missing."""
-        return self.has_missing and not self.asks_texts and not self.is_doubled
+        return self.has_missing and self.kind in ("number", "order") and not self.is_doubled
 
     @property
     def asks_texts(self) -> bool:
@@ -137,7 +137,7 @@ class Column:
             return self._questions()
         if self.kind == "subsets":
             return _sets(self.name, self._levels)
-        plain: FeatureKind = "number" if self.kind == "number" else "order"
+        plain: FeatureKind = "order" if self.kind == "order" else "number"
         if not self.is_doubled:
             return (Feature(self.name, self.name, plain),)
         return (
@@ -167,21 +167,24 @@ class Column:
     def _range(self) -> tuple[float, float]:
         return (self.least, self.most) if self.kind == "number" else (0.0, len(self.values) - 1.0)
 
-    def encode(self, cells: Cells) -> NDArray[np.float64]:
-        """Return the features of some cells, shape (n_rows, len(features)).
+    def encode(self, cells: Cells, *, takes_missing: bool = False) -> NDArray[np.float64]:
+        """Return the features of some cells, shape (n_rows, len(features)), NaN where one is missing.
+
+        A missing text is a level like others where training had one, and NaN in every feature where it had none. With
+        `takes_missing` a text without a place in the order of training is missing too.
 
         Raises
         ------
         DataError
             a text has no place in the order of training; the sentence begins behind the name of the column.
         """
-        if self.kind == "values":
+        if self.asks_texts:
             words = self.words_of(cells)
-            is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
-            return np.column_stack(is_value).astype(np.float64)
-        if self.kind == "subsets":
-            return self._memberships(self.words_of(cells))
-        numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells))
+            answers = self._answers(words) if self.kind == "values" else self._memberships(words)
+            if not self.has_missing:
+                answers[np.equal(words, None)] = math.nan
+            return answers
+        numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells), takes_missing)
         if not self.is_doubled:
             return numbers[:, None]
         is_missing, (below, above), (least, most) = np.isnan(numbers), self.beyond, self._range
@@ -189,6 +192,11 @@ class Column:
         # a number outside the training's range counts as its end, and stays on its side of every cut.
         left, right = np.maximum(numbers, least), np.minimum(numbers, most)
         return np.column_stack((np.where(is_missing, below, left), np.where(is_missing, above, right)))
+
+    def _answers(self, words: NDArray[Any]) -> NDArray[np.float64]:
+        """Return the answers of some texts (n_rows, n_features); one that training had not is none of its values."""
+        is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
+        return np.column_stack(is_value).astype(np.float64)
 
     def _memberships(self, words: NDArray[Any]) -> NDArray[np.float64]:
         """Return the answers of some texts (n_rows, n_features); one that training had not is in no set."""
@@ -209,15 +217,15 @@ class Column:
         numbers = [None if math.isnan(number) else number for number in cells.numbers.tolist()]
         return np.array([number if number is None else text.get(number, f"{number:g}") for number in numbers], object)
 
-    def _ranks(self, words: NDArray[Any]) -> NDArray[np.float64]:
+    def _ranks(self, words: NDArray[Any], takes_missing: bool) -> NDArray[np.float64]:
         rank = {value: float(k) for k, value in enumerate(self.values)} | {None: math.nan}
         unseen = next((word for word in words if word not in rank), None)
-        if unseen is not None:
+        if unseen is not None and not takes_missing:
             raise DataError(
                 f"holds {shown(unseen)}, which has no place in the order of training; train with it, or without the "
                 "order (categories 'yes-no')"
             )
-        return np.array([rank[word] for word in words], dtype=np.float64)
+        return np.array([rank.get(word, math.nan) for word in words], dtype=np.float64)
 
     def number_text(self, value: float, number: Callable[[float], str] = exact) -> str:
         """Return a number of the column as people write it: a date, a duration, an amount with its sign."""
@@ -302,7 +310,7 @@ class Column:
             raise DataError(f"column {shown(taken['column'])} names a value twice, or its range ends before it begins")
         if taken["form"] and taken["kind"] != "number":
             raise DataError(f"column {shown(taken['column'])}: texts have no form of numbers; write the file anew")
-        if (taken["kind"] == "number") == bool(taken["values"]):
+        if (taken["kind"] in ("number", "empty")) == bool(taken["values"]):
             raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
         if taken["kind"] == "subsets" and len(taken["values"]) + taken["has_missing"] > MOST_LEVELS:
             raise DataError(f"column {shown(taken['column'])}: sets are made of {MOST_LEVELS} texts at most")

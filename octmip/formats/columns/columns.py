@@ -26,7 +26,7 @@ Missing = Literal["either-side", "refuse"]
 MOST_VALUES = 100
 """Different texts of a column that becomes yes/no questions."""
 MOST_UNIQUE = 0.5
-"""Share of rows with a text of their own, above which a text names the rows."""
+"""Share of rows with a text of their own, above which a text names the rows; in a part of a table every row has one."""
 FEW_VALUES = 20
 """As few different texts never name the rows."""
 COLUMNS = Record({"columns": ListOf(CONTENT, least=1)}, closed=True)
@@ -61,6 +61,7 @@ class Columns:
         categories: Categories = "yes-no",
         missing: Missing = "either-side",
         doubled: bool = False,
+        of_part: bool = False,
     ) -> Self:
         """Return how the columns of a table become features.
 
@@ -77,6 +78,9 @@ class Columns:
         doubled
             a number or rank with missing cells becomes two complete features, for trees whose splits have no side for
             missing readings.
+        of_part
+            the frame may be a part of a table, as in cross-validation: a column may have lost its values, and texts
+            most of their repetitions. A column without a value becomes a constant.
 
         Raises
         ------
@@ -88,7 +92,10 @@ class Columns:
         for name, series in zip(_names_of(frame), _series_of(frame), strict=True):
             try:
                 cells = read_cells(series)
-                _refuse(cells, len(frame), categories, missing)
+                if of_part and missing != "refuse" and cells.n_missing == len(frame):
+                    found.append(Column(name, "empty", has_missing=True))
+                    continue
+                _refuse(cells, len(frame), categories, missing, 1 - 1 / len(frame) if of_part else MOST_UNIQUE)
                 found.append(_column_of(name, cells, categories, doubled, stored_as(series)))
             except DataError as error:
                 reasons[name] = str(error)
@@ -141,8 +148,8 @@ class Columns:
         Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
         question for its value; `unseen` names such texts. Where every column is float32, so are the features.
 
-        A tree that has a side for missing readings at every split takes missing numbers in any column:
-        `takes_missing`, by default whether some column lacked numbers in training.
+        A tree that has a side for missing readings at every split takes missing cells in any column, NaN in its
+        features where training had none: `takes_missing`, by default whether some column lacked numbers in training.
 
         Raises
         ------
@@ -158,6 +165,9 @@ class Columns:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
                 given = frame.iloc[:, position[column.name]]
+                if column.kind == "empty":  # no split reads it
+                    blocks.append(np.zeros((len(frame), 1), dtype=np.float32))
+                    continue
                 block = _encoded(column, read_cells(given, column.form), takes_missing)
                 blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
             except DataError as error:
@@ -174,7 +184,7 @@ class Columns:
         DataError
             there are such columns; the sentence ends with `cure`.
         """
-        lacking = [shown(column.name) for column in self.columns if column.has_missing and not column.asks_texts]
+        lacking = [shown(c.name) for c in self.columns if c.has_missing and c.kind in ("number", "order")]
         if lacking:
             named = ", ".join(lacking[:5]) + (f" and {len(lacking) - 5} more" if len(lacking) > 5 else "")
             raise DataError(
@@ -186,14 +196,17 @@ class Columns:
         """Return a sentence for each column of text with values that training had not."""
         found = []
         for column in self.columns:
-            if column.asks_texts:
+            if column.values:
                 words = column.words_of(read_cells(frame[column.name], column.form)).tolist()
                 new = sorted(set(words) - {None, *column.values})
                 if new:
                     rows = sum(word in new for word in words)
+                    answer = (
+                        "every question for a value is answered no" if column.asks_texts else "it counts as missing"
+                    )
                     found.append(
                         f"{column.name} holds {shown(new[0])} ({len(new)} such values, {rows} rows), which training "
-                        "had not; every question for a value is answered no"
+                        f"had not; {answer}"
                     )
         return tuple(found)
 
@@ -201,8 +214,10 @@ class Columns:
         """Return what was encoded, and how, as sentences; none where every feature is its column."""
         asked = [column for column in self.columns if column.kind == "values"]
         ranked = [column for column in self.columns if column.kind == "order"]
-        lacking = [column for column in self.columns if column.has_missing]
+        lacking = [column for column in self.columns if column.has_missing and column.kind != "empty"]
         found = []
+        if empty := [column for column in self.columns if column.kind == "empty"]:
+            found.append(f"no split reads {_listed(empty)}, without a value in any row")
         if sets := [column for column in self.columns if column.kind == "subsets"]:
             found.append(f"a split may ask for any set of the texts in {_listed(sets)}")
         if asked:
@@ -283,7 +298,7 @@ def _listed(columns: list[Column]) -> str:
     return f"{len(names)} column{'s' * (len(names) != 1)} ({', '.join(names[:6])}{more})"
 
 
-def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing) -> None:
+def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing, most_unique: float) -> None:
     """Refuse a column that the user wants refused, or that would not help."""
     if cells.n_missing == n_rows:
         raise DataError("has no value in any row; leave it out")
@@ -294,7 +309,7 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
     if not cells.is_text or cells.is_ordered:
         return
     n_values = len(cells.values)
-    if n_values > FEW_VALUES and n_values > MOST_UNIQUE * n_rows:
+    if n_values > FEW_VALUES and n_values > most_unique * n_rows:
         raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
     n_levels = n_values + (cells.n_missing > 0)
     if categories == "subsets" and n_levels > MOST_LEVELS:
@@ -336,8 +351,8 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool, s
 
 
 def _encoded(column: Column, cells: Cells, takes_missing: bool) -> NDArray[np.float64]:
-    if cells.n_missing and not (column.has_missing or (takes_missing and not column.asks_texts)):
+    if cells.n_missing and not (column.has_missing or takes_missing):
         raise DataError(f"has {_missing(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
-    return column.encode(cells)
+    return column.encode(cells, takes_missing=takes_missing)

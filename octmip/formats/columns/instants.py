@@ -1,21 +1,21 @@
 """Dates, times and durations of a tree as text, and the cuts between two of them that need the fewest fields.
 
-A tree compares days since 1970-01-01 (UTC) as float64, `days_of`. A text is right when comparing instants with it
-parts them as the tree does. Every whole nanosecond has its days, so a text is one of those that have the days of the
-cut: the one of fewest fields. A cut between two neighbouring dates of the training is put where that is short:
+A tree compares days since 1970-01-01 (UTC) as float64, `days_of`. The text of a cut is the last instant that goes left,
+so comparing instants with it parts all of them as the tree does. A cut between two neighbouring dates of the training
+is put where its text is short:
 
     neighbours                                            cut
     2024-03-01               2024-03-02                   2024-03-01
     2024-03-01 10:00:00.320  2024-03-01 10:00:00.340      2024-03-01 10:00:00.33
     2024-03-01 07:00         2024-03-05 19:30             2024-03-04
 
-Instants less than a microsecond apart may share their days, and then no tree parts them.
+Float64 tells microseconds apart until the year 2148. Instants between two of them may share their days, and then no
+tree parts them; but none shares those of the microsecond before it, or the text of a cut there would need nine digits.
 """
 
 import datetime
 import math
 import zoneinfo
-from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from octmip.trees.digits import exact
 
-SECOND = 10**9
+MICROSECOND, SECOND = 10**3, 10**9
 DAY = 86400 * SECOND
 """Nanoseconds."""
-GRAINS = (DAY, 60 * SECOND, *(SECOND // 10**digits for digits in range(10)))
+GRAINS: tuple[int, ...] = (DAY, 60 * SECOND, *(SECOND // 10**digits for digits in range(10)))
 """The fields of a text, and the digits of its seconds, as nanoseconds."""
 MOST_DAYS = 1e11
 """Farther from 1970 there is no calendar."""
@@ -36,7 +36,11 @@ MOST_DAYS = 1e11
 def days_of(ticks: NDArray[np.integer[Any]], per_day: int) -> NDArray[np.float64]:
     """Return the days of instants (n,) that are counted in ticks since 1970, the same for every length of a tick."""
     days, rest = np.divmod(ticks, per_day)
-    return days + rest / per_day
+    found = days + rest / per_day
+    if per_day < DAY:
+        return found
+    beyond = rest % MICROSECOND
+    return np.where(beyond, np.maximum(found, np.nextafter(days + (rest - beyond) / per_day, np.inf)), found)
 
 
 def date_text(days: float, zone: str) -> str:
@@ -52,8 +56,7 @@ def date_text(days: float, zone: str) -> str:
     if abs(days) > MOST_DAYS:
         return f"day {exact(days)}"
     offset = _offset(days, zone)
-    first, last = instants_of(days)
-    day, clock = divmod(_roundest(first + offset, last + offset), DAY)
+    day, clock = divmod(last_instant(days) + offset, DAY)
     text = str(np.datetime64(day, "D"))
     if clock or zone:
         text += f" {_clock(clock, least=2)}"
@@ -64,7 +67,7 @@ def duration_text(days: float) -> str:
     """Return a duration in the fewest fields: 3 days, 3 days 02:00:00, 00:05:12.3; of a negative one a minus before."""
     if abs(days) > MOST_DAYS:
         return f"{exact(days)} days"
-    instant = _roundest(*instants_of(days))
+    instant = last_instant(days)
     day, clock = divmod(abs(instant), DAY)
     sign, plural = "-" if instant < 0 else "", "" if day == 1 else "s"
     whole = f"{day} day{plural}" if day or not clock else ""
@@ -78,7 +81,7 @@ def cut_between(low: float, high: float, zone: str = "") -> float:
     middle third.
     """
     offset = _offset(low, zone)
-    before, after = (_roundest(*instants_of(days)) + offset for days in (low, high))
+    before, after = last_instant(low) + offset, last_instant(high) + offset
     middle = (before + after) // 2
     for grain in GRAINS:
         cut = middle // grain * grain
@@ -92,30 +95,17 @@ def cut_between(low: float, high: float, zone: str = "") -> float:
 
 
 def _days(instant: int) -> float:
-    day, clock = divmod(instant, DAY)
-    return day + clock / DAY
+    return float(days_of(np.array([instant]), DAY)[0])
 
 
-def instants_of(days: float) -> tuple[int, int]:
-    """Return the first and the last nanosecond of these days; where none has them, the last one before, twice."""
-    near: int = math.floor(Fraction(days) * DAY)
-    reach = 2 + math.ceil(math.ulp(days) * DAY)
-    first = _first(lambda instant: _days(instant) >= days, near - reach, near + reach)
-    last = _first(lambda instant: _days(instant) > days, near - reach, near + reach) - 1
-    return min(first, last), last
-
-
-def _first(holds: Callable[[int], bool], low: int, high: int) -> int:
-    """Return the first instant from which on a condition holds, by halving."""
-    while low < high:
+def last_instant(days: float) -> int:
+    """Return the last nanosecond that has these days or fewer, by halving."""
+    near, reach = math.floor(Fraction(days) * DAY), 2 * MICROSECOND + math.ceil(2 * math.ulp(days) * DAY)
+    low, high = near - reach, near + reach  # of these two, low has no more days and high has more
+    while high - low > 1:
         middle = (low + high) // 2
-        low, high = (low, middle) if holds(middle) else (middle + 1, high)
+        low, high = (middle, high) if _days(middle) <= days else (low, middle)
     return low
-
-
-def _roundest(first: int, last: int) -> int:
-    """Return the instant of fewest fields from `first` to `last`."""
-    return next(last // grain * grain for grain in GRAINS if last // grain * grain >= first)
 
 
 def _clock(clock: int, least: int) -> str:

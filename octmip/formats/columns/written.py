@@ -28,6 +28,8 @@ from octmip.input.messages import shown
 Floats = NDArray[np.float64]
 ISO, DAYS = "%Y-%m-%d", "days"
 DAY = pd.Timedelta(days=1)
+EPOCH = pd.Timestamp(0, tz="UTC").as_unit("s")
+"""In seconds: in nanoseconds no date beyond 2262 could be counted from it."""
 ORDERS = ("%Y/%m/%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y")
 MONTH_NAMES = ("%d %b %Y", "%d %B %Y", "%d-%b-%Y", "%b %d, %Y", "%B %d, %Y")
 TIMES = ("", " %H:%M", " %H:%M:%S")

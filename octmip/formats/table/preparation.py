@@ -28,15 +28,19 @@ class Preparation:
     rows
         those that are kept: "all", the "labelled" (their label is not missing), or the "complete" (no cell of
         theirs is missing: features, label, weights).
+    class_weight
+        what multiplies the weight of the training rows of each class, in the order of the problem's; None: nothing.
     """
 
     columns: Columns
     index: str | None = None
     rows: RowsKept = "all"
+    class_weight: tuple[float, ...] | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Return the preparation as a JSON object."""
-        return {"columns": self.columns.to_json(), "index": self.index, "rows": self.rows}
+        weight = None if self.class_weight is None else list(self.class_weight)
+        return {"columns": self.columns.to_json(), "index": self.index, "rows": self.rows, "class_weight": weight}
 
     @classmethod
     def from_json(cls, content: dict[str, Any]) -> Self:
@@ -47,7 +51,8 @@ class Preparation:
         DataError
             the columns are none.
         """
-        return cls(Columns.from_json(content["columns"]), content["index"], content["rows"])
+        weight = None if content["class_weight"] is None else tuple(content["class_weight"])
+        return cls(Columns.from_json(content["columns"]), content["index"], content["rows"], weight)
 
 
 def with_written_cuts(problem: Problem, solution: Solution, columns: Columns) -> Solution:

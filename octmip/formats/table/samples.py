@@ -18,12 +18,11 @@ from octmip.formats.columns.written import form_of, is_date, read_texts
 from octmip.formats.table.delimited import line_of_row, read_delimited
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
-from octmip.input.cells import plain_number
+from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, plain_number
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
 
 MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
-EXACT_INTEGERS = 2**53  # beyond it float64 merges neighbouring integers
 OTHERWISE = {
     "feature": ", or leave the column out with --drop",
     "target": "; if its words are classes, name the column by --label instead of --target",
@@ -137,11 +136,10 @@ class Table:
             return column.map(number).to_numpy(dtype=np.float64)
         if column.dtype.kind not in "biuf":
             raise DataError(self._complaint(name, column, purpose))
-        if column.dtype.kind in "iu":
-            is_beyond = ((column > EXACT_INTEGERS) | (column < -EXACT_INTEGERS)).to_numpy()
-            if is_beyond.any():
-                raise DataError(self._beyond(name, int(is_beyond.argmax()), column))
         numbers = column.to_numpy(dtype=np.float64)
+        row = beyond_exact(column, numbers)
+        if row is not None:
+            raise DataError(self._beyond(name, row, column))
         if not np.isfinite(numbers).all():
             row = int(np.isfinite(numbers).argmin())
             raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")
@@ -180,10 +178,7 @@ class Table:
         )
 
     def _beyond(self, name: str, row: int, column: "pd.Series[Any]") -> str:
-        return (
-            f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is beyond 2^53, where float64 merges "
-            "neighbouring integers; subtract an offset first"
-        )
+        return f"{self.place(row, name)}: {shown(int(column.iloc[row]))} is {BEYOND}"
 
     def labels(self, column: str, known: Sequence[Any] | None = None, purpose: str = "label") -> NDArray[Any]:
         """Return the label of each row, shape (n_rows,): whole numbers, numbers, booleans or text.

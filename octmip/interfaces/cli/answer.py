@@ -85,6 +85,7 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
     return {
         "objective": solution.objective,
         "loss": problem.loss.spelling,
+        "class_order": list(problem.class_order) if problem.monotone is not None else None,
         **certificate.measures,
         "n_samples": problem.n_samples,
         "n_missing": problem.n_missing,

@@ -163,10 +163,15 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
     order = group.add_argument(
         "--monotone",
         metavar="C=+,D=-",
-        help="the prediction never falls as column C rises, never rises as D rises; classes by their names",
+        help="the prediction never falls as column C rises, never rises as D rises; classes by --class-order",
+    )
+    classes = group.add_argument(
+        "--class-order",
+        metavar="LOW,HIGH",
+        help="classes from low to high (default: of an ordered Parquet column its own, numbers by size)",
     )
     most_leaves = group.add_argument("--max-leaves", metavar="K", type=int, help="at most K leaves in the tree")
-    for action in (order, most_leaves):
+    for action in (order, classes, most_leaves):
         rarely(action)
     group.add_argument(
         "--split-size", metavar="K", type=int, help="at most K features in one split; hyperplanes where K is 2 or more"

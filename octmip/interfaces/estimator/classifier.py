@@ -1,5 +1,6 @@
 """OptimalTreeClassifier: octmip behind scikit-learn's contract, for pipelines, cross-validation and grid search."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -11,11 +12,12 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.errors import TreeError
+from octmip.formats.columns.frames import series_of
 from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
-from octmip.interfaces.estimator.settings import ClassWeight, class_weights
+from octmip.trees.classes import ClassWeight, class_order_of, codes_of, factors_of, words_of_order
 from octmip.trees.losses import ClassCosts
 from octmip.trees.prediction import predict
 from octmip.trees.uncertainty import LeafDistribution
@@ -42,7 +44,11 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst
         for each column of X 1 where the prediction never falls as it rises, -1 where it never rises, 0 elsewhere, or
-        a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes.
+        a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes, along
+        `class_order`.
+    class_order
+        the classes from low to high, along which `monotonic_cst` goes; None: the order of y where that is an ordered
+        pandas category (polars Enum), of numbers and Booleans their own. Texts have none and need it.
     fixed_splits, path_rules
         parts that the tree must have and rules for the columns on a path, where `max_depth` is not "auto"; as
         `octmip.Problem` takes them, splits by feature and rules by column; None: none.
@@ -65,7 +71,11 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         ("subsets"), their rank ("order"), or are refused ("refuse"); an ordered pandas category becomes its rank.
     missing
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
-        Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.
+        Hyperplanes take none.
+    takes_missing
+        whether predict takes missing values where fit had none, as a fold of a cross-validation may: they go to the
+        side of more training weight. A column without a value in fit is then a constant. False refuses both, unless
+        some value was missing in fit.
     smoothing
         of the probabilities in each leaf. "out-of-fold" corrects the shares of the training rows, which are too high
         for fresh ones, by rows held out of ten quick refits; they run when a probability is first asked for, and take
@@ -101,7 +111,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     certificate_
         what was recomputed from problem and tree alone (`octmip.Certificate`); `sensors_` are those it names.
     leaf_distribution_
-        the classes in each leaf (`octmip.trees.uncertainty.LeafDistribution`); `made` says how they were counted.
+        the classes in each leaf, in the order of `problem_.class_names` (`octmip.trees.uncertainty.LeafDistribution`);
+        `made` says how they were counted.
     feature_importances_
         (n_features_in_,) share of each column of X in the training cost that the splits save.
 
@@ -109,6 +120,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     """
 
     costs: ArrayLike | None = None
+    class_order: Sequence[Any] | None = None
     class_weight: ClassWeight = None
     smoothing: Smoothing = "out-of-fold"
 
@@ -128,18 +140,23 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         """
         features, labels, columns = learn_samples(self, X, y)
         check_classification_targets(labels)
-        given = _check_sample_weight(sample_weight, features, dtype=np.float64)
+        given = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
         self.classes_ = np.unique(labels)
         self.columns_ = columns
         self._label_name = label_name(y)
-        weights = class_weights(self.class_weight, self.classes_, labels, given)
+        classes = self.classes_.tolist()
+        order = tuple(c for c in class_order_of(y, classes, self.class_order) if c in set(classes))
+        self._place = codes_of(np.array(order or classes, dtype=object), classes)
+        codes = np.searchsorted(self.classes_, labels)
+        weights = given * factors_of(self.class_weight, classes, codes, given)[codes]
         own = {
-            "loss": ClassCosts(self.costs),
-            "class_names": tuple(self.classes_.tolist()),
+            "loss": ClassCosts(self._costs()),
+            "class_names": order or tuple(classes),
+            "class_order": order,
             "takes_missing": columns.lack_numbers,
         }
         run = self._answer(features, labels, weights, **own)
-        self._shares = LeafShares(self.problem_, self.tree_, self.smoothing, self.seconds, run.seed, run.n_jobs)
+        self._shares = LeafShares(self.problem_, self._routes, self.smoothing, self.seconds, run.seed, run.n_jobs)
         self._say_how_it_ended()
         return self
 
@@ -152,7 +169,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the class of each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
-        return np.asarray(self.classes_[predict(self.tree_, read_samples(self, X))])
+        return np.asarray(self.classes_[self._place[predict(self._routes, read_samples(self, X))]])
 
     def predict_proba(self, X: ArrayLike, prior: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the probability of each class in the leaf of each row, shape (n_samples, n_classes).
@@ -162,7 +179,17 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         training.
         """
         check_is_fitted(self, "solution_")
-        return self.leaf_distribution_.predict(read_samples(self, X), prior)
+        before = None if prior is None else np.asarray(prior)[self._place]
+        shares = np.empty_like(found := self.leaf_distribution_.predict(read_samples(self, X), before))
+        shares[:, self._place] = found
+        return shares
+
+    def _costs(self) -> NDArray[np.float64] | None:
+        """Return the costs with rows and columns in the order of the problem's classes."""
+        costs, n_classes = self.costs, len(self.classes_)
+        if costs is None or np.shape(costs) != (n_classes, n_classes):  # a Problem says what is wrong with it
+            return costs  # type: ignore[return-value]
+        return np.asarray(costs)[np.ix_(self._place, self._place)]
 
     def predict_log_proba(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the logarithm of `predict_proba`, shape (n_samples, n_classes); -inf for a probability of 0."""
@@ -186,6 +213,12 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             raise TreeError(
                 f"a DecisionTreeClassifier reads numbers only, and here {'; '.join(self.columns_.changes())}; fit on "
                 "columns_.encode(X), whose columns are numbers, and convert that"
+            )
+        if (self._place != np.arange(len(self._place))).any():
+            order = words_of_order(self.problem_.class_order)
+            raise TreeError(
+                f"a DecisionTreeClassifier sorts its classes, and the {order}; name them so that "
+                "they sort in this order, such as 1 low, 2 mid, 3 high"
             )
         model = sklearn_tree(self.problem_, self.leaf_distribution_, self.classes_)
         if hasattr(self, "feature_names_in_"):

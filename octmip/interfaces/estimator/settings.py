@@ -7,8 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 from joblib import effective_n_jobs
-from numpy.typing import NDArray
-from sklearn.utils import check_random_state, compute_class_weight
+from sklearn.utils import check_random_state
 
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
@@ -17,7 +16,6 @@ from octmip.trees.problem_values import directions_of, whole_of
 from octmip.trees.registry import Method
 from octmip.trees.shape import MAX_DEPTH
 
-ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
 RandomState = int | np.random.RandomState | None
 MOST_SEED = 2**31 - 1
 AUTO: Literal["auto"] = "auto"
@@ -46,6 +44,7 @@ class Settings:
     sensor_budget: float | None = None
     categories: Literal["yes-no", "subsets", "order", "refuse"] = "yes-no"
     missing: Literal["either-side", "refuse"] = "either-side"
+    takes_missing: bool = True
     method: Method = "auto"
     options: Options | None = None
     seconds: float = 60.0
@@ -80,31 +79,6 @@ def depth_of(settings: Settings) -> Any:
                 "out, or give a max_depth, such as 3"
             )
     return 1
-
-
-def class_weights(
-    class_weight: ClassWeight, classes: NDArray[Any], labels: NDArray[Any], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the weight of each sample (n_samples,) once that of its class is multiplied in.
-
-    "balanced" gives every class the same total weight, the weights of the samples counted: a sample of weight 2 is
-    two samples.
-
-    Raises
-    ------
-    ValueError
-        class_weight is neither None, "balanced" nor a mapping of classes.
-    """
-    if class_weight is None:
-        return weights
-    codes = np.searchsorted(classes, labels)
-    if isinstance(class_weight, str) and class_weight == "balanced":
-        total = np.bincount(codes, weights, len(classes))
-        of_class = weights.sum() / (np.count_nonzero(total) * np.where(total > 0, total, 1.0))
-    else:
-        given = dict(class_weight) if isinstance(class_weight, Mapping) else class_weight
-        of_class = compute_class_weight(given, classes=classes, y=labels)
-    return np.asarray(weights * of_class[codes], dtype=np.float64)
 
 
 def seed_of(random_state: RandomState) -> int:

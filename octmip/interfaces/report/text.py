@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from octmip.formats.columns import Columns
 from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
+from octmip.trees.classes import words_of_order
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
@@ -94,8 +95,11 @@ def solution_text(problem: Problem, solution: Solution, certificate: Certificate
     splits = f"{certificate.n_splits} split" + ("" if certificate.n_splits == 1 else "s")
     sensors = f"sensors {', '.join(map(shown, certificate.sensors))}" if certificate.sensors else "no sensor"
     measured = loss.words_of(certificate.measures, problem.n_samples)
+    order = (
+        f"{visible(words_of_order(problem.class_order))}\n" if problem.monotone is not None and not is_number else ""
+    )
     return (
         f"objective {number(solution.objective)}, bound {number(solution.bound)}: {proof}\n"
-        f"in training {measured}; depth {certificate.depth}, {splits}, {sensors}\n"
+        f"in training {measured}; depth {certificate.depth}, {splits}, {sensors}\n{order}"
         f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )

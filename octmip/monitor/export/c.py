@@ -13,7 +13,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
-from octmip.formats.columns.cells import EXACT_INTEGERS
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.written import words_of
 from octmip.input.names import shown

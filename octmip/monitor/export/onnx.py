@@ -13,7 +13,8 @@ import numpy as np
 
 from octmip.errors import TreeError, needed_by
 from octmip.formats.columns import Columns
-from octmip.formats.columns.cells import EXACT_INTEGERS, UNKNOWN
+from octmip.formats.columns.cells import UNKNOWN
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.written import words_of
 from octmip.input.names import shown

@@ -18,9 +18,10 @@ from decimal import Decimal
 import numpy as np
 
 from octmip.errors import TreeError
-from octmip.formats.columns.cells import EXACT_INTEGERS, MISSING_WORDS, UNKNOWN
+from octmip.formats.columns.cells import MISSING_WORDS, UNKNOWN
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
-from octmip.formats.columns.instants import DAY, SECOND, instants_of
+from octmip.formats.columns.instants import DAY, SECOND, last_instant
 from octmip.formats.columns.written import DAYS, is_date, words_of
 from octmip.input.cells import plain_number
 from octmip.input.names import shown
@@ -170,7 +171,7 @@ def _check_date(column: Column) -> None:
 
 def _time_text(days: float) -> str:
     """Return the last instant that has at most so many days, as ISO text to the nanosecond."""
-    day, clock = divmod(instants_of(days)[1], DAY)
+    day, clock = divmod(last_instant(days), DAY)
     date = np.datetime64(day, "D")
     if not np.datetime64("0000-01-01") <= date <= np.datetime64("9999-12-31"):
         raise TreeError(f"the tree splits at day {days:g} behind 1970; expected years 0 to 9999, which ISO text has")

@@ -82,9 +82,12 @@ def native_progress(
 
     It also ends the search where its call was interrupted: the core itself hears of Ctrl-C in the main thread alone.
 
-    Args:
-        value: what a whole number of the core is in the problem's units.
-        before: what is known and spent before the call; later reports are never worse.
+    Parameters
+    ----------
+    value
+        what a whole number of the core is in the problem's units.
+    before
+        what is known and spent before the call; later reports are never worse.
     """
 
     def report(seconds: float, objective: int, bound: int, n_nodes: int) -> None:
@@ -177,8 +180,10 @@ _SWITCHED_OFF: ContextVar[tuple[str, ...]] = ContextVar("switched_off", default=
 def without(*prunes: str) -> Iterator[None]:
     """Let searches do without some prunes: tests show so that none of them costs the optimum.
 
-    Args:
-        prunes: of `_native.prunes()` or `_native.two_feature_prunes()`; an unknown one is refused by the search.
+    Parameters
+    ----------
+    prunes
+        of `_native.prunes()` or `_native.two_feature_prunes()`; an unknown one is refused by the search.
     """
     token = _SWITCHED_OFF.set(prunes)
     try:

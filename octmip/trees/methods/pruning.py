@@ -21,10 +21,10 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.order import disorder
+from octmip.trees.methods.ordering import ordered
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Leaf, Node, complexity, goes_left, leaf_index, leaves, simplify
+from octmip.trees.tree import Leaf, Node, complexity, goes_left
 
 SMALL = 24
 """Prunings of fewer splits are all kept."""
@@ -176,27 +176,6 @@ def pruned(problem: Problem, tree: Node, max_splits: int | None) -> Node:
     return by_number(tree, np.arange(problem.n_samples))[-1][1]
 
 
-def ordered(problem: Problem, tree: Node) -> Node:
-    """Return a tree whose leaves keep the problem's order: two that do not get the best common prediction.
-
-    Leaves that have one prediction keep it together when another joins them, so the last step there can be leaves one
-    prediction for all. Source: Barlow, Bartholomew, Bremner & Brunk (1972), the pooling of adjacent violators, here of
-    leaves that are ordered in part only.
-    """
-    if problem.monotone is None or disorder(tree, problem.directions) is None:
-        return tree
-    reached = leaf_index(tree, problem.features)
-    predicted = leaves(tree)
-    group = np.arange(len(predicted))
-    while (found := disorder(tree, problem.directions)) is not None:
-        group[group == group[found[1]]] = group[found[0]]
-        together = group == group[found[0]]
-        pooled, _ = problem.leaf_and_cost(np.flatnonzero(together[reached]))
-        predicted = [pooled if joins else leaf for leaf, joins in zip(predicted, together.tolist(), strict=True)]
-        tree = _with_leaves(tree, iter(predicted))
-    return simplify(tree)
-
-
 def fitting(problem: Problem, solution: Solution) -> Solution:
     """Return a solution whose tree has the shape of a shaped problem: pruned and put in order where it has not."""
     if solution.tree is None:
@@ -206,10 +185,3 @@ def fitting(problem: Problem, solution: Solution) -> Solution:
         return solution
     stop = Stop.FINISHED if solution.stop is Stop.OPTIMAL else solution.stop
     return replace(solution, tree=tree, objective=problem.objective(tree), stop=stop)
-
-
-def _with_leaves(tree: Node, predicted: Iterator[Leaf]) -> Node:
-    if isinstance(tree, Leaf):
-        return next(predicted)
-    left = _with_leaves(tree.left, predicted)
-    return replace(tree, left=left, right=_with_leaves(tree.right, predicted))

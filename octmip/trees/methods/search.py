@@ -57,18 +57,26 @@ def local_search(
 ) -> Solution:
     """Return the best tree that a local search finds.
 
-    Args:
-        problem: the problem.
-        limits: wall seconds and nodes (visits to a node of the tree); a proof's limits do not apply.
-        incumbent: a tree of this problem; the first restart begins there, so the result is never worse.
-        seed: of the restarts' random streams.
-        n_jobs: threads.
-        progress: called every few hundredths of a second.
-        options: restarts and perturbations are by default those of `EFFORT`, more for a small axis-aligned problem. Of
-            the perturbations in a row that end a restart, a quarter are made before the better restarts are chosen with
-            hyperplanes, none without, and twice as many by the last. With `restarts=1, perturbations=0` the answer is
-            quick: one descent and exact blocks of two levels. ``cluster`` is an open `Cluster` here, whose processes
-            take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
+    Parameters
+    ----------
+    problem
+        the problem.
+    limits
+        wall seconds and nodes (visits to a node of the tree); a proof's limits do not apply.
+    incumbent
+        a tree of this problem; the first restart begins there, so the result is never worse.
+    seed
+        of the restarts' random streams.
+    n_jobs
+        threads.
+    progress
+        called every few hundredths of a second.
+    options
+        restarts and perturbations are by default those of `EFFORT`, more for a small axis-aligned problem. Of
+        the perturbations in a row that end a restart, a quarter are made before the better restarts are chosen with
+        hyperplanes, none without, and twice as many by the last. With `restarts=1, perturbations=0` the answer is
+        quick: one descent and exact blocks of two levels. ``cluster`` is an open `Cluster` here, whose processes
+        take the restarts' turns; Ctrl-C returns the best of the turns that are finished.
 
     Returns
     -------

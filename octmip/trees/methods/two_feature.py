@@ -71,21 +71,31 @@ def two_feature_branch_and_bound(
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
-    Args:
-        problem: of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features). Of
-            depth 3, the result is the better of the incumbent and the best tree of depth 2, with the bound that follows
-            from this one's.
-        limits: when to stop early.
-        incumbent: a tree of this problem; the result is never worse.
-        seed: has no effect on the optimum; kept in the solution.
-        n_jobs: threads; the result does not depend on them.
-        progress: called every few hundredths of a second.
-        options: the proof's log takes a second search, about as long. The checkpoint keeps the open nodes of a proof of
-            depth 2; a bound that goes on from it rests on it (`details["resumed_from"]`).
-        check_log: the log is written once that check accepts it, which takes up to ten times as long; without it, it is
-            written unchecked.
-        whole_coefficients: lines get whole-numbered coefficients of at most this size wherever some part the node's
-            samples alike. A wish; `Problem.integer_normals` is a condition.
+    Parameters
+    ----------
+    problem
+        of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features). Of
+        depth 3, the result is the better of the incumbent and the best tree of depth 2, with the bound that follows
+        from this one's.
+    limits
+        when to stop early.
+    incumbent
+        a tree of this problem; the result is never worse.
+    seed
+        has no effect on the optimum; kept in the solution.
+    n_jobs
+        threads; the result does not depend on them.
+    progress
+        called every few hundredths of a second.
+    options
+        the proof's log takes a second search, about as long. The checkpoint keeps the open nodes of a proof of
+        depth 2; a bound that goes on from it rests on it (`details["resumed_from"]`).
+    check_log
+        the log is written once that check accepts it, which takes up to ten times as long; without it, it is
+        written unchecked.
+    whole_coefficients
+        lines get whole-numbered coefficients of at most this size wherever some part the node's
+        samples alike. A wish; `Problem.integer_normals` is a condition.
 
     Raises
     ------

@@ -116,7 +116,7 @@ def encode(
     rows: Rows | None = None,
     root: Bounds | None = None,
 ) -> Oct:
-    """Return OCT as rows, built family by family: the Pyomo model of `benchmarks.oracles`, forty times faster.
+    """Return OCT as rows, built family by family.
 
     Parameters
     ----------

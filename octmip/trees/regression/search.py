@@ -20,6 +20,9 @@ from numpy.typing import NDArray
 from octmip.trees import _native
 from octmip.trees.certificate import checked_incumbent
 from octmip.trees.methods.options import SearchOptions
+from octmip.trees.methods.ordering import ordered
+from octmip.trees.methods.pruning import pruned
+from octmip.trees.order import disorder
 from octmip.trees.problem import Problem
 from octmip.trees.regression.best_split import Samples, by_means, by_sides, parts
 from octmip.trees.regression.leaf_models import constant_of, errors, fitted_leaf
@@ -79,7 +82,9 @@ def search_regression(
         search.keep(problem.best_leaf())
         if start is not None:
             search.usable = np.unique([j for j in range(problem.n_features) if search.is_affordable(start, j)])
-            search.improve_tree(without_empty_sides(start, problem.features))
+            start = without_empty_sides(start, problem.features)
+            search.keep(start)
+            search.improve_tree(start)
         for turn in range(RESTARTS if options.restarts is None else options.restarts):
             if search.is_over():
                 break
@@ -207,7 +212,10 @@ class _Search:
         return None if left is None or right is None else replace(node, left=left, right=right)
 
     def keep(self, tree: Node) -> None:
-        """Take up a tree that is better than the best so far."""
+        """Take up a tree, pruned and in order where that is asked for, if it is better than the best so far."""
+        tree = pruned(self.problem, tree, self.problem.max_splits)
+        if self.problem.monotone is not None and disorder(tree, self.problem.directions) is not None:
+            tree = ordered(self.problem, self.problem.with_best_leaves(tree))
         cost = self._cost(tree, self.rows)
         if cost < self.cost:
             self.tree, self.cost = tree, cost
@@ -218,7 +226,8 @@ class _Search:
         """Return the best tree, constants rounded once, its objective recounted."""
         assert self.tree is not None
         problem = self.problem
-        tree = problem.with_best_leaves(self.tree) if problem.leaf_model == "constant" else self.tree
+        is_settled = problem.leaf_model == "linear" or problem.monotone is not None
+        tree = self.tree if is_settled else problem.with_best_leaves(self.tree)
         seconds, objective = time.perf_counter() - self.started, problem.objective(tree)
         version = _native.__version__
         return Solution(tree, objective, -math.inf, stop, seconds, self.n_nodes, SOLVER, version, seed)

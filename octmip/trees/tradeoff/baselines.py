@@ -9,12 +9,14 @@
 | forest | random forest of 200 trees | a side of each split |
 | boosting | gradient boosting of 100 trees on histograms | a side of each split |
 
-All but pruned CART are scikit-learn's and minimise their own loss, not the costs of the problem.
+All but pruned CART are scikit-learn's and minimise their own loss, not the costs of the problem. They read columns that
+are centred and scaled, whatever their units (`Centred`).
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +34,8 @@ Predictor = Callable[[NDArray[np.float64]], NDArray[Any]]
 FOREST_TREES = 200
 MOST_ITERATIONS = 2000
 """Of logistic regression."""
+CLOSE = 1e-6
+"""Values of a column nearer to each other than this share of its range are ranks to a forest."""
 
 
 def baselines_of(problem: Problem) -> Mapping[str, Callable[[int], Predictor]]:
@@ -49,51 +53,77 @@ def baselines_of(problem: Problem) -> Mapping[str, Callable[[int], Predictor]]:
     return found | {name: partial(_fitted, problem, name) for name in ("forest", "boosting")}
 
 
-def _fitted(problem: Problem, name: str, seed: int) -> Predictor:
-    model = _model(name, problem.loss.predicts == "class", seed)
-    weights = {} if name == "discriminant" else {"sample_weight": problem.weights}
-    if name in ("logistic", "least squares"):
-        weights = {"model__sample_weight": problem.weights}
-    found: Predictor = model.fit(problem.features, problem.codes, **weights).predict
-    return found
+def _fitted(problem: Problem, name: str, seed: int, targets: NDArray[Any] | None = None) -> Predictor:
+    """Return a model of scikit-learn trained on centred columns, for the problem's targets or others (n_samples,)."""
+    columns = Centred.of(problem.features, has_ranks=name in ("forest", "boosting"))
+    model = _model(name, problem.loss.predicts == "class" and targets is None, seed)
+    weights = {} if name == "discriminant" else {"model__sample_weight": problem.weights}
+    model.fit(columns(problem.features), problem.codes if targets is None else targets, **weights)
+    return lambda features: np.asarray(model.predict(columns(features)))
 
 
 def _model(name: str, is_class: bool, seed: int) -> Any:
     from sklearn import discriminant_analysis, ensemble, linear_model  # only here: they take a while
-
-    if name == "forest":
-        forest = ensemble.RandomForestClassifier if is_class else ensemble.RandomForestRegressor
-        return forest(FOREST_TREES, random_state=seed)
-    if name == "boosting":
-        boosting = ensemble.HistGradientBoostingClassifier if is_class else ensemble.HistGradientBoostingRegressor
-        return boosting(early_stopping=False, random_state=seed)
-    if name == "logistic":
-        return _scaled(linear_model.LogisticRegression(max_iter=MOST_ITERATIONS))
-    return _scaled(
-        discriminant_analysis.LinearDiscriminantAnalysis()
-        if name == "discriminant"
-        else linear_model.LinearRegression()
-    )
-
-
-def _scaled(model: Any) -> Any:
     from sklearn.impute import SimpleImputer
     from sklearn.pipeline import Pipeline
     from sklearn.preprocessing import StandardScaler
 
+    if name == "forest":
+        forest = ensemble.RandomForestClassifier if is_class else ensemble.RandomForestRegressor
+        return Pipeline([("model", forest(FOREST_TREES, random_state=seed))])
+    if name == "boosting":
+        boosting = ensemble.HistGradientBoostingClassifier if is_class else ensemble.HistGradientBoostingRegressor
+        return Pipeline([("model", boosting(early_stopping=False, random_state=seed))])
+    model = {
+        "logistic": partial(linear_model.LogisticRegression, max_iter=MOST_ITERATIONS),
+        "discriminant": discriminant_analysis.LinearDiscriminantAnalysis,
+        "least squares": linear_model.LinearRegression,
+    }[name]()
     steps = [("imputer", SimpleImputer(strategy="median", keep_empty_features=True)), ("scaler", StandardScaler())]
     return Pipeline([*steps, ("model", model)])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Centred:
+    """Columns from -1 to 1 around their medians, as scikit-learn's models need them; missing readings stay.
+
+    A forest reads float32 and takes values that differ by less than 1e-7 for one; where a column holds values so close
+    beside its range, it gets their ranks, and what lies between two values lies between their ranks.
+
+    Attributes
+    ----------
+    columns
+        of each column its median, its range on the wider side of it, and its values where they become ranks.
+    """
+
+    columns: tuple[tuple[float, float, NDArray[np.float64] | None], ...]
+
+    @classmethod
+    def of(cls, features: NDArray[np.float64], *, has_ranks: bool) -> Self:
+        """Return the columns of features (n, n_features), with ranks where they are needed and allowed."""
+        found = []
+        for column in features.T:
+            values = np.unique(column[~np.isnan(column)]).astype(np.float64)
+            centre = float(values[len(values) // 2]) if len(values) else 0.0
+            span = float(np.abs(values / 2 - centre / 2).max(initial=0.0)) or 1.0
+            is_close = bool((np.diff((values / 2 - centre / 2) / span) < CLOSE).any())
+            found.append((centre, span, values if is_close and has_ranks else None))
+        return cls(tuple(found))
+
+    def __call__(self, features: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return features (n, n_features) as the models read them."""
+        made = np.empty(features.shape)
+        for column, (centre, span, values), to in zip(features.T, self.columns, made.T, strict=True):
+            to[:] = (column.astype(np.float64) / 2 - centre / 2) / span
+            if values is not None:
+                to[:] = np.where(np.isnan(column), np.nan, np.interp(column, values, np.arange(len(values))))
+        return made
+
+
 def _rounded(problem: Problem, seed: int) -> Predictor:
     values = np.array(problem.class_names, dtype=np.float64)
-    line = _model("least squares", False, seed)
-    line.fit(problem.features, values[problem.codes], model__sample_weight=problem.weights)
-
-    def nearest(features: NDArray[np.float64]) -> NDArray[Any]:
-        return np.asarray(np.abs(line.predict(features)[:, None] - values).argmin(axis=1))
-
-    return nearest
+    line = _fitted(problem, "least squares", seed, values[problem.codes])
+    return lambda features: np.asarray(np.abs(line(features)[:, None] - values).argmin(axis=1))
 
 
 def _pruned_cart(problem: Problem, seed: int) -> Predictor:

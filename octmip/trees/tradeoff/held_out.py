@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.classes import distinct_labels
 from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
-from octmip.trees.problem_values import distinct_labels
 from octmip.trees.tradeoff.validation import Expected
 from octmip.trees.tree import Node, predict, predict_values
 

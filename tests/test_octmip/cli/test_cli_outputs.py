@@ -25,7 +25,6 @@ Run = Callable[..., tuple[int, str, str]]
         (("predict", "tree.json", "data.csv", "--out", "data.csv"), "DATA"),
         (("predict", "tree.json", "data.csv", "--out", "./tree.json"), "TREE.json"),
         (("report", "tree.json", "data.html", "--out", "data.html"), "DATA"),
-        (("worst-case", "data.csv", "--label", "y", "--depth", "1", "--off", "1", "--out", "data.csv"), "DATA"),
         (
             ("frontier", "data.csv", "--label", "y", "--depth", "1", "--over", "depth", "--checkpoint", "data.csv"),
             "DATA",
@@ -111,8 +110,6 @@ def full(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         (("solve", "--label", "y", "--depth", "1"), "proven optimal"),
         (("solve", "--label", "y", "--depth", "1", "--json"), '"is_optimal": true'),
         (("solve", "--target", "b", "--features", "a", "--depth", "1"), "roven optimal"),
-        (("worst-case", "--label", "y", "--depth", "1", "--off", "0.1"), "Proven: no tree"),
-        (("worst-case", "--label", "y", "--depth", "1", "--off", "0.1", "--json"), '"worst_case"'),
     ],
 )
 def test_a_tree_that_cannot_be_written_is_shown(

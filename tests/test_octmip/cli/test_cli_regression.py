@@ -228,7 +228,7 @@ def test_numbers_are_compared_and_have_a_frontier_by_the_measures_of_their_loss(
     assert points[1]["objective"] == rows[2]["objective"] or points[1]["n_samples"] != rows[2]["n_samples"]
 
 
-@pytest.mark.parametrize("command", ["near-optimal", "sensors", "worst-case"])
+@pytest.mark.parametrize("command", ["near-optimal", "sensors"])
 def test_commands_about_classes_say_so_of_a_target_of_numbers(houses, run, command):
     code, out, err = run(command, houses, "--target", "price", "--depth", 1)
     assert (code, out) == (2, "")

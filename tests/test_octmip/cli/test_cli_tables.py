@@ -69,7 +69,7 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
 
 
 def test_every_column_that_cannot_be_used_is_named_at_once(survey, run):
-    frame = pd.read_csv(survey).assign(empty=np.nan, huge=2**60, number=[*range(79), "x"])
+    frame = pd.read_csv(survey).assign(empty=np.nan, huge=2**60 + 1, number=[*range(79), "x"])
     frame.to_csv(survey, index=False)
     code, _, err = run("solve", survey, "--label", "label", "--depth", 2)
     assert code == 2

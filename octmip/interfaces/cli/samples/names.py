@@ -16,7 +16,7 @@ def listed_names(table: Table, option: str, values: Sequence[str] | None) -> lis
     DataError
         quotation marks are left open, or the table lacks names or has them given twice; all are named.
     """
-    names = [found for value in values or () for found in _cells(option, value)]
+    names = [found for value in values or () for found in cells_of(option, value)]
     names = [name if name in table.columns else name.strip() for name in names]
     unknown = [name for name in names if name not in table.columns]
     if unknown:
@@ -38,7 +38,14 @@ def one_name(table: Table, value: str) -> str:
     return cells[0] if len(cells) == 1 and cells[0] in table.columns else value
 
 
-def _cells(option: str, value: str) -> list[str]:
+def cells_of(option: str, value: str) -> list[str]:
+    """Return the entries of a list on the command line, between commas, quoted as in a CSV file.
+
+    Raises
+    ------
+    DataError
+        quotation marks are left open, or an entry is empty.
+    """
     try:
         cells = next(csv.reader([value], skipinitialspace=True, strict=True), [])
     except csv.Error as error:
@@ -47,5 +54,5 @@ def _cells(option: str, value: str) -> list[str]:
             "that holds a comma in double quotes and write a double quote inside it twice: '\"a,b\",c'"
         ) from error
     if not cells or not all(cell.strip() for cell in cells):
-        raise DataError(f"{option} is {shown(value)}; expected names of columns between commas; leave out none")
+        raise DataError(f"{option} is {shown(value)}; expected names between commas; leave out none")
     return cells

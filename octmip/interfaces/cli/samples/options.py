@@ -60,6 +60,11 @@ def add_column_arguments(group: argparse._ArgumentGroup) -> list[argparse.Action
         group.add_argument("--index", metavar="COL", help="column that names the rows; predict writes it through"),
         group.add_argument("--weights", metavar="COL", help="column with the risk weight of each row (default: all 1)"),
         group.add_argument(
+            "--class-weight",
+            metavar="A=2,B=1",
+            help="weight of each class, or balanced: all classes weigh the same; multiplies --weights (default: all 1)",
+        ),
+        group.add_argument(
             "--categories",
             choices=("yes-no", "subsets", "order", "refuse"),
             help="text becomes a yes/no question per value, or per set of values (12 at most), its rank in "

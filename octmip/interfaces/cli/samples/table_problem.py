@@ -10,7 +10,7 @@
 import argparse
 import shlex
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -24,11 +24,13 @@ from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
 from octmip.formats.tree_file import HeldOut
 from octmip.input.messages import several, shown
+from octmip.interfaces.cli.samples.classes import class_weight_of, order_of_column
 from octmip.interfaces.cli.samples.mixtures import mixed_columns
 from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.parts import parts_of
 from octmip.interfaces.cli.samples.targets import refuse_quantity
 from octmip.interfaces.cli.samples.training import samples_of
+from octmip.trees.classes import factors_of
 from octmip.trees.losses import ClassCosts, Loss, NumberLoss, number_loss
 from octmip.trees.problem import Problem
 from octmip.trees.registry import OF_CLASSES_ALONE
@@ -115,7 +117,14 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     strata = labels if loss is None else strata_of(loss, labels)
     is_held = np.zeros(len(labels), dtype=np.bool_) if share is None else held_out_rows(strata, share, arguments.seed)
     training = features if share is None else features[~is_held]  # a large table is not copied without need
-    problem = _problem(arguments, loss, preparation.columns, training, labels[~is_held], weights[~is_held])
+    settings = {} if loss is not None else order_of_column(table, chosen.label, labels, arguments)
+    of_training = labels[~is_held], weights[~is_held]
+    problem = _problem(arguments, loss, preparation.columns, training, *of_training, settings)
+    if arguments.class_weight is not None:
+        given = class_weight_of(arguments.class_weight, list(problem.class_names))
+        factors = factors_of(given, problem.class_names, problem.codes, problem.weights)
+        problem = replace(problem, weights=problem.weights * factors[problem.codes])
+        preparation = replace(preparation, class_weight=tuple(factors.tolist()))
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
         held_out = _tested(arguments.test, problem, chosen, preparation)
@@ -243,12 +252,13 @@ def _problem(
     features: NDArray[np.float64],
     labels: NDArray[Any],
     weights: NDArray[np.float64],
+    settings: dict[str, Any],
 ) -> Problem:
-    settings = _sensor_settings(arguments, columns)
+    settings = settings | _sensor_settings(arguments, columns)
     if loss is not None:
         settings |= {"loss": loss, "leaf_model": arguments.leaf_model or "constant", "target_name": arguments.target}
     if arguments.costs:
-        classes = sorted(set(labels.tolist()))
+        classes = settings["class_order"] or sorted(set(labels.tolist()))
         settings |= {"loss": ClassCosts(read_costs(arguments.costs, classes)), "class_names": classes}
     features.flags.writeable = False  # the problem keeps it, and makes no copy
     return Problem(

@@ -12,6 +12,7 @@ from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
+from octmip.trees.classes import codes_of
 from octmip.trees.problem import Problem
 from octmip.trees.tradeoff import Samples, held_out_rows, strata_of
 
@@ -31,9 +32,7 @@ def samples_of(
     """Return samples with targets as the problem's loss reads them: numbers, or classes by their place."""
     if problem.loss.predicts == "number":
         return Samples(features, labels, weights)
-    position = {name: k for k, name in enumerate(problem.class_names)}
-    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
-    return Samples(features, codes, weights)
+    return Samples(features, codes_of(labels, problem.class_names), weights)
 
 
 def targets_of(file: TreeFile, table: Table, column: str) -> NDArray[Any]:
@@ -106,7 +105,10 @@ def read_training(
     is_held = np.zeros(len(labels), dtype=np.bool_)
     if claim is not None and claim.share is not None:
         is_held = held_out_rows(strata_of(file.loss, labels), claim.share, claim.seed)
-    problem = file.problem(features[~is_held], labels[~is_held], weighed[~is_held])
+    in_training = weighed[~is_held]
+    if file.class_weight is not None:
+        in_training = in_training * np.array(file.class_weight)[codes_of(labels[~is_held], file.class_names)]
+    problem = file.problem(features[~is_held], labels[~is_held], in_training)
     if problem.digest() != file.sha256:
         raise CertificateError(
             f"{table.name} is not the table that {source} was trained on: sha256 {problem.digest()[:12]}.. of "

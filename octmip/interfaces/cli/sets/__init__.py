@@ -2,6 +2,5 @@
 
 amount        what "within" means on a command line
 near_optimal  octmip near-optimal: the set itself
-worst_case    octmip worst-case: the tree of least worst case while gauges are off
 sensors       octmip sensors: what each sensor is worth
 """

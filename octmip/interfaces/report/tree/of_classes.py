@@ -37,7 +37,7 @@ class OfClasses(Measure):
         """Return the measure of a file of classes."""
         costs = np.array(file.settings["loss"]["costs"])
         is_plain = bool((costs == 1 - np.eye(len(costs))).all()) and not file.settings["leaf_penalty"]
-        return cls(file, is_plain and file.weights_column is None and file.solution.objective == errors_of(file))
+        return cls(file, is_plain and not file.is_weighted and file.solution.objective == errors_of(file))
 
     @property
     def noun(self) -> str:

@@ -71,6 +71,11 @@ def risk(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[st
         sentences.append(
             f"Every sample counts by its risk weight, column {short_name(file.weights_column)}{_range(evidence)}."
         )
+    if file.class_weight is not None:
+        pairs = zip(file.class_names, file.class_weight, strict=True)
+        sentences.append(
+            f"Samples of a class count by its weight: {', '.join(f'{shown(c)} {figure(w)}' for c, w in pairs)}."
+        )
     if file.settings["leaf_penalty"]:
         sentences.append(f"Each feature in a split is charged {figure(file.settings['leaf_penalty'])}.")
     found = measure.risk()
@@ -96,6 +101,10 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
         ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
         ("monotone", _order(asked["monotone"], file.feature_names) if asked["monotone"] else None),
+        (
+            "order of classes",
+            " < ".join(map(shown, file.class_names)) if asked["monotone"] and file.class_names else None,
+        ),
         ("given splits", _given(asked["fixed_splits"])),
         ("rules for paths", _rules(asked["path_rules"])),
         (

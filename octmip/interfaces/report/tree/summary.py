@@ -71,7 +71,7 @@ def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) ->
 def expected_errors(file: TreeFile) -> Mapping[str, Any] | None:
     """Return what a chosen tree costs on new samples, where that is a share of errors; None without a choice."""
     choice = choice_of(file.solution) or {}
-    is_share = isinstance(file.loss, ClassCosts) and file.loss.is_zero_one and file.weights_column is None
+    is_share = isinstance(file.loss, ClassCosts) and file.loss.is_zero_one and not file.is_weighted
     return choice.get("expected") if is_share else None
 
 

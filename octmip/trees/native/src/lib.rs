@@ -19,7 +19,6 @@ pub mod supervise;
 mod switches;
 pub mod tree;
 pub mod two_feature;
-pub mod worst_case;
 
 pub use octmip_check::problem;
 

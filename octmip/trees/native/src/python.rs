@@ -12,7 +12,6 @@ mod run;
 mod search;
 mod two_feature;
 mod workers;
-mod worst_case;
 
 use pyo3::prelude::*;
 
@@ -35,8 +34,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(reached::reached_nodes, module)?)?;
     module.add_function(wrap_pyfunction!(search::py_search, module)?)?;
     module.add_function(wrap_pyfunction!(regression::regression, module)?)?;
-    module.add_function(wrap_pyfunction!(worst_case::worst_case, module)?)?;
-    module.add_function(wrap_pyfunction!(worst_case::worst_case_search, module)?)?;
     two_feature::register(module)?;
     exact::register(module)
 }

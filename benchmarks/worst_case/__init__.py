@@ -1,1 +1,0 @@
-"""Enumeration of trees that survive reading errors."""

@@ -1,0 +1,113 @@
+"""Doors that make float64 of whole numbers: one beyond 2^53 that float64 does not hold is refused by name."""
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, solve
+from octmip.trees.losses import SquaredError
+from tests.doors.row import Refused, Row, command
+
+FIRST = 2**53 + 1
+LARGE = [FIRST, FIRST + 1, FIRST + 2, FIRST + 3]
+"""float64 takes the second and the third for one."""
+EXACT = [2**60 + 512 * k for k in range(4)]
+"""float64 holds each of them."""
+CLASSES = ["a", "b", "a", "b"]
+READINGS = [[0], [1], [2], [3]]
+REFUSED = Refused(("beyond 2^53", "subtract an offset"))
+
+
+def table_of(writer: str, values: list[int | None]) -> Any:
+    """Return a table of one column t, made by a program."""
+    if writer.startswith("numpy"):
+        kind = {"numpy int64": np.int64, "numpy uint64": np.uint64, "numpy object": object}[writer]
+        return np.array(values, dtype=kind)[:, None]
+    if writer == "lists":
+        return [[value, 0.5] for value in values]
+    if writer.startswith("pandas"):
+        pytest.importorskip("pyarrow")
+        kind = {"pandas int64": "int64", "pandas Int64": "Int64", "pandas arrow": "int64[pyarrow]"}[writer]
+        return pd.DataFrame({"t": pd.Series(values, dtype=kind)})
+    module = pytest.importorskip(writer)
+    return module.DataFrame({"t": values}) if writer == "polars" else module.table({"t": values})
+
+
+def objective(features: Any) -> float:
+    return solve(Problem(features, CLASSES, depth=2)).objective
+
+
+def fitted(features: Any) -> float:
+    return OptimalTreeClassifier(2).fit(features, CLASSES).objective_
+
+
+def file_of(writer: str, folder: Path) -> Path:
+    path = folder / ("ids.csv" if writer == "pandas csv" else "ids.parquet")
+    frame = pd.DataFrame({"t": pd.Series(LARGE, dtype="Int64"), "y": CLASSES})
+    if writer == "pandas csv":
+        frame.to_csv(path, index=False)
+    else:
+        importlib.import_module("pyarrow")
+        frame.to_parquet(path)
+    return path
+
+
+def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any) -> Row:
+    return Row(door, writer, f"whole numbers: {case}", make, ask, answer)
+
+
+WRITERS = ("numpy int64", "numpy uint64", "numpy object", "lists", "pandas int64", "pandas Int64", "pandas arrow")
+ROWS: list[Row] = [
+    *(
+        row(name, writer, "a feature", lambda _, writer=writer: table_of(writer, LARGE), ask, REFUSED)
+        for name, ask, writers in (
+            ("Problem", objective, (*WRITERS, "polars", "pyarrow")),
+            ("OptimalTreeClassifier", fitted, WRITERS),
+        )
+        for writer in writers
+    ),
+    *(
+        row(
+            "Problem",
+            writer,
+            "a feature, one missing",
+            lambda _, w=writer: table_of(w, [*LARGE[:3], None]),
+            objective,
+            REFUSED,
+        )
+        for writer in ("pandas Int64", "pandas arrow", "polars", "pyarrow")
+    ),
+    *(
+        row("Problem", writer, "a feature, exact", lambda _, w=writer: table_of(w, EXACT), objective, 0.0)
+        for writer in (*WRITERS, "polars", "pyarrow")
+    ),
+    *(
+        row(
+            "octmip solve TABLE",
+            w,
+            "a feature",
+            lambda folder, w=w: file_of(w, folder),
+            lambda path: command("solve", path, "--label", "y", "--depth", "2"),
+            REFUSED,
+        )
+        for w in ("pandas csv", "pandas parquet")
+    ),
+    *(
+        row(name, "numpy int64", "targets", lambda _: np.array(LARGE), ask, REFUSED)
+        for name, ask in (
+            ("Problem", lambda y: solve(Problem(READINGS, y, depth=2, loss=SquaredError())).objective),
+            ("OptimalTreeRegressor", lambda y: OptimalTreeRegressor(2).fit(READINGS, y).objective_),
+        )
+    ),
+    *(
+        row(name, "numpy int64", "classes", lambda _: np.array(LARGE), ask, LARGE)
+        for name, ask in (
+            ("Problem", lambda y: list(Problem(READINGS, y, depth=2).class_names)),
+            ("OptimalTreeClassifier", lambda y: OptimalTreeClassifier(2).fit(READINGS, y).predict(READINGS).tolist()),
+        )
+    ),
+]
