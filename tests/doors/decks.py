@@ -32,7 +32,7 @@ def read(path: Path) -> dict[str, Any]:
     every = {name: int(own.sum()) for name, own in mesh.element_sets.items()}
     every |= {f"nodes {name}": len(own) for name, own in mesh.node_sets.items()}
     counts = (len(mesh.nodes), len(mesh.quads), len(mesh.trias), len(mesh.lines))
-    words = " ".join(str(own.message).partition("mesh: ")[2].partition("; what")[0] for own in told)
+    words = " ".join(str(own.message).partition("mesh: ")[2].partition("; give")[0] for own in told)
     return {"counts": counts, "area": round(area(mesh), 6), "sets": every, "told": words}
 
 

@@ -154,7 +154,7 @@ def test_numbers_of_calculix_need_no_letter(tmp_path: Path) -> None:
 def test_a_file_that_says_what_it_leaves_out_says_it_in_the_mesh_too(tmp_path: Path) -> None:
     (tmp_path / "a.bdf").write_text(GRIDS + "CQUAD4,1,5,1,2,3,4,,.002\nRBE2,7,1,123,2\n")
     with pytest.warns(
-        LeftOutWarning, match=r"1 ZOFFS .*, 1 RBE2 \(rigid elements\); what of it counts, give to Structure"
+        LeftOutWarning, match=r"1 ZOFFS .*, 1 RBE2 \(rigid elements\); give to Structure what of it counts"
     ):
         mesh = femlib.read(tmp_path / "a.bdf")
     assert dict(mesh.left_out) == {"ZOFFS (shells beside their nodes)": "1", "RBE2 (rigid elements)": "1"}
