@@ -1,6 +1,6 @@
 """Campaigns of displays and loggers, and readings as other libraries hold them, at the door of the diagnosis."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +13,15 @@ from tests.doors.row import Refused, Row
 
 NAMES = ("tip", "mid", "near")
 GAINS = np.array([1.0, 0.4, 0.1])
+
+
+def beam(parameters: Mapping[str, float], loads: Mapping[str, float]) -> np.ndarray:
+    """Return what the beam shows."""
+    return GAINS * loads["force"] / parameters["stiffness"]
+
+
 TWIN = function_twin(
-    lambda p, loads: GAINS * loads["force"] / p["stiffness"],
+    beam,
     dict.fromkeys(NAMES, "mm"),
     {"stiffness": (100.0, 70.0, 130.0, "N/mm")},
     ["force"],

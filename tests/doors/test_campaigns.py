@@ -1,11 +1,14 @@
 """Campaigns drawn over displays, repeats and noise: the smoke version of `python -m benchmarks.run campaigns`."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 from benchmarks.cases.doors.campaigns import DISPLAYS, FAULTS, answered, drawn
-from octmip.gap import Campaign
+from octmip.gap import CachedTwin, Campaign, Recorded, diagnose, gathered
 from octmip.gap.campaign.noise_estimate import estimate_noise
+from tests.doors.campaigns import FORCES, TWIN, shown
 
 
 @pytest.mark.parametrize("seed", range(2 * len(DISPLAYS)))
@@ -35,3 +38,14 @@ def noise_of(seed: int, rho: float, repeats: int = 12) -> bool:
 def test_white_noise_is_not_called_correlated_and_correlated_noise_is() -> None:
     assert sum(noise_of(seed, 0.0) for seed in range(40)) <= 2
     assert sum(noise_of(seed, 0.6) for seed in range(10)) >= 9
+
+
+def test_a_diagnosis_goes_to_another_process_and_back() -> None:
+    blocks = shown(1e-4, FORCES, 6)
+    campaign = gathered(TWIN, [Recorded(1.25 * rows, {"force": force}) for force, rows in blocks.items()])
+    found = diagnose(campaign, CachedTwin(TWIN))
+    assert [part.effect for part in found.which[0].parameters] == ["stiffness"]
+    copied = pickle.loads(pickle.dumps(found))
+    assert copied.which[0].probability == found.which[0].probability
+    twins = [one.augmented(twin) for one, twin in ((found, TWIN), (copied, pickle.loads(pickle.dumps(TWIN))))]
+    assert twins[0].predict({}, 50.0).tolist() == twins[1].predict({}, 50.0).tolist()

@@ -169,7 +169,7 @@ def test_channels_that_say_nothing_are_repaired_first(gain, name):
     sound = diagnosed(seed=4)
     fault = Fault(name, "g03", np.arange(3), "", 1500.0, 0)
     beginning = {
-        "stuck": "Repair the channel of gauge g03, whose readings never change; ",
+        "stuck": "Repair the channel of gauge g03, whose readings do not follow the load; ",
         "clipped": "Widen the range of the channel of gauge g03: g03 ends at 1500 microstrain; ",
     }[name]
     ends = {sound: "nothing else to do: no effect", gain: "recalibrate gauge g05: it reads"}
