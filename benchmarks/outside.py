@@ -70,7 +70,8 @@ print(m.getDualbound())
 import sys
 from swiglpk import *
 glp_term_out(GLP_OFF)
-P = glp_create_prob(); assert glp_read_lp(P, None, sys.argv[1]) == 0
+P = glp_create_prob(); lp = sys.argv[1].endswith(".lp")
+assert (glp_read_lp(P, None, sys.argv[1]) if lp else glp_read_mps(P, GLP_MPS_FILE, None, sys.argv[1])) == 0
 c = glp_iocp(); glp_init_iocp(c); c.presolve = GLP_ON; assert glp_intopt(P, c) == 0; glp_print_mip(P, sys.argv[2])
 assert glp_mip_status(P) == GLP_OPT; print(glp_mip_obj_val(P))
 """,

@@ -39,6 +39,7 @@ FAMILIES = {
     "mio_random": "benchmarks.cases.mio.random_problems",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "exports": "benchmarks.cases.fuzz.exports",
+    "sql_engines": "benchmarks.cases.doors.sql_engines",
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",
@@ -48,7 +49,9 @@ FAMILIES = {
     "fem_dataset": "benchmarks.cases.fem.dataset",
     "fem_rom": "benchmarks.cases.fem.rom",
     "command_tables": "benchmarks.cases.command.tables",
+    "campaigns": "benchmarks.cases.doors.campaigns",
     "gap_noise": "benchmarks.cases.gap.noise",
+    "doors_pyomo": "benchmarks.cases.doors.pyomo_models",
 }
 
 

@@ -8,6 +8,8 @@ from typing import Any
 Line = dict[str, Any]
 """One result: a JSON object, printed as one line. Its keys are the family's own, whose summary reads them back."""
 OURS, PEER = "octmip", "pycontree"
+ROUNDING = 1e-6
+"""Share of an objective by which sums of float64 and printed digits may differ."""
 
 
 def markdown(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
@@ -16,7 +18,13 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
 
 
 def race_table(lines: Iterable[Line], ours: str = OURS, peer: str = PEER) -> str:
-    """Return the table of a race with the CPU seconds of each solver, and the ratios to the peer below it."""
+    """Return the table of a race with the CPU seconds of each solver, and the ratios to the peer below it.
+
+    Raises
+    ------
+    ValueError
+        the objectives that are proven of one case differ: somebody's proof is false, or they answer two questions.
+    """
     rows: dict[tuple[str, int], dict[str, Line]] = {}
     columns: list[str] = []
     for line in lines:
@@ -46,10 +54,11 @@ def _cell(line: Line | None) -> str:
 
 
 def _optimum(row: dict[str, Line]) -> str:
-    proven = {line["objective"] for line in row.values() if line.get("outcome") == "proven"}
-    if len(proven) > 1:
-        return "DISAGREE: " + ", ".join(f"{value:g}" for value in sorted(proven))
-    return f"{proven.pop():g}" if proven else "?"
+    proven = {line["solver"]: float(line["objective"]) for line in row.values() if line.get("outcome") == "proven"}
+    if proven and max(proven.values()) - min(proven.values()) > ROUNDING * max(1.0, *proven.values()):
+        said = ", ".join(f"{value:g} by {solver}" for solver, value in proven.items())
+        raise ValueError(f"the proven objectives of {next(iter(row.values()))['size']} differ: {said}")
+    return f"{min(proven.values()):g}" if proven else "?"
 
 
 def peer_seconds(row: dict[str, Line], peer: str = PEER) -> float:

@@ -3,6 +3,8 @@
 Each function takes the value and where it stands ("data.csv.json: seed"), and returns it as its kind.
 """
 
+import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,6 +15,8 @@ MOST_NAME = 1000
 """Characters of a name."""
 SHOWN = 60
 """Characters of a value that a message shows."""
+_FORTRAN = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([+-]?\d{1,4})|([+-]\d{1,4}))?")
+"""A number and its exponent, which needs no letter where it has a sign."""
 
 
 def shown(value: object) -> str:
@@ -42,6 +46,21 @@ def taken(content: object, name: str, where: str) -> Any:
     if name not in content:
         raise InputError(f"{where} lacks the entry {name!r}; expected it among the others; write the file again")
     return content[name]
+
+
+def fortran_number(word: str) -> float:
+    """Return a number as Fortran programs write it: 1.5, 1.5E3, 1.5D+3, and 1.5+103, where no letter has room.
+
+    Raises
+    ------
+    ValueError
+        If it is none; a number that is not finite is none.
+    """
+    found = _FORTRAN.fullmatch(word.strip())
+    number = float(f"{found[1]}e{found[2] or found[3] or 0}") if found else math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{shown(word)} is no finite number")
+    return number
 
 
 def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> int:

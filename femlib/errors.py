@@ -47,6 +47,10 @@ class MissingExtraError(InputError, ImportError):
     """A feature needs a package that belongs to an extra and is not installed."""
 
 
+class LeftOutWarning(UserWarning):
+    """A file has what changes the structure and is not in the mesh that was read from it."""
+
+
 @contextmanager
 def needed_by(what: str) -> Iterator[None]:
     """Within the context, the import of an optional package that is not installed names the extra to install.

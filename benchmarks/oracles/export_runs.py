@@ -9,18 +9,18 @@ import sqlite3
 import subprocess
 import tempfile
 from collections.abc import Callable, Sequence
-from ctypes import CDLL, POINTER, c_double
+from ctypes import CDLL, POINTER, c_char_p, c_double
 from pathlib import Path
 
 import numpy as np
 
 from femlib.arrays import FloatArray
 from octmip.errors import TreeError
-from octmip.monitor.export import c_source, names_json, onnx_model, sql_expression
+from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, predict
 
 EXACT, REFUSED = "exact", "refused"
-C_FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic")
+C_FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic")
 TREE = Split(0, 0.1, Leaf(0), HyperplaneSplit((0, 1), (1 / 3, -0.7), 0.2, Leaf(1), Split(1, -1e-5, Leaf(2), Leaf(0))))
 PLAIN = "plain"
 
@@ -67,7 +67,13 @@ def _sql(base: sqlite3.Connection, name: str) -> str:
         return "the canary is dead"
     if sum(not statement.startswith("--") for statement in statements) != 1:
         return f"{len(statements)} statements ran"
-    return EXACT if [label for (label,) in answers] == predict(TREE, rows).tolist() else "other answers"
+    return EXACT if [answer for (answer,) in answers] == _right(name) else "other answers"
+
+
+def _right(name: str) -> list[str]:
+    """Return what the tree answers for `readings`: its first class has the name."""
+    classes = (name, "b", "c")
+    return [classes[label] for label in predict(TREE, readings()).tolist()]
 
 
 def _has(base: sqlite3.Connection, table: str) -> bool:
@@ -77,19 +83,24 @@ def _has(base: sqlite3.Connection, table: str) -> bool:
 
 def run_c(names: Sequence[str]) -> list[str]:
     """Compile the functions of all names as one unit, every warning an error, and call each."""
-    sources = [c_source(TREE, (name, PLAIN), (name, "b", "c"), f"label_{k}") for k, name in enumerate(names)]
+    sources = [_c_source(name, f"predict_{k}") for k, name in enumerate(names)]
     with tempfile.TemporaryDirectory() as folder:
         library = _compiled("".join(sources), Path(folder))
         if isinstance(library, str):
             return [library] * len(names)
-        plain = c_source(TREE, (PLAIN, PLAIN), (PLAIN, "b", "c"), "label_0")
-        return [
-            EXACT
-            if _c_answers(library, f"label_{k}") == predict(TREE, readings()).tolist()
-            and source == plain.replace("label_0", f"label_{k}")
-            else "other answers or text"
-            for k, source in enumerate(sources)
-        ]
+        found = []
+        for k, (name, source) in enumerate(zip(names, sources, strict=True)):
+            is_right = bool(source) and _c_answers(library, f"predict_{k}") == [one.encode() for one in _right(name)]
+            found.append(EXACT if is_right else "other answers" if source else REFUSED)
+        return found
+
+
+def _c_source(name: str, function: str) -> str:
+    """Return the source of a tree whose feature and class have a name, "" where it is refused."""
+    try:
+        return c_source(TREE, (name, PLAIN), (name, "b", "c"), name=function)
+    except TreeError:
+        return ""
 
 
 def _compiled(source: str, folder: Path) -> CDLL | str:
@@ -99,10 +110,10 @@ def _compiled(source: str, folder: Path) -> CDLL | str:
     return CDLL(str(folder / "trees.so")) if done.returncode == 0 else f"cc: {done.stderr.splitlines()[0]}"
 
 
-def _c_answers(library: CDLL, function: str) -> list[int]:
-    label = library[function]
-    label.argtypes = [POINTER(c_double)]
-    return [label((c_double * 2)(*row)) for row in readings().tolist()]
+def _c_answers(library: CDLL, function: str) -> list[bytes]:
+    predicted = library[function]
+    predicted.argtypes, predicted.restype = [POINTER(c_double)], c_char_p
+    return [predicted((c_double * 2)(*row)) for row in readings().tolist()]
 
 
 def run_onnx(names: Sequence[str]) -> list[str]:
@@ -115,14 +126,17 @@ def run_onnx(names: Sequence[str]) -> list[str]:
     options.graph_optimization_level = onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL
     found = []
     for name in names:
-        model = onnx_model(TREE, (name, PLAIN), (name, "b", "c"))
+        try:
+            model = onnx_model(TREE, (name, PLAIN), (name, "b", "c"))
+        except TreeError:
+            found.append(REFUSED)
+            continue
         onnx.checker.check_model(model)
         session = onnxruntime.InferenceSession(model.SerializeToString(), options, providers=["CPUExecutionProvider"])
         answers = session.run(None, {"readings": readings()})[0]
         held = {key: json.loads(value) for key, value in session.get_modelmeta().custom_metadata_map.items()}
-        wanted = json.loads(names_json((name, PLAIN), (name, "b", "c")))
-        is_exact = answers.tolist() == predict(TREE, readings()).tolist() and held == wanted
-        found.append(EXACT if is_exact and held["features"][0] == name else "other answers or names")
+        is_named = held["readings"][0]["name"] == name and held["answers"] == [name, "b", "c"]
+        found.append(EXACT if answers.tolist() == _right(name) and is_named else "other answers or names")
     return found
 
 

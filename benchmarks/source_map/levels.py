@@ -10,6 +10,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     "octmip": {
         "errors": 0,
         "trees._native": 0,
+        "trees.digits": 0,
         "trees.methods.interruption": 0,
         "input.messages": 0,
         "input.cells": 0,
@@ -18,6 +19,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.margin": 1,
         "trees.methods.options": 2,
         "input.names": 1,
+        "input.named_arrays": 1,
         "trees.tree": 1,
         "twin": 1,
         "trees.classes": 1,
@@ -58,6 +60,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.proof": 6,
         "trees.set_certificate": 6,
         "trees.mip": 8,
+        "trees.mip.pyomo_model": 9,
         "trees.methods.exact": 8,
         "trees.methods.two_feature": 8,
         "trees.methods.search": 8,

@@ -4,6 +4,10 @@ Quadratic shells have nodes added at the edges' middles, so that the deck is ano
 elements again. A middle is held where both ends of its edge are; nodal loads stay at the corners. Laminates go out as
 their plies (`Laminate.plies`): an isotropic ply by modulus and Poisson's ratio, an orthotropic one with an orientation
 of its own for each direction that its elements have; what the plies leave open is E_3 = E_2, nu_13 = nu_23 = nu_12.
+
+CalculiX 2.20 leaves out the buckling factors below a half of the load that its deck has, so a deck of buckling has the
+load times a factor that brings it a little below the lowest buckling load of the same shells here. A comment says that
+factor, and `calculix_results.read_buckling_factors` takes it off again.
 """
 
 from collections.abc import Sequence
@@ -14,7 +18,7 @@ from typing import Literal
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.assembly import Shells, Supports
+from femlib.assembly import Shells, Supports, buckling_modes
 from femlib.errors import InputError, frozen_floats, frozen_ints, is_number, is_whole
 from femlib.export.calculix_sections import sections
 from femlib.files import whole_file
@@ -25,6 +29,12 @@ OBLIQUE = 0.87
 """Cosine beyond which an axis counts as the normal."""
 KINDS = {True: ("S8R", "S6"), False: ("S4", "S3")}
 """CalculiX's names of quadrilaterals and triangles, quadratic or not."""
+ANY = 1e9
+"""Estimated error of the factor that scales a load, at most: half or twice the load would do."""
+BELOW = 0.9
+"""Load of a buckling deck over the one at which the same shells buckle here."""
+SCALED = "** femlib: buckling load times"
+"""What the comment on a buckling deck's load begins with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +71,8 @@ class Deck:
     Raises
     ------
     InputError
-        If an array has the wrong shape, the analysis has no such name, or nodes are given to edges that have none.
+        If an array has the wrong shape, the analysis has no such name, nodes are given to edges that have none, or
+        quadratic shells that shall buckle are one element wide: CalculiX has factors near 1 there that are no answer.
     """
 
     shells: Shells
@@ -105,13 +116,25 @@ class Deck:
             raise InputError("middles are given to linear shells; expected none; make the deck quadratic")
         if len(self.temperature) != 2 or not all(is_number(value) for value in self.temperature):
             raise InputError(f"temperature is {self.temperature!r}; expected [K] and [K/m]; give two numbers")
-        if self.analysis == "buckling" and any(self.temperature):
+        if self.printed is not None:
+            frozen_ints(self.printed, "printed elements", (-1,))
+        if self.analysis == "buckling":
+            self._check_buckling()
+
+    def _check_buckling(self) -> None:
+        if any(self.temperature):
             raise InputError(
                 f"temperature is {self.temperature!r} in a buckling analysis; expected 0, as CalculiX has none there; "
                 "leave it out"
             )
-        if self.printed is not None:
-            frozen_ints(self.printed, "printed elements", (-1,))
+        n_others = self.shells.n_elements - self.shells.mesh.n_elements
+        if n_others:
+            raise InputError(
+                f"a buckling deck has {n_others} beams and springs; expected shells alone, whose lowest factor "
+                "scales the load, as CalculiX leaves out what lies far below it; make the beams of shells"
+            )
+        if self.is_quadratic:
+            _check_wide(self.shells.mesh)
 
     def lines(self) -> list[str]:
         """Return the deck line by line."""
@@ -147,6 +170,19 @@ class Deck:
         at_nodes = np.column_stack([at_nodes[:, :3], _without_drilling(at_nodes[:, 3:], normals)])
         return ["*BOUNDARY", *(f"{node + 1}, {axis + 1}, {axis + 1}" for node, axis in np.argwhere(at_nodes))]
 
+    def _buckling_scale(self) -> float:
+        """Return the factor on the load that brings it to `BELOW` of the lowest buckling load of the same shells."""
+        force = self.load.reshape(-1, DOFS_PER_NODE).copy()
+        if self.middle_load is not None:
+            for end in edges(self.shells.mesh)[0].T:
+                np.add.at(force, end, self.middle_load / 2.0)
+        modes = buckling_modes(self.shells, self.supports, force.ravel(), 1, self.factor, limit=ANY, is_refined=False)
+        if not modes:
+            raise InputError(
+                "the load of a buckling deck buckles nothing at any factor; expected one that pushes; turn it"
+            )
+        return BELOW * modes[0].factor
+
     def _step(self) -> list[str]:
         if self.analysis == "frequencies":
             return ["*STEP", "*FREQUENCY", f"{self.n_modes}", "*END STEP"]
@@ -157,10 +193,14 @@ class Deck:
         if self.analysis == "large deflection":
             lines.append("1., 1.")  # the whole load at once: CalculiX halves it by itself where it must
         lines += ["*TEMPERATURE", "ALL, {}, {}".format(*self.temperature)] if is_warm else []
-        lines.append("*CLOAD")
         forces = self.load.reshape(-1, DOFS_PER_NODE)
         if self.middle_load is not None:
             forces = np.concatenate([forces, self.middle_load])
+        if self.analysis == "buckling":
+            scale = float(f"{self._buckling_scale():.9e}")
+            forces = scale * forces
+            lines.append(f"{SCALED} {scale:.9e}")
+        lines.append("*CLOAD")
         lines += [f"{n + 1}, {axis + 1}, {forces[n, axis]:.9e}" for n, axis in np.argwhere(forces != 0.0)]
         printed = [] if self.printed is None else ["*EL PRINT, ELSET=PRINTED", "E"]
         return [*lines, *printed, "*NODE FILE, OUTPUT=2D", "U", "*END STEP"]
@@ -188,6 +228,19 @@ def edges(mesh: Mesh) -> tuple[IntArray, IntArray, IntArray]:
     ends, place = np.unique(np.sort(np.concatenate(sides), axis=1), axis=0, return_inverse=True)
     split = mesh.quads.size
     return ends, place.ravel()[:split].reshape(-1, 4), place.ravel()[split:].reshape(-1, 3)
+
+
+def _check_wide(mesh: Mesh) -> None:
+    """Refuse a quadrilateral of which two opposite edges belong to no other element."""
+    _, quads, trias = edges(mesh)
+    count = np.bincount(np.concatenate([quads.ravel(), trias.ravel()]))
+    is_bare = count[quads] == 1
+    narrow = np.flatnonzero((is_bare[:, :2] & is_bare[:, 2:]).any(axis=1))
+    if narrow.size:
+        raise InputError(
+            f"a buckling deck has a strip one element wide at element {narrow[0]} ({narrow.size} such elements), where "
+            "CalculiX's S8R buckles at factors near 1 that are no answer; expected two elements across; refine the mesh"
+        )
 
 
 def _normals(mesh: Mesh) -> FloatArray:

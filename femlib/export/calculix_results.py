@@ -5,12 +5,15 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.checked import shown
+from femlib.checked import fortran_number, shown
 from femlib.errors import InputError
+from femlib.export.calculix import BELOW, SCALED
 from femlib.files import read_bytes
 
 START, WIDTH = 13, 12
 """Columns of a row of displacements: 3 of a mark, 10 of the node, then numbers 12 wide."""
+APART = 0.25
+"""Share by which the lowest buckling factor may differ from femlib's own: a coarse mesh may, another mode does more."""
 LARGEST = 1e3
 """Strain that is believed, at most."""
 MOST_DIGITS = 9
@@ -48,7 +51,7 @@ def read_displacements(path: str | Path, n_nodes: int) -> FloatArray:
 def _read_row(line: str, found: FloatArray, where: str) -> None:
     try:
         node = int(line[3:START]) - 1
-        values = [float(line[START + WIDTH * k : START + WIDTH * (k + 1)]) for k in range(3)]
+        values = [fortran_number(line[START + WIDTH * k : START + WIDTH * (k + 1)]) for k in range(3)]
     except ValueError as error:
         raise InputError(f"{where}: {line.strip()[:60]!r} is no row of displacements; run the deck again") from error
     if 0 <= node < len(found):
@@ -78,7 +81,7 @@ def element_points(path: str | Path) -> dict[int, list[list[float]]]:
 
 
 def _strain(word: str) -> float:
-    strain = float(word)
+    strain = fortran_number(word)
     if not abs(strain) <= LARGEST:
         raise ValueError(f"{shown(word)} is no strain")
     return strain
@@ -96,15 +99,29 @@ def read_frequencies(path: str | Path) -> FloatArray:
     return _column(path, "E I G E N V A L U E   O U T P U T", 5, 3)
 
 
-def read_buckling_factors(path: str | Path) -> FloatArray:
+def read_buckling_factors(path: str | Path, limit: float = APART) -> FloatArray:
     """Return the factors on the load at which the structure buckles, in the order of a result (.dat).
+
+    They are those of the load that was given to the deck, which lies beside the result and says by what it was scaled.
 
     Raises
     ------
     InputError
-        If the file is missing or has none.
+        If the file is missing or has none, the deck (.inp) is not beside it, or the lowest factor differs from
+        femlib's own by more than the share `limit`: then one of the two has missed the lowest mode.
     """
-    return _column(path, "B U C K L I N G   F A C T O R   O U T P U T", 2, 1)
+    found = _column(path, "B U C K L I N G   F A C T O R   O U T P U T", 2, 1)
+    deck = read_bytes(Path(path).with_suffix(".inp"), f"the deck of {path}, which says how its load was scaled")
+    scale = deck.decode("ascii", errors="replace").partition(SCALED)[2].split()[:1]
+    if not scale:  # a deck of another program, with the load as it is
+        return found
+    factors, own = found * fortran_number(scale[0]), fortran_number(scale[0]) / BELOW
+    if not abs(factors.min() - own) <= limit * own:
+        raise InputError(
+            f"{path} has {factors.min():.4g} as the lowest buckling factor, femlib {own:.4g}; expected them within "
+            f"{100 * limit:g} %; refine the mesh, or look at the modes' shapes and give a wider limit"
+        )
+    return factors
 
 
 def _column(path: str | Path, title: str, width: int, column: int) -> FloatArray:
@@ -113,7 +130,7 @@ def _column(path: str | Path, title: str, width: int, column: int) -> FloatArray
     table = text.partition(title)[2].partition("P A R T I C I P A T I O N")[0]
     rows = [line.split() for line in table.splitlines()]
     try:
-        values = [float(row[column]) for row in rows if len(row) == width and row[0].isdigit()]
+        values = [fortran_number(row[column]) for row in rows if len(row) == width and row[0].isdigit()]
     except ValueError as error:
         raise InputError(
             f"{path} has a number that is none ({error}); expected CalculiX's; run the deck again"

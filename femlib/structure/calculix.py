@@ -2,9 +2,11 @@
 
 A beam has a node at its middle, that of the shells' edge where it lies along one. CalculiX makes a solid of it, so its
 section must be a rectangle on the nodes' line. Strains are read at the integration points of the elements that a gauge
-averages, in global axes: shells with isotropic plies only.
+averages, in global axes: shells with isotropic plies only. The structure's sets go out under their names, so that the
+same structure can be made of the mesh that `read(deck, corners_only=True)` returns.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -22,6 +24,10 @@ from femlib.structure.model import MICRO, Structure
 LAYERS = {8: (4, np.sqrt(1.0 / 3.0)), 9: (3, np.sqrt(0.6))}
 """By the number of integration points, 8 of S8R and 9 of S6: points a layer, the lowest first, and the height of the
 outer layers over half the thickness."""
+OWN_NAMES = re.compile(r"ALL|CORNERS|PRINTED|(E|BEAM|MASS|SPRING)\d+", re.IGNORECASE)
+"""Names of the deck's own sets."""
+SET_NAME = re.compile(r"[A-Za-z][^\s,=*\"]{0,79}")
+"""A name that CalculiX takes, in capitals or not."""
 
 
 def write_deck(
@@ -38,13 +44,14 @@ def write_deck(
     Raises
     ------
     InputError
-        If state or load is bad, a beam is no rectangle on its nodes' line, a spring joins two nodes, or the file
-        cannot be written.
+        If state or load is bad, a beam is no rectangle on its nodes' line, a spring joins two nodes, stacked plies
+        stand beside other parts, or the file cannot be written.
     """
     target = Path(path)
     if target.suffix != ".inp":
         raise InputError(f"deck path {target} ends in {target.suffix!r}; expected .inp; rename it")
     built, factor = structure.built, structure.stiffness_left(state)
+    _check_stacks(structure)
     deck = Deck(
         shells=built,
         supports=structure.damaged.supports,
@@ -56,11 +63,25 @@ def write_deck(
     )
     lines = deck.lines()
     first = next(k for k, line in enumerate(lines) if line.startswith(("*INITIAL", "*STEP")))
-    lines[first:first] = _others(structure, factor)
+    lines[first:first] = [*_others(structure, factor), *_sets(structure)]
     # without it strains are in axes of each shell's own
     lines = [line + ", GLOBAL=YES" if line.startswith("*EL PRINT") else line for line in lines]
     with whole_file(target) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def _check_stacks(structure: Structure) -> None:
+    """Refuse stacked plies beside other parts, at which CalculiX 2.20 stops (element type unknown, gen3dnor)."""
+    built = structure.built
+    stacked = [number for number, own in enumerate(built.laminates) if len(own.plies) > 1]
+    others = {"beams": len(built.beams.ends), "masses": np.count_nonzero(built.point_masses)}
+    others |= {"springs": len(built.springs.ends)}
+    if stacked and any(others.values()):
+        told = " and ".join(f"{n} {name}" for name, n in others.items() if n)
+        raise InputError(
+            f"laminate {stacked[0]} is a stack of plies beside {told}, where CalculiX 2.20 stops; expected shells "
+            "alone or of one ply; leave the others out or write an equivalent ply"
+        )
 
 
 def weights_of(structure: Structure, gauges: Sequence[StrainGauge]) -> list[dict[int, float]]:
@@ -102,6 +123,29 @@ def tensors(rows: FloatArray) -> FloatArray:
     """Return strains (n, 3, 3) of rows (xx, yy, zz, xy, xz, yz)."""
     xx, yy, zz, xy, xz, yz = rows.T
     return np.moveaxis(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), 2, 0)
+
+
+def _sets(structure: Structure) -> list[str]:
+    """Return the structure's sets by name, those of lines without a section as their nodes."""
+    mesh, parts = structure.mesh, structure.parts
+    written = {name: np.flatnonzero(parts.of_elements(own)) for name, own in mesh.element_sets.items()}
+    lines: list[str] = []
+    for card, members in (
+        ("ELSET", {name: own for name, own in written.items() if own.size}),
+        ("NSET", {n: mesh.nodes_at(mesh.element_sets[n]) for n, own in written.items() if not own.size}),
+        ("NSET", mesh.node_sets),
+    ):
+        for name, own in members.items():
+            if not SET_NAME.fullmatch(name) or OWN_NAMES.fullmatch(name) or _is_taken(name, members):
+                lines.append(f"** the set {name!a} has a name that the deck cannot bear: it is left out")
+            elif own.size:
+                lines += [f"*{card}, {card}={name}", *(f"{number + 1}," for number in own.tolist())]
+    return lines
+
+
+def _is_taken(name: str, members: Mapping[str, object]) -> bool:
+    """Whether a set before it has the name in other capitals."""
+    return next(own for own in members if own.upper() == name.upper()) != name
 
 
 def _others(structure: Structure, factor: FloatArray) -> list[str]:

@@ -1,7 +1,7 @@
 """A mesh as it comes from a file: shells, lines, and sets of elements and nodes by name."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -29,6 +29,8 @@ class NamedMesh:
         Which elements belong to a set, as truth values (n_elements,), by name.
     node_sets : mapping
         Nodes of a set (n,), by name.
+    left_out : mapping
+        What else the file has, by its name: how many, or why an array of it names no set.
 
     Raises
     ------
@@ -42,6 +44,7 @@ class NamedMesh:
     lines: IntArray
     element_sets: Mapping[str, BoolArray]
     node_sets: Mapping[str, IntArray]
+    left_out: Mapping[str, str] = field(default_factory=lambda: ReadOnly({}))
 
     def __post_init__(self) -> None:
         points = np.array(self.nodes, dtype=np.float64)
@@ -80,7 +83,8 @@ class NamedMesh:
         """
         if name not in self.element_sets:
             raise InputError(
-                f"element set {name!r} is not in the mesh; expected one of {listed(self.element_sets)}; correct it"
+                f"element set {name!r} is not in the mesh; expected one of {listed(self.element_sets)}"
+                f"{self._without_set(name)}; correct it"
             )
         found = self.element_sets[name]
         if not found.any():
@@ -88,6 +92,11 @@ class NamedMesh:
                 f"element set {name!r} is empty; expected shells or lines in it; assign some in the mesh program"
             )
         return found
+
+    def _without_set(self, name: str) -> str:
+        """Return why the array that a set is named after has none."""
+        reason = self.left_out.get(name.partition(":")[0])
+        return f", as the array {name.partition(':')[0]!r} has {reason}" if reason else ""
 
     def nodes_of(self, name: str) -> IntArray:
         """Return the nodes of a node set, or of the elements of an element set, in increasing order.

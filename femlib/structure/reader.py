@@ -1,20 +1,23 @@
-"""Meshes from files of other programs: gmsh, Abaqus and CalculiX, Nastran, VTK, through meshio.
+"""Meshes from files of other programs: gmsh, Abaqus and CalculiX, Nastran, VTK.
 
 Taken from a file: nodes, shells of three and four nodes, lines of two, and what names them. Nothing else: no material,
-load, support, mass or spring of the file is read.
+load, support, mass or spring. A file that has something else that changes the structure gives a warning, and
+`NamedMesh.left_out` says it.
 
-| format | element sets | node sets |
-|---|---|---|
-| gmsh .msh (2.2, 4.1) | physical groups, of lines and surfaces | physical groups of points |
-| Abaqus, CalculiX .inp | *ELSET, *ELEMENT with ELSET | *NSET, *NODE with NSET |
-| Nastran .bdf, .nas, .fem | "property:3" for property 3 | none |
-| VTK .vtk, .vtu | "name:value" of each whole-numbered cell array | the same of point arrays |
+| format | read by | element sets | node sets |
+|---|---|---|---|
+| gmsh .msh (2.2, 4.1) | meshio | physical groups, of lines and surfaces | physical groups of points |
+| Abaqus, CalculiX .inp | `abaqus` | *ELSET, *ELEMENT with ELSET | *NSET, *NODE with NSET, ELSET of masses and springs |
+| Nastran .bdf, .dat, .nas, .fem, .blk | `nastran` | "property:3", names in comments | "SPC:1", "CONM2:9", ... |
+| VTK .vtk | `vtk_legacy` | "name:value" of each whole-numbered cell array | the same of point arrays |
+| VTK .vtu | meshio | the same | the same |
 
 The nodes of every element set are a node set of the same name.
 """
 
 import contextlib
 import io
+import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -23,33 +26,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from femlib.arrays import BoolArray, FloatArray, IntArray
-from femlib.errors import InputError, MeshError, needed_by
+from femlib.errors import InputError, LeftOutWarning, MeshError, needed_by
 from femlib.files import limited_memory, read_bytes
-from femlib.structure.abaqus_sets import deck_sets, masks
+from femlib.kept import ReadOnly
+from femlib.structure.abaqus import read_deck
+from femlib.structure.file_mesh import FileMesh, value_sets, wrong_kind
 from femlib.structure.named_mesh import NamedMesh
+from femlib.structure.nastran import read_bulk
+from femlib.structure.vtk_legacy import read_legacy
 
 if TYPE_CHECKING:
     import meshio
 
 READERS = {
-    ".msh": "gmsh",
-    ".inp": "abaqus",
-    ".bdf": "nastran",
-    ".nas": "nastran",
-    ".fem": "nastran",
-    ".vtk": "vtk",
-    ".vtu": "vtu",
-}
-"""meshio's reader by the ending of a file's name."""
+    ".msh": "gmsh", ".inp": "abaqus", ".bdf": "nastran", ".nas": "nastran", ".fem": "nastran", ".dat": "nastran",
+    ".blk": "nastran", ".bulk": "nastran", ".vtk": "vtk", ".vtu": "vtu",
+}  # fmt: skip
+"""Format by the ending of a file's name."""
 UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
 """Metres in a unit of length."""
+DIMENSIONS = {"quad": 2, "triangle": 2, "line": 1, "vertex": 0}
 WIDTHS = {"quad": 4, "triangle": 3, "line": 2}
 QUADRATIC = {"quad8": "quad", "quad9": "quad", "triangle6": "triangle", "triangle7": "triangle", "line3": "line"}
 ROOM, ROOM_PER_BYTE = 2**28, 100
 """Bytes that reading a file may take, and bytes more for each of its own: gmsh's reader makes a table as long as the
 largest number of a node, which one wrong digit makes thousands of millions."""
-MOST_VALUES = 1000
-"""An array of cells or points with more values than that numbers them and names no set."""
+UNREAD = {
+    b'compressor="vtkLZ4DataCompressor"': "it is compressed by LZ4, expected zlib, LZMA or none",
+    b'type="String"': "it has texts as data, which are not read; take them out of its field data",
+}
+"""What meshio does not read of a .vtu file, and the reason that it does not give."""
 OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags")
 """What meshio keeps of gmsh's geometry; no set of the user's."""
 
@@ -62,7 +68,7 @@ def read(
     Parameters
     ----------
     mesh : str, Path or meshio.Mesh
-        A file that ends in .msh, .inp, .bdf, .nas, .fem, .vtk or .vtu, or a mesh that meshio has read from another.
+        A file with an ending of the table above, or a mesh that meshio has read from another.
     unit : str
         Unit of its coordinates: m, mm, cm, in or ft.
     corners_only : bool
@@ -75,54 +81,98 @@ def read(
     InputError
         If the file cannot be read, has volume or quadratic elements, or no element at all.
     MissingExtraError
-        If meshio is not installed.
+        If meshio reads the format and is not installed.
+
+    Warns
+    -----
+    LeftOutWarning
+        If the file has what changes the structure and is not in a mesh: masses, springs, rigid elements, offsets,
+        supports, loads.
     """
-    with needed_by("a mesh from a file"):
-        meshio = import_module("meshio")
     if unit not in UNITS:
         raise InputError(f"unit is {unit!r}; expected one of {list(UNITS)}; correct it")
     name = str(mesh) if isinstance(mesh, str | Path) else "the mesh"
-    source: Any = _read_file(Path(mesh)) if isinstance(mesh, str | Path) else mesh
-    if not isinstance(source, meshio.Mesh):
-        raise InputError(f"mesh is a {type(mesh).__name__}; expected a path or a mesh of meshio; give one")
-    blocks = [_block(cell, name, corners_only) for cell in source.cells]
-    is_deck = isinstance(mesh, str | Path) and Path(mesh).suffix.lower() == ".inp"
-    sets = _deck_masks(source, Path(name)) if is_deck else _sets(source, blocks)
-    found = _ordered(_points(source, name, UNITS[unit]), blocks, *sets)
+    file = _read_file(Path(mesh)) if isinstance(mesh, str | Path) else _of_meshio(mesh)
+    blocks = [_block(*block, name, corners_only) for block in file.blocks]
+    found = _ordered(file, _points(file.points, name, UNITS[unit]), blocks)
     if not found.n_elements:
         raise MeshError(f"{name} has no shell and no line; expected at least one; write the elements, not the geometry")
+    if file.left_out:
+        warnings.warn(_left_out(name, file.left_out), LeftOutWarning, stacklevel=2)
     return _without_lone_nodes(found) if drop_lone_nodes or corners_only else _checked_nodes(found, name)
 
 
-def _read_file(path: Path) -> Any:
-    """Return meshio's mesh of a file.
+def _left_out(name: str, left_out: Mapping[str, int]) -> str:
+    every = ", ".join(f"{n} {what}" for what, n in left_out.items())
+    return f"{name}: left out of the mesh: {every}; what of it counts, give to Structure"
 
-    By the format's own reader: `meshio.read` ends the program where a file is bad.
-    """
-    content = read_bytes(path, "a mesh file")
+
+def _read_file(path: Path) -> FileMesh:
+    """Return what a file holds, by the reader of its format."""
     if path.suffix.lower() not in READERS:
         raise InputError(
             f"{path} ends in {path.suffix!r}; expected one of {sorted(READERS)}; rename it, or give meshio.read(path)"
         )
     kind = READERS[path.suffix.lower()]
-    if kind == "nastran" and not _has_cards(content):
-        raise _unreadable(path, kind, "no card after BEGIN BULK")
-    reader = import_module(f"meshio.{kind}")
+    if kind in ("gmsh", "vtu"):
+        with needed_by("a mesh from a file"):
+            reader = import_module(f"meshio.{kind}")
+        return _read_by_meshio(path, kind, reader)
+    content = read_bytes(path, "a mesh file")
+    try:
+        with limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
+            if kind == "vtk":
+                return read_legacy(content, path)
+            return read_deck(path) if kind == "abaqus" else read_bulk(path)
+    except MemoryError as error:
+        raise _unreadable(path, kind, "it asks for more memory than a file of its size") from error
+
+
+def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
+    """Return what meshio's own reader of the format finds: `meshio.read` ends the program where a file is bad."""
+    content = read_bytes(path, "a mesh file")
+    for mark, reason in UNREAD.items():
+        if kind == "vtu" and mark in content.partition(b"<AppendedData")[0]:
+            raise _unreadable(path, kind, reason)
     said = io.StringIO()
     try:
         with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
             mesh = reader.read(str(path))
     except Exception as error:  # a reader fails in any way at what is not its format
-        raise _unreadable(path, kind, f"{type(error).__name__}: {error}") from error
+        raise _unreadable(path, kind, f"{type(error).__name__}: {error}".rstrip(": ")) from error
     if said.getvalue():  # a block that is not closed, an entry that is skipped: what is read is not the whole file
         raise _unreadable(path, kind, said.getvalue())
-    return mesh
+    return _of_meshio(mesh)
 
 
-def _has_cards(content: bytes) -> bool:
-    """Whether a bulk data file has a card: meshio's reader looks for the first one without end."""
-    after = content.partition(b"BEGIN BULK")[2].splitlines()[1:]
-    return any(len(line) >= 4 and not line.startswith((b"$", b"//", b"#")) for line in after)
+def _of_meshio(source: object) -> FileMesh:
+    """Return a mesh of meshio as a file's, an element that gmsh wrote once for each of its groups as one."""
+    with needed_by("a mesh from a file"):
+        meshio = import_module("meshio")
+    if not isinstance(source, meshio.Mesh):
+        raise InputError(f"mesh is a {type(source).__name__}; expected a path or a mesh of meshio; give one")
+    blocks = [(str(cell.type), np.asarray(cell.data, dtype=np.int64)) for cell in source.cells]
+    told: dict[str, str] = {}
+    found = FileMesh(np.asarray(source.points, dtype=np.float64), blocks, *_sets(source, blocks, told), {}, told)
+    return _once(found) if "gmsh:physical" in source.cell_data else found
+
+
+def _once(file: FileMesh) -> FileMesh:
+    """Return the mesh with each element once, in all sets of its copies: MSH 2.2 writes one for each group."""
+    blocks, first, starts = [], [], np.cumsum([0, *(len(own) for _, own in file.blocks)])
+    for kind in dict.fromkeys(kind for kind, _ in file.blocks):
+        own = [k for k, (its, _) in enumerate(file.blocks) if its == kind]
+        corners = np.concatenate([file.blocks[k][1] for k in own])
+        position = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in own])
+        _, at, copy = np.unique(np.sort(corners, axis=1), axis=0, return_index=True, return_inverse=True)
+        order = np.argsort(at)
+        blocks.append((kind, corners[at[order]]))
+        first.append((position, np.argsort(order)[copy.ravel()], len(at)))
+    sets = {}
+    for name, mask in file.element_sets.items():
+        counts = [np.bincount(copy, weights=mask[position], minlength=n) for position, copy, n in first]
+        sets[name] = np.concatenate(counts) > 0.0
+    return FileMesh(file.points, blocks, sets, file.node_sets, file.left_out, file.without_set)
 
 
 def _unreadable(path: Path, kind: str, reason: str) -> InputError:
@@ -132,11 +182,8 @@ def _unreadable(path: Path, kind: str, reason: str) -> InputError:
     )
 
 
-def _points(source: Any, name: str, scale: float) -> FloatArray:
-    references = source.point_data.get("nastran:ref")
-    if references is not None and np.any(references):
-        raise InputError(f"{name} has nodes in a coordinate system of their own; expected global ones; write them so")
-    points = scale * np.asarray(source.points, dtype=np.float64)
+def _points(places: FloatArray, name: str, scale: float) -> FloatArray:
+    points = scale * places
     if not points.size:
         raise MeshError(f"{name} has no node; expected a mesh; check that it is a file of that format")
     if points.ndim != 2 or points.shape[1] not in (2, 3):
@@ -144,9 +191,8 @@ def _points(source: Any, name: str, scale: float) -> FloatArray:
     return np.column_stack([points, np.zeros(len(points))]) if points.shape[1] == 2 else points
 
 
-def _block(cell: Any, name: str, corners_only: bool) -> tuple[str, IntArray]:
+def _block(kind: str, corners: IntArray, name: str, corners_only: bool) -> tuple[str, IntArray]:
     """Return the kind and corners of a block of elements."""
-    kind, corners = str(cell.type), np.asarray(cell.data, dtype=np.int64)
     if kind in QUADRATIC:
         if not corners_only:
             raise MeshError(
@@ -155,30 +201,14 @@ def _block(cell: Any, name: str, corners_only: bool) -> tuple[str, IntArray]:
             )
         return QUADRATIC[kind], corners[:, : WIDTHS[QUADRATIC[kind]]]
     if kind not in (*WIDTHS, "vertex"):
-        raise MeshError(
-            f"{name} has {len(corners)} elements of kind {kind}; expected shells and lines, no volumes; mesh the "
-            "middle surfaces"
-        )
+        raise wrong_kind(name, len(corners), kind)
     return kind, corners
 
 
 Sets = tuple[dict[str, BoolArray], dict[str, IntArray]]
 
 
-def _deck_masks(source: Any, path: Path) -> Sets:
-    """Return the sets of a deck: of all elements in the order of their blocks, and of nodes."""
-    text = read_bytes(path, "a mesh file").decode("utf-8", errors="replace")
-    try:
-        found = deck_sets(text, [cell.data.shape[1] for cell in source.cells], path)
-    except (ValueError, IndexError, KeyError, StopIteration, TypeError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise _unreadable(path, "abaqus", f"its sets: {type(error).__name__}: {error}") from error
-    elements = masks(found.elements, sum(len(cell.data) for cell in source.cells))
-    return elements, {name: np.array(own, dtype=np.int64) for name, own in found.nodes.items()}
-
-
-def _sets(source: Any, blocks: Sequence[tuple[str, IntArray]]) -> Sets:
+def _sets(source: Any, blocks: Sequence[tuple[str, IntArray]], told: dict[str, str]) -> Sets:
     """Return the sets that meshio keeps: of all elements in the order of their blocks, and of nodes."""
     sizes = [len(corners) for _, corners in blocks]
     first = np.cumsum([0, *sizes])
@@ -192,38 +222,29 @@ def _sets(source: Any, blocks: Sequence[tuple[str, IntArray]]) -> Sets:
     for name, parts in source.cell_data.items():
         if name not in OWN_SETS and not (name == "gmsh:physical" and source.cell_sets):
             values = np.concatenate([np.asarray(part) for part in parts])
-            dimensions = np.repeat([{"quad": 2, "triangle": 2, "line": 1}.get(kind, 0) for kind, _ in blocks], sizes)
-            elements |= _values(name, values, dimensions, source.field_data)
+            dimensions = np.repeat([DIMENSIONS.get(QUADRATIC.get(kind, kind), 3) for kind, _ in blocks], sizes)
+            elements |= _values(name, values, dimensions, source.field_data, told)
     nodes = {name: np.asarray(own, dtype=np.int64) for name, own in source.point_sets.items()}
     for name, values in source.point_data.items():
-        if name not in (*OWN_SETS, "nastran:ref"):
-            found = _values(name, np.asarray(values), None, {})
+        if name not in OWN_SETS:
+            found = value_sets(name, np.asarray(values), told)
             nodes |= {key: np.flatnonzero(mask) for key, mask in found.items()}
     return elements, nodes
 
 
-def _values(name: str, values: Any, dimensions: IntArray | None, names: Mapping[str, Any]) -> dict[str, BoolArray]:
-    """Return a set for each value of an array of whole numbers, by gmsh's names where it has some."""
-    if values.ndim != 1 or not np.issubdtype(values.dtype, np.integer):
-        return {}
-    kinds = np.unique(values)
-    if len(kinds) > MOST_VALUES:
-        return {}
-    found = {}
-    if name == "gmsh:physical":
-        for own, (tag, dimension) in ((key, np.asarray(pair).tolist()) for key, pair in names.items()):
-            found[own] = (values == tag) & (dimensions == dimension)
-    named = {int(np.asarray(pair)[0]) for pair in names.values()} if name == "gmsh:physical" else set()
-    label = {"nastran:ref": "property", "gmsh:physical": "physical"}.get(name, name)
-    return found | {f"{label}:{value}": values == value for value in kinds.tolist() if value not in named}
+def _values(
+    name: str, values: Any, dimensions: IntArray, names: Mapping[str, Any], told: dict[str, str]
+) -> dict[str, BoolArray]:
+    """Return a set for each value of a cell array of whole numbers, by gmsh's names where it has some."""
+    if name != "gmsh:physical":
+        return value_sets({"nastran:ref": "property"}.get(name, name), values, told)
+    groups = {own: np.asarray(pair).tolist() for own, pair in names.items()}
+    found = {own: (values == tag) & (dimensions == dimension) for own, (tag, dimension) in groups.items()}
+    named = {f"physical:{tag}" for tag, _ in groups.values()}
+    return found | {key: mask for key, mask in value_sets("physical", values, told).items() if key not in named}
 
 
-def _ordered(
-    points: FloatArray,
-    blocks: Sequence[tuple[str, IntArray]],
-    elements: Mapping[str, BoolArray],
-    nodes: Mapping[str, IntArray],
-) -> NamedMesh:
+def _ordered(file: FileMesh, points: FloatArray, blocks: Sequence[tuple[str, IntArray]]) -> NamedMesh:
     """Return the mesh with its elements in the order quadrilaterals, triangles, lines; points of gmsh become nodes."""
     kind = np.repeat([own for own, _ in blocks], [len(corners) for _, corners in blocks])
     order = np.concatenate([np.flatnonzero(kind == own) for own in WIDTHS] or [np.zeros(0, dtype=np.int64)])
@@ -232,13 +253,17 @@ def _ordered(
         for own, width in WIDTHS.items()
     }
     vertices = np.concatenate([np.zeros(0, dtype=np.int64), *(c.ravel() for k, c in blocks if k == "vertex")])
-    of_nodes = dict(nodes)
-    for name, mask in elements.items():
+    of_nodes = dict(file.node_sets)
+    for name, mask in file.element_sets.items():
         at = vertices[mask[kind == "vertex"]]
         if at.size and not mask[order].any():
             of_nodes[name] = at
-    of_elements = {name: mask[order] for name, mask in elements.items() if name not in of_nodes or mask[order].any()}
-    return NamedMesh(points, corners["quad"], corners["triangle"], corners["line"], of_elements, of_nodes)
+    of_elements = {
+        name: mask[order] for name, mask in file.element_sets.items() if name not in of_nodes or mask[order].any()
+    }
+    shells = (corners["quad"], corners["triangle"], corners["line"])
+    left_out = ReadOnly({name: str(n) for name, n in file.left_out.items()} | file.without_set)
+    return NamedMesh(points, *shells, of_elements, of_nodes, left_out)
 
 
 def _lone(mesh: NamedMesh) -> IntArray:
@@ -262,4 +287,4 @@ def _without_lone_nodes(mesh: NamedMesh) -> NamedMesh:
     number[kept] = np.arange(len(kept))
     nodes = {name: number[own][number[own] >= 0] for name, own in mesh.node_sets.items()}
     corners = (number[mesh.quads], number[mesh.trias], number[mesh.lines])
-    return NamedMesh(mesh.nodes[kept], *corners, mesh.element_sets, nodes)
+    return NamedMesh(mesh.nodes[kept], *corners, mesh.element_sets, nodes, mesh.left_out)

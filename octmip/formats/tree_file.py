@@ -8,7 +8,8 @@
      "training": {"sha256": ..., "n_samples": ..., "target": "mu1", "weights": null, "leaf_counts": [[...], ...]},
      "solution": {"objective": 28.0, "bound": 28.0, ...},       bound null: no proof
      "table": {"columns": {...}, "index": null, "rows": "all", ...},  how columns became features, or null
-     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0}}    or null
+     "held_out": {"share": 0.25, "seed": 0, "n_samples": 37, "measures": {"errors": 2}, "cost": 2.0},    or null
+     "readings": {"units": {"g01": "microstrain"}, "loads": {"force": 20.0}}}
 
 A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
 
@@ -64,6 +65,25 @@ class HeldOut:
     cost: float
 
 
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """How the numbers that a tree reads are measured.
+
+    Attributes
+    ----------
+    units
+        of the columns, by name.
+    loads
+        the loads at which they are read, by name: the tree takes readings at these as they are.
+    """
+
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    loads: Mapping[str, float] = dataclasses.field(default_factory=dict)
+
+
+NO_READINGS = Readings()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TreeFile:
     """The content of a tree file.
@@ -89,6 +109,8 @@ class TreeFile:
         how the training's table became samples; None where it was none.
     held_out
         what the tree loses on samples held out; None without such.
+    readings
+        units and loads of what it reads; none are known where a table was all.
     """
 
     solution: Solution
@@ -102,6 +124,7 @@ class TreeFile:
     leaf_counts: NDArray[np.int64]
     preparation: Preparation | None = None
     held_out: HeldOut | None = None
+    readings: Readings = NO_READINGS
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
@@ -153,6 +176,7 @@ def record_tree(
     weights_column: str | None = None,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
+    readings: Readings = NO_READINGS,
 ) -> TreeFile:
     """Return the tree file of a solution.
 
@@ -185,6 +209,7 @@ def record_tree(
         leaf_counts=leaf_counts(problem, solution.tree),
         preparation=preparation,
         held_out=held_out,
+        readings=readings,
     )
 
 
@@ -207,9 +232,14 @@ def write_tree_file(path: PathLike, file: TreeFile) -> None:
     DataError
         it cannot be written, or holds what no reader would take, such as a name of a thousand characters.
     """
+    write_bytes(path, file_bytes(file))
+
+
+def file_bytes(file: TreeFile) -> bytes:
+    """Return the content of a tree file as bytes; see `write_tree_file`."""
     content = encode(file)
     CONTENT.take(content)  # what could not be read again is not written
-    write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
+    return (json.dumps(content, indent=1, allow_nan=False) + "\n").encode()
 
 
 def encode(file: TreeFile) -> dict[str, Any]:
@@ -235,6 +265,7 @@ def encode(file: TreeFile) -> dict[str, Any]:
         "solution": solution,
         "table": None if file.preparation is None else file.preparation.to_json(),
         "held_out": None if file.held_out is None else dataclasses.asdict(file.held_out),
+        "readings": {"units": dict(file.readings.units), "loads": dict(file.readings.loads)},
     }
 
 
@@ -301,6 +332,7 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
         preparation=_preparation(content["table"], features, classes),
         held_out=_held_out(content["held_out"], loss_of(content["problem"]["loss"])),
+        readings=Readings(**content["readings"]),
     )
 
 

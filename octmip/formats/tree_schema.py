@@ -158,6 +158,7 @@ CONTENT = Record(
         "solution": Record(CLAIMS),
         "table": maybe(Record(TABLE)),
         "held_out": maybe(Record(HELD_OUT, closed=True)),
+        "readings": Record({"units": MapOf(NAME), "loads": MapOf(Number())}, closed=True),
     }
 )
 

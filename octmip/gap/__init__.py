@@ -1,7 +1,8 @@
 """The gap between an asset and its twin: where it lies, what explains it, how far it closes, what to test next."""
 
+from octmip.gap.campaign.blocks import Recorded, gathered
 from octmip.gap.campaign.campaign import Campaign, Cell
-from octmip.gap.campaign.reader import Recorded, gathered, read_campaign
+from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.errors import OctmipError, TwinError
+from octmip.errors import DataError, OctmipError, TwinError
+from octmip.input.named_arrays import by_name
 from octmip.twin import (
     Effect,
     Load,
@@ -194,14 +195,12 @@ class CachedTwin(TwinAround):
             it has another shape, is no number or not finite.
         """
         try:
-            found = np.array(answer, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise TwinError(f"{who} answers no numbers for {where} ({error}); expected floats; correct it") from error
-        if found.shape != (len(self.gauges),):
-            raise TwinError(
-                f"{who} answers with shape {found.shape} for {where}; expected ({len(self.gauges)},), one number for "
-                "each reading; correct it"
-            )
+            rows, _ = by_name(answer, self.gauges, f"{who} for {where}")
+        except DataError as error:
+            raise TwinError(f"{error}; correct it") from error
+        if len(rows) != 1:
+            raise TwinError(f"{who} answers {len(rows)} rows for {where}; expected one number for each reading")
+        found: NDArray[np.float64] = rows[0]
         if not np.isfinite(found).all():
             k = int(np.flatnonzero(~np.isfinite(found))[0])
             raise TwinError(

@@ -61,7 +61,7 @@ def effect_candidates(
     sizes
         in the effect's unit; None: 1, 2 and 4 times its prior scale.
     """
-    load = 1.0 if library.reference is None else library.reference
+    load = 1.0 if library.reference is None else library.asked_at[0]
     columns = [twin.gauges.index(gauge) for gauge in library.gauges]
     chosen = tuple(sizes) if sizes is not None else tuple(k * effect.prior_sd for k in (1.0, 2.0, 4.0))
     signs = (1.0,) if effect.is_one_sided else (1.0, -1.0)

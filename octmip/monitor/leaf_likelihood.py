@@ -10,11 +10,13 @@ of them, so their probabilities add up. Nothing is imputed.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.input.named_arrays import by_name
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import Applied, Library
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, nodes
@@ -144,17 +146,15 @@ def _open_leaves(tree: Node, features: Floats) -> NDArray[np.bool_]:
     return np.stack(columns, axis=1)
 
 
-def check_readings(readings: Floats, library: Library) -> Floats:
-    """Return readings as (n, n_gauges).
+def check_readings(readings: Any, library: Library) -> Floats:
+    """Return readings as (n, n_gauges), columns with names in the order of the library's gauges.
 
     Raises
     ------
     DataError
-        they have another shape or hold an infinite number.
+        they have another shape, lack a gauge, or hold an infinite number.
     """
-    rows = np.asarray(readings, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != len(library.gauges):
-        raise DataError(f"readings have shape {rows.shape}; expected (n, {len(library.gauges)}), one column per gauge")
+    rows, _ = by_name(readings, library.gauges, "readings")
     if np.isinf(rows).any():
         row, column = (int(k) for k in np.argwhere(np.isinf(rows))[0])
         raise DataError(f"reading {row} of {library.gauges[column]} is infinite; expected microstrain, NaN if missing")

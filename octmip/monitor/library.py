@@ -50,7 +50,8 @@ class Library:
     only_load
         the one load factor that the strains hold for; None: strain is proportional to load.
     reference
-        the loads that a load factor is a multiple of; None: the twin has one load, which is the load factor.
+        the loads that a load factor is a multiple of; None: the twin has one load, which is the load factor, and
+        strains are per unit of it.
     """
 
     parameters: tuple[str, ...]
@@ -117,7 +118,8 @@ class Library:
     def asked_at(self) -> tuple[Load, float]:
         """The load that the twin is asked at, and its load factor."""
         factor = self.only_load or 1.0
-        return (factor, factor) if self.reference is None else (self.reference, 1.0)
+        own = self.reference
+        return (factor, factor) if own is None else (load_of(own.names, own.amounts), 1.0)
 
     def features(self, readings: Floats, load_factor: Applied) -> Floats:
         """Return readings (n, n_gauges) per unit of load factor, the features of the trees.
@@ -215,8 +217,9 @@ def library_of(
         (n_parameters,) cells around the states; slopes are then differences across the cell, half of it kept within 0
         and 1.
     load_factor
-        where a twin that is not linear in load is asked; the library holds for that load alone. Of a twin with several
-        loads: all of them by name; the library holds for their multiples where the twin is linear, else for them alone.
+        where a twin that is not linear in load is asked; the library holds for that load alone. Loads by name, which a
+        twin with several needs: strains are those at these loads, as they are read, and the library holds for their
+        multiples where the twin is linear, else for them alone.
 
     Raises
     ------
@@ -233,7 +236,9 @@ def library_of(
     states = np.array(states, dtype=np.float64)
 
     load = _applied(twin, load_factor)
-    factor = 1.0 if isinstance(load, Loads) else load
+    is_named = isinstance(load_factor, Mapping) or isinstance(load, Loads)
+    reference = Loads(loads_of(twin), amounts_of(load)) if is_named else None
+    factor = 1.0 if isinstance(load, Loads) or is_named else load
 
     def ask(at: Floats) -> Floats:
         return np.asarray(predict_states(twin, at, load)[:, columns] / factor)
@@ -250,7 +255,7 @@ def library_of(
         np.array(widths, dtype=np.float64),
         _slopes(ask, states, widths, len(names)),
         None if is_linear else factor,
-        load if isinstance(load, Loads) else None,
+        reference,
     )
 
 

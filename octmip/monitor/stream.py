@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from octmip.errors import DataError, OctmipError
+from octmip.input.named_arrays import by_name
 from octmip.monitor.belief import Belief
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, explain
@@ -132,6 +133,9 @@ class Monitor:
                     f"{', '.join(index)}"
                 )
             row = [values.get(gauge) for gauge in index]
+        elif not isinstance(values, list | tuple) and type(values) is not np.ndarray:  # a series, a masked array
+            own = by_name(values, tuple(index), "reading")[0].ravel().tolist()
+            row = [None if math.isnan(value) else value for value in own]
         else:
             row = list(values)
             if len(row) != len(index):

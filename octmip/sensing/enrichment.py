@@ -382,4 +382,6 @@ def _largest_bound(whole: PartOf, design: MonitorDesign) -> float | None:
     names = state_parameters(whole.twin)
     rows = np.zeros((design.library.n_states, len(names)))
     rows[:, [names.index(name) for name in whole.kept]] = design.library.states
-    return float(np.asarray(bound(rows, design.load_factor)).max())
+    library = design.library
+    load = design.load_factor if library.reference is None else library.asked_at[0]
+    return float(np.asarray(bound(rows, load)).max())

@@ -41,11 +41,11 @@ class MonitorDesign:
     problems, solutions
         one for each parameter: readings drawn from the library, and the tree.
     fresh
-        (n_readings, n_gauges) other readings, per unit of the load factor as those of the problems.
+        (n_readings, n_gauges) other readings, as those of the problems.
     truth
         (n_readings,) index of each one's state.
     load_factor
-        what readings were divided by.
+        what readings were divided by: 1 where the loads were named.
     """
 
     library: Library
@@ -115,8 +115,8 @@ def design_monitor(
     twin
         the model; its state parameters are what is monitored.
     load
-        where the asset is read: a number of the one load, or all loads by name. The trees hold for its multiples where
-        the twin is linear in its loads.
+        where the asset is read. All loads by name: the trees take readings at them as they are. A number of the one
+        load: the trees take readings per unit of it. They hold for its multiples where the twin is linear in its loads.
     noise_sd
         of one reading: one number, or by name of the reading.
     levels
@@ -154,7 +154,7 @@ def design_monitor(
         for name, limit in zip(names, state_limits_of(twin), strict=True)
     ]
     library = library_of(twin, grid_states(grid), _noise(twin, noise_sd), load_factor=load)
-    factor = _factor(library, load)
+    factor = library.checked_load(load)
     truth, readings = _drawn(library, n_draws, seed, factor)
     price = {name: float((costs or {}).get(name, 1.0)) for name in library.gauges}
     problems = tuple(
@@ -179,13 +179,6 @@ def design_monitor(
         problems, solutions = joint.problems, joint.solutions
     of_fresh, fresh = _drawn(library, max(10, n_draws // 4), seed + FRESH, factor)
     return MonitorDesign(library, problems, solutions, fresh, of_fresh, factor)
-
-
-def _factor(library: Library, load: Applied) -> float:
-    """Return the load factor of the readings, of several loads the multiple of the library's reference."""
-    if isinstance(load, Mapping) and library.reference is None:
-        load = next(iter(load.values()))  # the one load, given by its name
-    return library.checked_load(load)
 
 
 def _drawn(library: Library, n_draws: int, seed: int, factor: float) -> tuple[NDArray[np.int64], Floats]:

@@ -4,11 +4,11 @@ import enum
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.methods.interruption import is_heard
-from octmip.trees.tree import Node, condition, depth, n_splits, prediction, tree_lines
+from octmip.trees.tree import Node, depth, first_lines, n_splits
 
 
 class Stop(enum.StrEnum):
@@ -94,13 +94,13 @@ def is_tolerable(tolerance: float, least_saving: float) -> bool:
 def closing_tolerance(objective: float, bound: float, least_saving: float) -> float:
     """Return how far a bound is from the objective of a tree that a finished search found; -1 if too far for a proof.
 
-    The distance is rounding alone. It proves the tree optimal if `is_tolerable`; beyond, two trees may have been taken
-    for equal.
+    The distance is rounding alone. It proves the tree optimal if `is_tolerable`, half a unit in the last place of the
+    objective included, by which the tree may cost more than it says; beyond, two trees may have been taken for equal.
     """
     distance = max(0.0, objective - bound)
     while objective - distance > bound:
         distance = math.nextafter(distance, math.inf)
-    return distance if is_tolerable(distance, least_saving) else -1.0
+    return distance if is_tolerable(distance + math.ulp(objective) / 2, least_saving) else -1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,14 +162,15 @@ class Solution:
         proof = "proven optimal" if self.is_optimal else f"gap {100 * self.gap:.3g} %"
         if math.isinf(self.bound):
             proof = "no proof"
-        lines = tree_lines(
-            self.tree,
-            lambda split: condition(split, lambda feature: f"x{feature}"),
-            lambda leaf: prediction(leaf, lambda feature: f"x{feature}"),
-        )
         splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
         head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"
-        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *lines])
+        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *first_lines(self.tree)])
+
+    def __repr__(self) -> str:
+        """Return all on one line, a large tree by its size and the details by their names."""
+        own = {item.name: repr(getattr(self, item.name)) for item in fields(self) if item.name != "details"}
+        own["details"] = f"<{', '.join(self.details) or 'none'}>"
+        return f"Solution({', '.join(f'{name}={text}' for name, text in own.items())})"
 
     @property
     def gap(self) -> float:
@@ -179,7 +180,8 @@ class Solution:
     @property
     def is_optimal(self) -> bool:
         """Whether the bound proves that no tree of the problem is better (by more than `tolerance`)."""
-        return self.tree is not None and self.bound >= self.objective - self.tolerance
+        is_said = self.tree is not None and self.stop is not Stop.NUMERICS
+        return is_said and self.bound >= self.objective - self.tolerance
 
 
 class ProofError(SolverError):

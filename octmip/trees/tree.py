@@ -19,17 +19,20 @@ without a threshold asks "is it missing?" alone: every reading goes to the other
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
+from octmip.trees.digits import exact, midpoint
 
 Side = Literal["left", "right"]
 """Where a split sends a missing reading."""
 SIDES: tuple[Side, Side] = ("left", "right")
+MOST_LEAVES, MOST_LINES = 16, 50
+"""Of a tree as Python shows it: leaves that are spelled out, and lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +96,14 @@ class Split:
         """The one feature, as a tuple, so that both kinds of split read alike."""
         return (self.feature,)
 
+    def __repr__(self) -> str:
+        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
+        return _called(self)
+
+    def __str__(self) -> str:
+        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
+        return "\n".join(first_lines(self))
+
 
 @dataclass(frozen=True, slots=True)
 class HyperplaneSplit:
@@ -120,6 +131,14 @@ class HyperplaneSplit:
                 f"{self.offset}; expected finite numbers, no coefficient zero"
             )
 
+    def __repr__(self) -> str:
+        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
+        return _called(self)
+
+    def __str__(self) -> str:
+        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
+        return "\n".join(first_lines(self))
+
 
 Node = Leaf | Split | HyperplaneSplit
 
@@ -127,15 +146,6 @@ Node = Leaf | Split | HyperplaneSplit
 def _check_side(side: object, where: str) -> None:
     if side not in (None, *SIDES):
         raise TreeError(f"missing readings of {where} go to {side!r}; expected 'left', 'right' or None")
-
-
-def midpoint(low: float, high: float) -> float:
-    """Return a threshold with ``low <= threshold < high``: the mean of two neighbours, guarded against rounding.
-
-    The mean of two neighbouring float64 values can round to the upper one, which would send `high` left.
-    """
-    middle = low / 2 + high / 2
-    return middle if low <= middle < high else low
 
 
 def goes_left(
@@ -365,28 +375,28 @@ def simplify(tree: Node) -> Node:
 
 
 def prediction(leaf: Leaf, name: Callable[[int], str]) -> str:
-    """Return what a leaf predicts on one line, numbers to six digits, features by their `name`."""
+    """Return what a leaf predicts on one line, features by their `name`, its numbers `exact`."""
     if not isinstance(leaf, ValueLeaf):
         return f"class {leaf.label}"
-    terms = [f"{leaf.value:.6g}"]
+    terms = [exact(leaf.value)]
     for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
-        terms.append(f"{'-' if coefficient < 0 else '+'} {abs(coefficient):.6g} {name(feature)}")
+        terms.append(f"{'-' if coefficient < 0 else '+'} {exact(abs(coefficient))} {name(feature)}")
     return " ".join(terms)
 
 
 def condition(split: Split | HyperplaneSplit, name: Callable[[int], str]) -> str:
-    """Return the condition for going left on one line, numbers to six digits, features by their `name`."""
+    """Return the condition for going left on one line, features by their `name`, its numbers `exact`."""
     or_missing = " or missing" if split.missing == "left" else ""
     if isinstance(split, Split):
         if split.threshold is None:
             return f"{name(split.feature)} is {'' if or_missing else 'not '}missing"
-        return f"{name(split.feature)} <= {split.threshold:.6g}{or_missing}"
+        return f"{name(split.feature)} <= {exact(split.threshold)}{or_missing}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
-        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
+        size = "" if abs(coefficient) == 1 else f"{exact(abs(coefficient))} "
         terms += f"{sign}{size}{name(feature)}"
-    return f"{terms} <= {split.offset:.6g}{or_missing}"
+    return f"{terms} <= {exact(split.offset)}{or_missing}"
 
 
 def tree_lines(
@@ -397,3 +407,22 @@ def tree_lines(
         return [decision(tree)]
     left, right = (tree_lines(side, question, decision) for side in (tree.left, tree.right))
     return [f"if {question(tree)}", *(f"    {line}" for line in left), "else", *(f"    {line}" for line in right)]
+
+
+def first_lines(tree: Node) -> list[str]:
+    """Return a tree as indented lines, features and classes by their index; of a large one the first lines alone."""
+    lines = tree_lines(tree, lambda split: condition(split, "x{}".format), lambda leaf: prediction(leaf, "x{}".format))
+    if len(lines) <= MOST_LINES:
+        return lines
+    first = lines[:MOST_LINES]
+    shown = sum(not line.strip().startswith(("if ", "else")) for line in first)
+    more = f"... {len(leaves(tree)) - shown} more leaves; export_text() of an estimator has all, and octmip report"
+    return [*first, more]
+
+
+def _called(split: Split | HyperplaneSplit) -> str:
+    n_leaves = len(leaves(split))
+    names = [item.name for item in fields(split) if n_leaves <= MOST_LEAVES or item.name not in SIDES]
+    own = {name: repr(getattr(split, name)) for name in names}
+    size = {} if n_leaves <= MOST_LEAVES else {"n_leaves": n_leaves}
+    return f"{type(split).__name__}({', '.join(f'{name}={text}' for name, text in (own | size).items())})"

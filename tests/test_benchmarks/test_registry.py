@@ -1,5 +1,11 @@
 """The benchmark families: each loads and names its cases; the table says what the lines say."""
 
+import csv
+import statistics
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import numpy as np
 import pytest
 
 from benchmarks.blind.__main__ import main as blind_main
@@ -9,7 +15,11 @@ from benchmarks.cases.exact import boundaries, large
 from benchmarks.data import SHARED, numeric_sets, published, synthetic_uav
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
-from benchmarks.tables import race_table
+from benchmarks.tables import Line, race_table
+from octmip import Problem
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "docs" / "results" / "data" / "benchmarks"
 
 needs_data = pytest.mark.skipif(
     not SHARED.exists(), reason=f"the data sets beside the repository ({SHARED}) are absent"
@@ -93,8 +103,45 @@ def test_the_table_says_where_the_peer_was_stopped_or_ours_is_slower():
     assert "0.02 s: s." in race_table([line("octmip", 0.5), line("pycontree", 0.1)])
 
 
-def test_the_table_shows_a_disagreement():
-    assert "DISAGREE: 3, 4" in race_table([line("octmip", 0.1), line("pycontree", 2.0, objective=4.0)])
+def test_a_table_fails_where_proven_objectives_differ():
+    with pytest.raises(ValueError, match="s differ: 3 by octmip, 4 by pycontree"):
+        race_table([line("octmip", 0.1), line("pycontree", 2.0, objective=4.0)])
+    assert "| 3 |" in race_table([line("octmip", 0.1), line("pycontree", 2.0, "not proven", objective=4.0)])
+
+
+def timed(rows: Iterable[dict[str, str]]) -> Iterator[Line]:
+    """Yield the lines of a data file with their seconds as numbers."""
+    for row in rows:
+        yield {key: float(cell) if key.endswith("_seconds") and cell else cell for key, cell in row.items()}
+
+
+def test_no_two_proven_objectives_of_the_sparse_trees_differ():
+    with (RESULTS / "sparse-trees.csv").open() as file:
+        lines = [{"size": row["case"], "seed": 0, "threads": 1} | row for row in timed(csv.DictReader(file))]
+    race_table([line for line in lines if line["outcome"] == "proven"], peer="fastsmalltree")
+
+
+def test_pages_say_how_much_faster_depth_3_is_as_the_data_have_it():
+    with (RESULTS / "beside-the-peers.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["case"].endswith("depth 3") and " " not in row["pycontree"]]
+    assert not [row for row in rows if "DISAGREE" in row["optimum"]]
+    ratios = [float(row["ratio"]) for row in rows if row["ratio"] and float(row["pycontree"]) > 0.1]
+    mean = round(statistics.geometric_mean(ratios))
+    for page in ("README.md", "docs/index.md"):
+        assert f"depth 3 proven {mean} times as fast as pycontree" in (ROOT / page).read_text()
+    assert f"At depth 3 the mean is {mean}." in (ROOT / "docs/benchmarks.md").read_text()
+
+
+@pytest.mark.parametrize("solver", ["treefarms"])
+def test_a_peer_is_asked_for_the_same_optimum(solver):
+    pytest.importorskip(solver)
+    rng = np.random.default_rng(0)
+    values = rng.integers(1, 5, (130, 3))
+    balance = (values == 1).sum(axis=1) - (values == 2).sum(axis=1)
+    labels = np.where(balance != 0, balance > 0, rng.integers(0, 2, 130))
+    problem = Problem(values.astype(float), labels.astype(int), depth=9, leaf_penalty=0.02 * 130)
+    answer = RIVALS[solver].prepare(problem)(60.0, 1)  # the first tree of its default set costs 35.2
+    assert (answer.objective, answer.bound) == pytest.approx((33.4, 33.4))
 
 
 @pytest.mark.parametrize(("arguments", "message"), [

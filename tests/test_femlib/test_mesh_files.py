@@ -141,13 +141,9 @@ LEFT, Right
 @pytest.mark.parametrize(
     ("name", "text", "told"),
     [
-        (
-            "plate.inp",
-            DECK.replace("*ELEMENT, TYPE=B31", "*ELEMENT, TYPE=B31\n*ELEMENT, TYPE=B31"),
-            "as abaqus",
-        ),
+        ("plate.inp", DECK.replace("7, 20, 50, 60, 30", "7, 20, 50, 60, 30, 40"), "element 7 has 5 nodes, expected 4"),
         ("plate.inp", DECK.replace("10, 40, 30", "10, 9000000000000000000, 30"), "as abaqus"),
-        ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "no card after BEGIN BULK"),
+        ("plate.bdf", "CEND\nBEGIN BULK\n$ nothing\n", "has no node"),
     ],
 )
 def test_a_file_with_too_few_or_too_many_rows_is_refused(name, text, told, tmp_path):

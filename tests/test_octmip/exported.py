@@ -25,10 +25,17 @@ def c_labels(tree, readings, folder):
     (folder / "tree.c").write_text(c_source(tree, *_names(tree, readings)))
     flags = [*C_FLAGS, "-march=native", "-ffp-contract=fast", "-shared", "-fPIC"]
     subprocess.run(["cc", *flags, "-o", folder / "tree.so", folder / "tree.c"], check=True, capture_output=True)
-    label = CDLL(str(folder / "tree.so")).octmip_label
+    label = CDLL(str(folder / "tree.so")).octmip_predict
+    label.restype = c_double
     readings = np.ascontiguousarray(readings)
     start, size = readings.ctypes.data, 8 * readings.shape[1]
-    return [label((c_double * readings.shape[1]).from_address(start + size * k)) for k in range(len(readings))]
+    rows = ((c_double * readings.shape[1]).from_address(start + size * k) for k in range(len(readings)))
+    return _labels(label(row) for row in rows)
+
+
+def _labels(answers):
+    """Return answers as labels, -1 where there is none."""
+    return [-1 if answer is None or answer != answer else int(answer) for answer in answers]
 
 
 def sql_labels(tree, readings, folder):
@@ -38,7 +45,8 @@ def sql_labels(tree, readings, folder):
         base.execute(f"CREATE TABLE readings ({', '.join(f'{name} DOUBLE PRECISION' for name in names)}, n INTEGER)")
         rows = [(*row, k) for k, row in enumerate(readings.tolist())]
         base.executemany(f"INSERT INTO readings VALUES ({', '.join('?' * (len(names) + 1))})", rows)
-        return [k for (k,) in base.execute(f"SELECT {sql_expression(tree, names, classes)} FROM readings ORDER BY n")]
+        query = f"SELECT {sql_expression(tree, names, classes)} FROM readings ORDER BY n"
+        return _labels(answer for (answer,) in base.execute(query))
 
 
 def onnx_labels(tree, readings, folder):
@@ -51,7 +59,8 @@ def onnx_labels(tree, readings, folder):
     options.intra_op_num_threads = 1
     model = onnx_model(tree, *_names(tree, readings))
     onnx.checker.check_model(model)
-    return runtime.InferenceSession(model.SerializeToString(), options).run(None, {"readings": readings})[0].tolist()
+    session = runtime.InferenceSession(model.SerializeToString(), options)
+    return _labels(session.run(None, {"readings": readings})[0].tolist())
 
 
 EXPORTS = [

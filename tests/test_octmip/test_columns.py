@@ -142,7 +142,7 @@ def test_an_ordered_category_becomes_its_rank():
     split = Split(0, 1.5, Leaf(0), Leaf(1), missing="left")
     assert columns.left_words(split) == "size is low or middle or missing"
     with pytest.raises(DataError, match="no place in the order"):
-        columns.encode(pd.DataFrame({"size": ["tiny"]}))
+        columns.encode(pd.DataFrame({"size": ["tiny"]}), takes_missing=False)
 
 
 def test_every_column_that_cannot_be_used_is_named_with_its_cure():

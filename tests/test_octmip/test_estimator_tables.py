@@ -78,11 +78,11 @@ def test_a_text_that_training_had_not_answers_no_to_every_question():
 
 
 def test_a_value_missing_only_later_is_refused_with_a_cure():
-    model = fitted(FRAME[["size"]].assign(age=FRAME["age"].fillna(0)))
+    model = fitted(FRAME[["size"]].assign(age=FRAME["age"].fillna(0)), takes_missing=False)
     with pytest.raises(DataError, match=r"'age' has .* missing cells, and had none in training; fill in"):
         model.predict(FRAME[["size", "age"]])
     with pytest.raises(DataError, match="'x0' has 1 missing cell"):
-        fitted([[0.0], [1.0]], [0, 1]).predict([[np.nan]])
+        fitted([[0.0], [1.0]], [0, 1], takes_missing=False).predict([[np.nan]])
 
 
 @pytest.mark.parametrize(

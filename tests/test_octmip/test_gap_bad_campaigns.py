@@ -7,7 +7,7 @@ import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
-from octmip.gap.channels.faults import clipped_in
+from octmip.gap.channels.levels import clipped_in
 from octmip.gap.doors import open_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
@@ -204,6 +204,10 @@ def test_few_repeats_raise_no_false_alarm(repeats):
     assert all(diagnose(run, TWIN, commissioning=measured(1000)).is_sound for run in runs)
 
 
+def beside(campaign):
+    return np.array([TWIN.predict({}, load) for load in campaign.load_factor])
+
+
 def clipped(rail, gauges):
     whole = measured(5)
     readings = whole.readings.copy()
@@ -227,7 +231,7 @@ def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
     readings = whole.readings.copy()
     readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
     campaign = replace(whole, readings=readings)
-    found = clipped_in(campaign)
+    found = clipped_in(campaign, beside(campaign))
     assert [(fault.gauge, fault.value) for fault in found] == [("g07", 900.0), ("g07", -900.0)]
     left_out = np.concatenate([fault.rows for fault in found])
     assert [float(c.load) for c in campaign.cells if not np.isin(c.rows, left_out).any()] == [0.0]
@@ -245,9 +249,9 @@ def test_an_effect_is_found_beside_clipped_gauges():
 
 def test_no_rail_is_seen_where_there_is_none():
     plain = measured(5)
-    assert clipped_in(plain) == []
+    assert clipped_in(plain, beside(plain)) == []
     coarse = replace(plain, readings=np.round(plain.readings / 80.0) * 80.0)
-    assert clipped_in(coarse) == []
+    assert clipped_in(coarse, beside(coarse)) == []
 
 
 def test_a_known_noise_stands_in_for_repeats(tmp_path):

@@ -8,8 +8,9 @@ from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Cell, Fault
+from octmip.gap.campaign.display import left_by, levels_of, step_of
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
-from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter, least_variance, quantisation_step
+from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter
 from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
@@ -103,13 +104,15 @@ def test_the_offset_of_a_jump_acts_from_its_first_row_on():
     [
         ([0.0, 0.5, 1.5, -2.0], 0.5),
         ([0.0, 0.5], 0.0),  # two values are multiples of whatever lies between them
-        ([0.0, 0.5, 1.25], 0.0),
+        ([0.0, 0.5, 1.25], 0.25),
         ([0.0, 0.0, 0.0], 0.0),
+        (np.round(np.array([3, 5, 6, 8, 11, 12, 17]) * 0.3052, 3), 0.3052),  # counts of a converter, in printed mm
+        (np.random.default_rng(0).standard_normal(50), 0.0),
         ([1e3, 1e3 + 0.25, np.nan, 1e3 + 1.0], 0.25),
     ],
 )
 def test_a_step_is_what_all_readings_are_whole_multiples_of(readings, step):
-    assert quantisation_step(np.array(readings)) == pytest.approx(step)
+    assert step_of(levels_of(np.array(readings))) == pytest.approx(step, rel=1e-3)
 
 
 def test_variances_are_drawn_to_their_middle_and_equal_ones_become_one():
@@ -124,18 +127,26 @@ def test_variances_are_drawn_to_their_middle_and_equal_ones_become_one():
     assert _moderated(own[:2], degrees[:2]).tolist() == own[:2].tolist()  # two gauges say nothing of all
 
 
-def test_repeats_differ_beyond_the_rounding_of_the_greatest_reading():
-    assert least_variance(np.array([[-4.0, np.nan], [3.0, 0.5]])) == pytest.approx([16e-24, 0.25e-24])
+def test_a_step_leaves_in_means_what_their_repeats_do_not_show():
+    """Repeats of normal noise about values all over a step, rounded: the definition, drawn."""
+    rng, n = np.random.default_rng(0), 6
+    for ratio in (0.0, 0.1, 0.25, 0.4, 1.0):
+        value = rng.uniform(-0.5, 0.5, 100_000)[:, None]
+        shown = np.round(value + ratio * rng.standard_normal((100_000, n)))
+        seen, whole = float(shown.var(axis=1, ddof=1).mean()), float(((shown.mean(axis=1) - value[:, 0]) ** 2).mean())
+        left = float(left_by(np.array([3.0]), np.array([9.0 * seen]))[0]) / 9.0
+        assert left == pytest.approx(whole - seen / n, abs=2e-3)
+    assert left_by(np.zeros(2), np.array([0.0, 1.0])).tolist() == [0.0, 0.0]
 
 
 def test_only_a_load_that_scatters_otherwise_has_a_scale_of_its_own():
     rng, loads = np.random.default_rng(0), (1.0, 2.0, 3.0)
     blocks = tuple(sd * rng.standard_normal((50, 20)) for sd in (1.0, 1.0, 2.0))
     every, ones = np.ones(20, dtype=bool), np.ones(20)
-    scale = _scales(_Scatter(ones, loads, blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    scale = _scales(_Scatter((), loads, blocks, ones, ones, 147.0 * ones, every, 0.0 * ones, 0.0 * ones), 1.0)
     assert [scale[load] for load in (1.0, 2.0, 3.0)] == pytest.approx([0.5, 0.5, 2.0], rel=0.1)
     alike_blocks = tuple(block / sd for block, sd in zip(blocks, (1.0, 1.0, 2.0), strict=True))
-    same = _scales(_Scatter(ones, loads, alike_blocks, ones, ones, 147.0 * ones, every, ~every), 1.0)
+    same = _scales(_Scatter((), loads, alike_blocks, ones, ones, 147.0 * ones, every, 0.0 * ones, 0.0 * ones), 1.0)
     assert set(same.values()) == {1.0}
 
 

@@ -55,47 +55,6 @@ def test_a_model_starts_from_the_tree_that_is_given():
     assert pyo.value(model.cost) == small().objective(tree)
 
 
-def test_rows_that_are_added_count_and_are_named_in_the_scope():
-    problem = small()
-    free = octmip.model(problem)
-    reads = 1 - octmip.solution_of(free, solved(free)).tree.features[0]
-    model = octmip.model(problem)
-    model.mine = pyo.Constraint(expr=model.a[reads, 1] == 1)
-    solution = octmip.solution_of(model, solved(model))
-    assert solution.tree.features == (reads,)
-    assert solution.is_optimal
-    assert "rows and fixed values: 1" in solution.details["scope"]
-    # The bound is above what the problem without the row allows, and is not called a contradiction.
-    assert solution.bound >= octmip.solution_of(free, solved(free)).objective
-
-
-def test_a_value_that_is_fixed_counts_as_added():
-    model = octmip.model(small())
-    model.d[1].fix(0)
-    solution = octmip.solution_of(model, solved(model))
-    assert (solution.objective, solution.is_optimal) == (small().class_costs().min(), True)
-    assert "rows and fixed values: 1" in solution.details["scope"]
-
-
-def test_a_row_that_takes_the_place_of_another_is_counted_twice():
-    model = octmip.model(small())
-    model.late = pyo.Constraint(expr=model.b[1] >= 0.75)
-    model.threshold[0].deactivate()
-    solution = octmip.solution_of(model, solved(model))
-    assert "rows and fixed values: 2" in solution.details["scope"]
-
-
-def test_bounds_that_are_narrower_are_counted_and_another_objective_is_refused():
-    model = octmip.model(small())
-    model.b[1].setlb(0.75)
-    solved(model)
-    assert "rows and fixed values: 1" in octmip.solution_of(model).details["scope"]
-    model.cost.deactivate()
-    model.other = pyo.Objective(expr=model.b[1])
-    with pytest.raises(ProblemError, match="another objective"):
-        octmip.solution_of(model)
-
-
 def test_a_bound_is_lowered_by_what_tolerances_may_have_added():
     made = model_of(small(), "oct")
     values = made.start()
@@ -160,38 +119,6 @@ def test_costs_that_are_no_whole_numbers_come_back_in_the_units_of_the_problem()
     assert solution.is_optimal
 
 
-WRITTEN = {
-    "highs": "Model status\nOptimal\n# Primal solution values\nFeasible\n# Columns 3\n{lines}\n# Rows 0\n",
-    "scip": "solution status: optimal solution found\nobjective value:    1\n{lines}\t(obj:0)\n",
-    "gurobi": "# Solution for model\n# Objective value = 1\n{lines}\n",
-}
-ONE_LINE = {
-    "cbc": "Optimal - objective value 1\n{}",
-    "glpk": "   No. Column name       Activity     Lower bound   Upper bound\n{}",
-    "cplex": '<?xml version = "1.0"?>\n<CPLEXSolution version="1.2"><variables>{}</variables></CPLEXSolution>',
-}
-OF_COLUMN = {
-    "cbc": "{j:7d} {name}  {value:g}   7",
-    "glpk": "{j:6d} {name}\n                    *              {value:g}             0             1",
-    "cplex": ' <variable name="{name}" index="{j}" value="{value:g}"/>',
-}
-
-
-@pytest.mark.parametrize("kind", [*WRITTEN, *ONE_LINE])
-def test_the_solution_files_of_six_solvers_are_read(kind, tmp_path):
-    made = model_of(small(), "oct")
-    names = [name.replace("[", "(").replace("]", ")") for name in made.formulation.rows.column_names()]
-    given = [(j, name, value) for j, (name, value) in enumerate(zip(names, made.start(), strict=True)) if value]
-    if kind in WRITTEN:
-        text = WRITTEN[kind].format(lines="\n".join(f"{name} {value:g}" for _, name, value in given))
-    else:
-        entries = (OF_COLUMN[kind].format(j=j, name=name, value=value) for j, name, value in given)
-        text = ONE_LINE[kind].format("\n".join(entries))
-    file = tmp_path / "m.sol"
-    file.write_text(text)
-    assert made.read(file).objective == made.known.objective
-
-
 def test_a_file_of_another_model_is_refused(tmp_path):
     file = tmp_path / "m.sol"
     file.write_text("x(1) 1\ny 2\n")
@@ -205,25 +132,6 @@ def test_a_written_start_is_a_solution(tmp_path):
     first = (tmp_path / "m.mst").read_text().splitlines()[0]
     assert first == f"# octmip model oct, problem {made.problem.digest()}"
     assert made.read(tmp_path / "m.mst").objective == made.known.objective
-
-
-@pytest.mark.parametrize("suffix", [".lp", ".mps"])
-@pytest.mark.parametrize("method", METHODS)
-def test_a_file_goes_through_highs_and_back(tmp_path, method, suffix):
-    import highspy
-
-    problem = small(3)
-    made = model_of(problem, method)
-    made.write(tmp_path / f"m{suffix}")
-    assert problem.digest() in (tmp_path / f"m{suffix}").read_text().splitlines()[0]
-    highs = highspy.Highs()
-    highs.setOptionValue("output_flag", False)
-    highs.readModel(str(tmp_path / f"m{suffix}"))
-    highs.run()
-    highs.writeSolution(str(tmp_path / "m.sol"), 0)
-    bound = highs.getInfo().mip_dual_bound
-    solution = made.read(tmp_path / "m.sol", bound, "HiGHS")
-    assert (solution.objective, solution.is_optimal) == (optimum(problem).objective, True)
 
 
 @pytest.mark.parametrize("table", ["iris", "mu1"])

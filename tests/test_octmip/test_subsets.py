@@ -10,7 +10,6 @@ from octmip.formats.columns.column import Column
 from octmip.formats.tree_file import read_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
-from octmip.monitor.export.fit import input_words
 from octmip.trees.tree import Leaf, Split
 
 COLOURS = pd.DataFrame({"colour": ["red", "blue", "green", "blue", "grey", "red"]})
@@ -30,7 +29,6 @@ def test_every_set_without_the_first_value_is_a_feature_and_an_unknown_text_is_i
     assert not columns.encode(pd.DataFrame({"colour": ["violet"]})).any()
     assert columns.unseen(pd.DataFrame({"colour": ["violet"]})) != ()
     assert columns.changes() == ("a split may ask for any set of the texts in 1 column ('colour')",)
-    assert input_words(columns)[3] == "1 where colour is in {green, grey}, else 0"
 
 
 def test_a_missing_cell_is_a_text_of_its_own():

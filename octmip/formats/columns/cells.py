@@ -6,16 +6,27 @@ dates, per cent and amounts as people write them (`octmip.formats.columns.writte
 
 import math
 from dataclasses import dataclass
-from datetime import date
+from datetime import date, time, timedelta
 from decimal import Decimal
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.written import DAY, DAYS, ISO, form_of, read_texts, read_times, unit_of, words_of
+from octmip.formats.columns.instants import zone_of
+from octmip.formats.columns.written import (
+    DAYS,
+    ISO,
+    days_in,
+    form_of,
+    read_texts,
+    read_times,
+    unit_of,
+    words_of,
+    zone_in,
+)
 from octmip.input.cells import BEYOND, beyond_exact, is_beyond, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
@@ -23,6 +34,10 @@ MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
+Stored = Literal["numbers", "texts", "truths"]
+"""What the cells of a column are in its table: numbers or times, texts (numbers among words too), or Booleans."""
+DATE_CELLS = (date, np.datetime64, pd.Period)
+DURATION_CELLS = (timedelta, np.timedelta64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +58,8 @@ class Cells:
         number of missing cells.
     form
         how the numbers were written (`octmip.formats.columns.written`), "" for plain numbers and texts.
+    zone
+        of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
     """
 
     numbers: NDArray[np.float64]
@@ -51,6 +68,7 @@ class Cells:
     is_ordered: bool
     n_missing: int
     form: str = ""
+    zone: str = ""
 
     @property
     def is_text(self) -> bool:
@@ -76,16 +94,26 @@ def read_cells(series: "pd.Series[Any]", form: str | None = None) -> Cells:
     return cells
 
 
+def stored_as(series: "pd.Series[Any]") -> Stored:
+    """Return what the cells of a column are in its table, whatever is read from them."""
+    if isinstance(series.dtype, pd.CategoricalDtype):
+        return stored_as(series.cat.categories.to_series())
+    if series.dtype.kind == "b":
+        return "truths"
+    present = series[series.notna()] if series.dtype.kind not in "iufcmM" else ()
+    if any(isinstance(cell, str) for cell in present):
+        return "texts"
+    return "truths" if len(present) and all(isinstance(cell, bool | np.bool_) for cell in present) else "numbers"
+
+
 def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
     kind = series.dtype.kind
     if isinstance(series.dtype, pd.CategoricalDtype):
         return _categories(series, is_missing)
-    if isinstance(series.dtype, pd.PeriodDtype):
-        return _numbers(read_times(series.dt.to_timestamp()), is_missing, ISO)
-    if kind == "M":
-        return _numbers(read_times(series), is_missing, ISO)
+    if isinstance(series.dtype, pd.PeriodDtype) or kind == "M":
+        return _dates(series, is_missing)
     if kind == "m":
-        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)  # type: ignore[operator]
+        return _durations(series, is_missing)
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
@@ -93,11 +121,47 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     return _objects(series, is_missing, form)
 
 
-def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: str = "") -> Cells:
+def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: str = "", zone: str = "") -> Cells:
     infinite = np.flatnonzero(np.isinf(numbers))
     if len(infinite):
         raise DataError(f"is {numbers[infinite[0]]:g} in row {infinite[0] + 1}; expected finite numbers")
-    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form)
+    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form, zone)
+
+
+def _dates(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    if series.dtype.kind == "O":  # a period begins where its date does
+        series = series.map(lambda cell: cell.to_timestamp() if isinstance(cell, pd.Period) else cell)
+    stamps = series.dt.to_timestamp() if isinstance(series.dtype, pd.PeriodDtype) else series
+    try:
+        return _numbers(_distinct(read_times(stamps), stamps, "dates"), is_missing, ISO, _zone(stamps))
+    except (OverflowError, pd.errors.OutOfBoundsDatetime) as error:
+        raise DataError(f"holds a date that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _zone(series: "pd.Series[Any]") -> str:
+    """Return the zone of the clock of dates; dates of Arrow have none, and objects of several zones are read as UTC."""
+    if series.dtype.kind != "O":
+        return zone_of(getattr(getattr(series.dtype, "pyarrow_dtype", series.dtype), "tz", None))
+    zones = {zone_of(getattr(cell, "tzinfo", None)) for cell in series[series.notna()]}
+    return zones.pop() if len(zones) == 1 else "UTC"
+
+
+def _durations(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
+    try:
+        spans = pd.to_timedelta(series) if series.dtype.kind == "O" else series
+        return _numbers(_distinct(days_in(spans), spans, "durations"), is_missing, DAYS)
+    except (OverflowError, pd.errors.OutOfBoundsTimedelta) as error:
+        raise DataError(f"holds a duration that pandas cannot hold ({error}); give it as a number of days") from error
+
+
+def _distinct(days: NDArray[np.float64], series: "pd.Series[Any]", what: str) -> NDArray[np.float64]:
+    """Return days; refuse those that float64 merges: of the year 2026 it keeps steps of 0.6 microseconds."""
+    if pd.Series(days).nunique() < series.nunique():
+        raise DataError(
+            f"holds {what} closer to each other than float64 tells days apart; subtract the first one, and give the "
+            "rest as numbers"
+        )
+    return days
 
 
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -112,6 +176,11 @@ def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[n
 def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cells:
     categories = series.cat.categories
     kind = categories.dtype.kind
+    is_date = isinstance(categories.dtype, pd.PeriodDtype) or (
+        kind == "O" and len(categories) and all(isinstance(one, DATE_CELLS + DURATION_CELLS) for one in categories)
+    )
+    if is_date and not series.cat.ordered:
+        return read_cells(series.astype(object))
     if kind in "biufmM" and not series.cat.ordered:  # numbers and dates that pandas only stores as categories
         return read_cells(series.astype(np.float64 if is_missing.any() and kind in "biuf" else categories.dtype))
     values = tuple(str(value) for value in categories)
@@ -125,8 +194,12 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
 def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str | None) -> Cells:
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
-    if len(present) and all(isinstance(cell, date) for cell in present):
-        return _numbers(read_times(series), is_missing, ISO)
+    if len(present) and all(isinstance(cell, DATE_CELLS) for cell in present):
+        return _dates(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, DURATION_CELLS) for cell in present):
+        return _durations(series.astype(object), is_missing)
+    if len(present) and all(isinstance(cell, time) for cell in present):  # as a file has it
+        return _objects(series.astype(object).map(str, na_action="ignore"), is_missing, form)
     odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
@@ -151,7 +224,7 @@ def _written(cells: NDArray[Any], is_missing: NDArray[np.bool_], form: str | Non
     number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
     read = [math.nan if gone else number.get(str(cell), math.nan) for cell, gone in zip(cells, is_missing, strict=True)]
     numbers = np.array(read)
-    return _numbers(numbers, np.isnan(numbers), form)
+    return _numbers(numbers, np.isnan(numbers), form, zone_in(texts) if form == ISO else "")
 
 
 def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArray[np.float64] | None:

@@ -23,11 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.cells import Cells
-from octmip.formats.columns.written import FORMS, number_words
+from octmip.formats.columns.cells import Cells, Stored
+from octmip.formats.columns.instants import cut_between, date_text, duration_text
+from octmip.formats.columns.written import DAYS, FORMS, is_date
 from octmip.input.cells import plain_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
+from octmip.trees.digits import exact
 from octmip.trees.tree import Leaf, Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]
@@ -37,13 +39,15 @@ MOST_LEVELS = 12
 CONTENT = Record(
     {
         "column": Text(),
-        "kind": Choice(("number", "values", "subsets", "order")),
+        "kind": Choice(("number", "values", "subsets", "order", "empty")),
         "has_missing": Truth(),
         "least": Number(),
         "most": Number(),
         "values": ListOf(Text()),
         "is_doubled": Truth(),
         "form": Text(pattern=FORMS, meaning="a form of numbers"),
+        "zone": Text(pattern=r"^[-+A-Za-z0-9_/:]{0,40}$", meaning="a time zone"),
+        "stored": Choice(("numbers", "texts", "truths")),
     },
     closed=True,
 )
@@ -83,8 +87,8 @@ class Column:
     name
         of the column.
     kind
-        "number", "values" (text, one yes/no feature per value), "subsets" (text, one per set of values) or "order"
-        (text, its rank).
+        "number", "values" (text, one yes/no feature per value), "subsets" (text, one per set of values), "order"
+        (text, its rank) or "empty" (no value in training: one constant, whatever it holds later).
     has_missing
         whether a cell was missing in training; where none was, a missing cell is refused later.
     least, most
@@ -95,21 +99,27 @@ class Column:
         whether missing cells are numbers below and above all others, in two features.
     form
         how its numbers are written (`octmip.formats.columns.written`), "" for plain numbers and texts.
+    zone
+        of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
+    stored
+        what its cells are in the table: a database asks each of them in another way.
     """
 
     name: str
-    kind: Literal["number", "values", "subsets", "order"]
+    kind: Literal["number", "values", "subsets", "order", "empty"]
     has_missing: bool
     least: float = 0.0
     most: float = 0.0
     values: tuple[str, ...] = ()
     is_doubled: bool = False
     form: str = ""
+    zone: str = ""
+    stored: Stored = "numbers"
 
     @property
     def lacks_numbers(self) -> bool:
         """Whether its feature is NaN where a cell is missing."""
-        return self.has_missing and not self.asks_texts and not self.is_doubled
+        return self.has_missing and self.kind in ("number", "order") and not self.is_doubled
 
     @property
     def asks_texts(self) -> bool:
@@ -127,7 +137,7 @@ class Column:
             return self._questions()
         if self.kind == "subsets":
             return _sets(self.name, self._levels)
-        plain: FeatureKind = "number" if self.kind == "number" else "order"
+        plain: FeatureKind = "order" if self.kind == "order" else "number"
         if not self.is_doubled:
             return (Feature(self.name, self.name, plain),)
         return (
@@ -157,21 +167,24 @@ class Column:
     def _range(self) -> tuple[float, float]:
         return (self.least, self.most) if self.kind == "number" else (0.0, len(self.values) - 1.0)
 
-    def encode(self, cells: Cells) -> NDArray[np.float64]:
-        """Return the features of some cells, shape (n_rows, len(features)).
+    def encode(self, cells: Cells, *, takes_missing: bool = False) -> NDArray[np.float64]:
+        """Return the features of some cells, shape (n_rows, len(features)), NaN where one is missing.
+
+        A missing text is a level like others where training had one, and NaN in every feature where it had none. With
+        `takes_missing` a text without a place in the order of training is missing too.
 
         Raises
         ------
         DataError
             a text has no place in the order of training; the sentence begins behind the name of the column.
         """
-        if self.kind == "values":
+        if self.asks_texts:
             words = self.words_of(cells)
-            is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
-            return np.column_stack(is_value).astype(np.float64)
-        if self.kind == "subsets":
-            return self._memberships(self.words_of(cells))
-        numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells))
+            answers = self._answers(words) if self.kind == "values" else self._memberships(words)
+            if not self.has_missing:
+                answers[np.equal(words, None)] = math.nan
+            return answers
+        numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells), takes_missing)
         if not self.is_doubled:
             return numbers[:, None]
         is_missing, (below, above), (least, most) = np.isnan(numbers), self.beyond, self._range
@@ -179,6 +192,11 @@ class Column:
         # a number outside the training's range counts as its end, and stays on its side of every cut.
         left, right = np.maximum(numbers, least), np.minimum(numbers, most)
         return np.column_stack((np.where(is_missing, below, left), np.where(is_missing, above, right)))
+
+    def _answers(self, words: NDArray[Any]) -> NDArray[np.float64]:
+        """Return the answers of some texts (n_rows, n_features); one that training had not is none of its values."""
+        is_value = [words == (None if item.kind == "is-missing" else item.value) for item in self.features]
+        return np.column_stack(is_value).astype(np.float64)
 
     def _memberships(self, words: NDArray[Any]) -> NDArray[np.float64]:
         """Return the answers of some texts (n_rows, n_features); one that training had not is in no set."""
@@ -199,17 +217,27 @@ class Column:
         numbers = [None if math.isnan(number) else number for number in cells.numbers.tolist()]
         return np.array([number if number is None else text.get(number, f"{number:g}") for number in numbers], object)
 
-    def _ranks(self, words: NDArray[Any]) -> NDArray[np.float64]:
+    def _ranks(self, words: NDArray[Any], takes_missing: bool) -> NDArray[np.float64]:
         rank = {value: float(k) for k, value in enumerate(self.values)} | {None: math.nan}
         unseen = next((word for word in words if word not in rank), None)
-        if unseen is not None:
+        if unseen is not None and not takes_missing:
             raise DataError(
                 f"holds {shown(unseen)}, which has no place in the order of training; train with it, or without the "
                 "order (categories 'yes-no')"
             )
-        return np.array([rank[word] for word in words], dtype=np.float64)
+        return np.array([rank.get(word, math.nan) for word in words], dtype=np.float64)
 
-    def left_words(self, feature: Feature, split: Split, number: Callable[[float], str]) -> str:
+    def number_text(self, value: float, number: Callable[[float], str] = exact) -> str:
+        """Return a number of the column as people write it: a date, a duration, an amount with its sign."""
+        if is_date(self.form):
+            return date_text(value, self.zone)
+        return duration_text(value) if self.form == DAYS else number(value) + self.form[7:]
+
+    def cut_between(self, low: float, high: float) -> float | None:
+        """Return the date or duration of fewest fields between two neighbours; None for other numbers."""
+        return cut_between(low, high, self.zone) if is_date(self.form) or self.form == DAYS else None
+
+    def left_words(self, feature: Feature, split: Split, number: Callable[[float], str] = exact) -> str:
         """Return what holds for the cells that a split of one of its features sends left."""
         threshold = split.threshold
         if threshold is None:
@@ -231,9 +259,11 @@ class Column:
             return f"{self.name} is missing"
         if feature.kind == "missing-right" and threshold >= most:
             return f"{self.name} is not missing"
-        plain = number(threshold)
-        shown_threshold = number_words(threshold, self.form, plain) if self.form else plain
-        cut = f"{self.name} <= {shown_threshold}" if self.kind == "number" else self._rank_words(threshold)
+        cut = (
+            f"{self.name} <= {self.number_text(threshold, number)}"
+            if self.kind == "number"
+            else self._rank_words(threshold)
+        )
         is_left = feature.kind == "missing-left" or (split.missing == "left" and not self.is_doubled)
         return f"{cut} or missing" if is_left else cut
 
@@ -241,7 +271,7 @@ class Column:
         """Return the names of its yes/no features by the words of a tree that splits them, or of the other set."""
         found = {}
         for feature in self.features if self.asks_texts else ():
-            found[self.left_words(feature, Split(0, 0.5, Leaf(0), Leaf(0)), str)] = feature.name
+            found[self.left_words(feature, Split(0, 0.5, Leaf(0), Leaf(0)))] = feature.name
             if feature.kind == "among":
                 rest = set_words([level for level in self._levels if level not in feature.members])
                 found |= dict.fromkeys((f"{self.name} in {rest}", f"{self.name} not in {rest}"), feature.name)
@@ -262,6 +292,8 @@ class Column:
             "values": list(self.values),
             "is_doubled": self.is_doubled,
             "form": self.form,
+            "zone": self.zone,
+            "stored": self.stored,
         }
 
     @classmethod
@@ -278,7 +310,7 @@ class Column:
             raise DataError(f"column {shown(taken['column'])} names a value twice, or its range ends before it begins")
         if taken["form"] and taken["kind"] != "number":
             raise DataError(f"column {shown(taken['column'])}: texts have no form of numbers; write the file anew")
-        if (taken["kind"] == "number") == bool(taken["values"]):
+        if (taken["kind"] in ("number", "empty")) == bool(taken["values"]):
             raise DataError(f"column {shown(taken['column'])}: texts have values, numbers none; write the file anew")
         if taken["kind"] == "subsets" and len(taken["values"]) + taken["has_missing"] > MOST_LEVELS:
             raise DataError(f"column {shown(taken['column'])}: sets are made of {MOST_LEVELS} texts at most")
@@ -291,4 +323,6 @@ class Column:
             tuple(taken["values"]),
             taken["is_doubled"],
             taken["form"],
+            taken["zone"],
+            taken["stored"],
         )

@@ -5,7 +5,7 @@ encoded, and how, is said by `changes`; a column that cannot be used is refused,
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -13,19 +13,20 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.cells import Cells, read_cells
+from octmip.formats.columns.cells import Cells, Stored, read_cells, stored_as
 from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
 from octmip.formats.columns.written import words_of
 from octmip.input.checked import ListOf, Record
 from octmip.input.messages import MOST_NAME, shown
-from octmip.trees.tree import Split
+from octmip.trees.digits import exact
+from octmip.trees.tree import Leaf, Node, Split, goes_left
 
 Categories = Literal["yes-no", "subsets", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]
 MOST_VALUES = 100
 """Different texts of a column that becomes yes/no questions."""
 MOST_UNIQUE = 0.5
-"""Share of rows with a text of their own, above which a text names the rows."""
+"""Share of rows with a text of their own, above which a text names the rows; in a part of a table every row has one."""
 FEW_VALUES = 20
 """As few different texts never name the rows."""
 COLUMNS = Record({"columns": ListOf(CONTENT, least=1)}, closed=True)
@@ -60,6 +61,7 @@ class Columns:
         categories: Categories = "yes-no",
         missing: Missing = "either-side",
         doubled: bool = False,
+        of_part: bool = False,
     ) -> Self:
         """Return how the columns of a table become features.
 
@@ -76,6 +78,9 @@ class Columns:
         doubled
             a number or rank with missing cells becomes two complete features, for trees whose splits have no side for
             missing readings.
+        of_part
+            the frame may be a part of a table, as in cross-validation: a column may have lost its values, and texts
+            most of their repetitions. A column without a value becomes a constant.
 
         Raises
         ------
@@ -87,8 +92,11 @@ class Columns:
         for name, series in zip(_names_of(frame), _series_of(frame), strict=True):
             try:
                 cells = read_cells(series)
-                _refuse(cells, len(frame), categories, missing)
-                found.append(_column_of(name, cells, categories, doubled))
+                if of_part and missing != "refuse" and cells.n_missing == len(frame):
+                    found.append(Column(name, "empty", has_missing=True))
+                    continue
+                _refuse(cells, len(frame), categories, missing, 1 - 1 / len(frame) if of_part else MOST_UNIQUE)
+                found.append(_column_of(name, cells, categories, doubled, stored_as(series)))
             except DataError as error:
                 reasons[name] = str(error)
         if reasons:
@@ -140,8 +148,8 @@ class Columns:
         Columns are found by name, others are left alone. A text that training had not gets the answer "no" to each
         question for its value; `unseen` names such texts. Where every column is float32, so are the features.
 
-        A tree that has a side for missing readings at every split takes missing numbers in any column:
-        `takes_missing`, by default whether some column lacked numbers in training.
+        A tree that has a side for missing readings at every split takes missing cells in any column, NaN in its
+        features where training had none: `takes_missing`, by default whether some column lacked numbers in training.
 
         Raises
         ------
@@ -157,6 +165,9 @@ class Columns:
                 if column.name not in position:
                     raise DataError("is not in the table; spell it as in training")
                 given = frame.iloc[:, position[column.name]]
+                if column.kind == "empty":  # no split reads it
+                    blocks.append(np.zeros((len(frame), 1), dtype=np.float32))
+                    continue
                 block = _encoded(column, read_cells(given, column.form), takes_missing)
                 blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
             except DataError as error:
@@ -173,7 +184,7 @@ class Columns:
         DataError
             there are such columns; the sentence ends with `cure`.
         """
-        lacking = [shown(column.name) for column in self.columns if column.has_missing and not column.asks_texts]
+        lacking = [shown(c.name) for c in self.columns if c.has_missing and c.kind in ("number", "order")]
         if lacking:
             named = ", ".join(lacking[:5]) + (f" and {len(lacking) - 5} more" if len(lacking) > 5 else "")
             raise DataError(
@@ -185,14 +196,17 @@ class Columns:
         """Return a sentence for each column of text with values that training had not."""
         found = []
         for column in self.columns:
-            if column.asks_texts:
+            if column.values:
                 words = column.words_of(read_cells(frame[column.name], column.form)).tolist()
                 new = sorted(set(words) - {None, *column.values})
                 if new:
                     rows = sum(word in new for word in words)
+                    answer = (
+                        "every question for a value is answered no" if column.asks_texts else "it counts as missing"
+                    )
                     found.append(
                         f"{column.name} holds {shown(new[0])} ({len(new)} such values, {rows} rows), which training "
-                        "had not; every question for a value is answered no"
+                        f"had not; {answer}"
                     )
         return tuple(found)
 
@@ -200,8 +214,10 @@ class Columns:
         """Return what was encoded, and how, as sentences; none where every feature is its column."""
         asked = [column for column in self.columns if column.kind == "values"]
         ranked = [column for column in self.columns if column.kind == "order"]
-        lacking = [column for column in self.columns if column.has_missing]
+        lacking = [column for column in self.columns if column.has_missing and column.kind != "empty"]
         found = []
+        if empty := [column for column in self.columns if column.kind == "empty"]:
+            found.append(f"no split reads {_listed(empty)}, without a value in any row")
         if sets := [column for column in self.columns if column.kind == "subsets"]:
             found.append(f"a split may ask for any set of the texts in {_listed(sets)}")
         if asked:
@@ -215,11 +231,40 @@ class Columns:
             found.append(f"cells are missing in {_listed(lacking)}; a split sends them to whichever side is better")
         return tuple(found)
 
-    def left_words(self, split: Split, number: Callable[[float], str] = "{:.6g}".format) -> str:
+    def left_words(self, split: Split, number: Callable[[float], str] = exact) -> str:
         """Return what holds for the rows that a split sends left, such as "age <= 40.5 or missing"."""
         item = self.features[split.feature]
-        column = next(column for column in self.columns if column.name == item.column)
-        return column.left_words(item, split, number)
+        return self.column_of(item).left_words(item, split, number)
+
+    def column_of(self, feature: Feature) -> Column:
+        """Return the column that a feature reads."""
+        return next(column for column in self.columns if column.name == feature.column)
+
+    def with_written_cuts(self, tree: Node, features: NDArray[np.float64]) -> Node:
+        """Return the tree with every date and duration that it asks for in the fewest fields.
+
+        Parameters
+        ----------
+        tree
+            parts the rows of `features` (n_rows, n_features), which go the same ways in the tree that is returned.
+        """
+        of_feature = [self.column_of(feature) for feature in self.features]
+
+        def moved(node: Node, rows: NDArray[np.int64]) -> Node:
+            if isinstance(node, Leaf):
+                return node
+            goes = goes_left(node, features, rows)
+            node = replace(node, left=moved(node.left, rows[goes]), right=moved(node.right, rows[~goes]))
+            if not isinstance(node, Split) or node.threshold is None:
+                return node
+            values = features[rows, node.feature]
+            below, above = values[values <= node.threshold], values[values > node.threshold]
+            if not len(below) or not len(above):
+                return node
+            cut = of_feature[node.feature].cut_between(float(below.max()), float(above.min()))
+            return node if cut is None else replace(node, threshold=cut)
+
+        return moved(tree, np.arange(len(features))) if any(column.form for column in self.columns) else tree
 
     def to_json(self) -> dict[str, Any]:
         """Return the columns as a JSON object."""
@@ -253,7 +298,7 @@ def _listed(columns: list[Column]) -> str:
     return f"{len(names)} column{'s' * (len(names) != 1)} ({', '.join(names[:6])}{more})"
 
 
-def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing) -> None:
+def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing, most_unique: float) -> None:
     """Refuse a column that the user wants refused, or that would not help."""
     if cells.n_missing == n_rows:
         raise DataError("has no value in any row; leave it out")
@@ -264,7 +309,7 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing)
     if not cells.is_text or cells.is_ordered:
         return
     n_values = len(cells.values)
-    if n_values > FEW_VALUES and n_values > MOST_UNIQUE * n_rows:
+    if n_values > FEW_VALUES and n_values > most_unique * n_rows:
         raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
     n_levels = n_values + (cells.n_missing > 0)
     if categories == "subsets" and n_levels > MOST_LEVELS:
@@ -288,23 +333,26 @@ def _missing(cells: Cells) -> str:
     return f"{cells.n_missing} missing cell{'s' * (cells.n_missing != 1)}"
 
 
-def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -> Column:
+def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool, stored: Stored) -> Column:
     has_missing = cells.n_missing > 0
     is_doubled = doubled and has_missing
     if cells.is_text:
         kind: Literal["order", "subsets", "values"] = "subsets" if categories == "subsets" else "values"
         kind = "order" if cells.is_ordered or categories == "order" else kind
-        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
+        is_doubled = is_doubled and kind == "order"
+        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled, stored=stored)
     least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
-    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form)
+    column = Column(
+        name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form, zone=cells.zone, stored=stored
+    )
     if is_doubled:
         _ = column.beyond  # raises where float64 has no room
     return column
 
 
 def _encoded(column: Column, cells: Cells, takes_missing: bool) -> NDArray[np.float64]:
-    if cells.n_missing and not (column.has_missing or (takes_missing and not column.asks_texts)):
+    if cells.n_missing and not (column.has_missing or takes_missing):
         raise DataError(f"has {_missing(cells)}, and had none in training; fill in, or train with some")
     if column.kind == "number" and cells.is_text and cells.n_missing < len(cells.words):
         raise DataError(f"holds text such as {shown(cells.values[0])}; expected numbers, as in training")
-    return column.encode(cells)
+    return column.encode(cells, takes_missing=takes_missing)

@@ -13,7 +13,6 @@ A zero may stand without the sign of the others. A column that fits two forms wi
 decimals. Of money the comma before three digits groups them, since amounts have two decimals.
 """
 
-import math
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -23,15 +22,19 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.formats.columns.instants import days_of
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
 ISO, DAYS = "%Y-%m-%d", "days"
 DAY = pd.Timedelta(days=1)
+EPOCH = pd.Timestamp(0, tz="UTC").as_unit("s")
+"""In seconds: in nanoseconds no date beyond 2262 could be counted from it."""
 ORDERS = ("%Y/%m/%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y")
 MONTH_NAMES = ("%d %b %Y", "%d %B %Y", "%d-%b-%Y", "%b %d, %Y", "%B %d, %Y")
 TIMES = ("", " %H:%M", " %H:%M:%S")
 DATES = (ISO, *(day + time for day in (*ORDERS, *MONTH_NAMES) for time in TIMES))
+ZONE = re.compile(r":\d\d(?:[.,]\d+)?\s*(Z|[-+]\d\d:?\d\d)$")
 SHORT_YEAR = re.compile(r"\d{1,2}/\d{1,2}/\d{2}")
 NUMBER_PART = re.compile(
     r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>[0-9][0-9.,' \u00a0\u202f]*?)"
@@ -100,8 +103,13 @@ def read_texts(texts: Sequence[str], form: str) -> Floats:
 
 def read_times(series: "pd.Series") -> Floats:
     """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,)."""
-    stamps = pd.to_datetime(series, utc=True)
-    return np.asarray((stamps - pd.Timestamp(0, tz="UTC")) / DAY, dtype=np.float64)
+    return days_in(pd.to_datetime(series, utc=True))
+
+
+def days_in(spans: "pd.Series") -> Floats:
+    """Return the days of durations, or of dates since 1970-01-01 (UTC), NaN where missing, shape (n,)."""
+    ticks = spans.astype(np.int64).to_numpy()
+    return np.where(spans.isna(), np.nan, days_of(ticks, DAY // pd.Timedelta(1, spans.dt.unit)))
 
 
 def is_date(form: str) -> bool:
@@ -129,15 +137,10 @@ def words_of(form: str) -> str:
     return f"{f'amounts in {sign}' if sign else 'numbers'} ({style} is 1000.5)"
 
 
-def number_words(number: float, form: str, plain: str) -> str:
-    """Return a number of a form as people write it; `plain` is what it would be without one."""
-    if not is_date(form):
-        return plain + (form[7:] if form != DAYS else " days")
-    try:
-        stamp = pd.Timestamp(0) + number * DAY
-    except (OverflowError, ValueError):  # beyond the dates that pandas holds
-        return f"day {plain}"
-    return stamp.strftime("%Y-%m-%d" if number == math.floor(number) else "%Y-%m-%d %H:%M:%S")
+def zone_in(texts: Sequence[str]) -> str:
+    """Return the offset from UTC in dates of ISO 8601; "UTC" where they have several, "" without any."""
+    found = {zone[1] for text in texts if (zone := ZONE.search(text.strip()))}
+    return "" if not found else f"{one[:3]}:{one[-2:]}" if len(found) == 1 and (one := found.pop()) != "Z" else "UTC"
 
 
 def _read(texts: Sequence[str], form: str) -> Floats | None:

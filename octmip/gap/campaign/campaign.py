@@ -46,6 +46,8 @@ class Fault:
 
 FEWEST_REPEATS = 3
 """A cell with fewer repeats says nothing about its own noise."""
+ROUNDING = 1e-12
+"""Standard deviation over the greatest reading up to which repeats are equal: means round in the last digits."""
 ENOUGH_FOR_HALVES = 16
 """Repeats from which a cell is averaged in two halves where time matters."""
 
@@ -291,12 +293,21 @@ class Campaign:
         return any(int(cell.count.max()) >= FEWEST_REPEATS for cell in self.cells)
 
     def spreads(self) -> NDArray[np.float64]:
-        """Return the standard deviation of the repeats of every cell (n_cells, n_gauges), NaN of fewer than two."""
+        """Return the standard deviation of the repeats of every cell (n_cells, n_gauges), NaN of fewer than two.
+
+        It is 0 where repeats are equal but for the rounding of their mean.
+        """
         found = np.full((len(self.cells), len(self.gauges)), np.nan)
         for k, cell in enumerate(self.cells):
             some = np.flatnonzero(cell.count > 1)
             found[k, some] = np.nanstd(self.readings[np.ix_(cell.rows, some)], axis=0, ddof=1)
-        return found
+        least = ROUNDING * np.abs(np.nan_to_num(self.readings)).max(axis=0)
+        return np.where(found <= least, 0.0, found)
+
+    @property
+    def scatters(self) -> bool:
+        """Whether some repeats differ."""
+        return bool((self.spreads() > 0.0).any())
 
     def without(self, cells: set[int]) -> "Campaign":
         """Return the campaign without the cells of these positions in `cells` (held-out data)."""

@@ -51,6 +51,11 @@ class NoisePart:
     covariance: Floats
     serial: Serial
 
+    @property
+    def remembers(self) -> bool:
+        """Whether successive readings are correlated, more probably than not: of white campaigns 2 % are called so."""
+        return self.serial.white_probability < 0.5
+
     def of_mean(self, n: int) -> float:
         """Return the variance of a mean of n readings over that of one."""
         return self.serial.of_mean(n) / self.serial.variance
@@ -58,12 +63,12 @@ class NoisePart:
     def between(self, averages: Sequence[Cell]) -> Floats:
         """Return the covariances (n_averages, n_averages) that `of_mean` leaves out, over the variance of a reading."""
         found = np.zeros((len(averages), len(averages)))
-        step, remembers = self.serial.step_variance, self.serial.white_probability < 0.5
+        step = self.serial.step_variance
         for i, one in enumerate(averages):
             for j in range(i + 1):
                 other = averages[j]
                 shared = step * least_moment(one.moments, other.moments) if step > 0.0 else 0.0
-                if i != j and (remembers or one.number == other.number):
+                if i != j and (self.remembers or one.number == other.number):
                     shared += self._neighbours(other, one)
                 found[i, j] = found[j, i] = shared
         return found / self.serial.variance
@@ -106,8 +111,9 @@ class Noise:
         variance ratio by load.
     kurtosis
         excess kurtosis, 0 for a normal distribution.
-    step
-        quantisation step in the unit of the readings, 0 when none is seen.
+    steps, rounding
+        (n_gauges,) of the displays in the unit of the readings, 0 where none is seen, and the variance that they leave
+        in the mean of any number of readings of one cell; empty: none.
     properties
         names of what is not plain white noise, of the effects' list, a walk left out.
     faults
@@ -119,14 +125,30 @@ class Noise:
     inflation: float = 1.0
     scale: Mapping[Load, float] = field(default_factory=dict)
     kurtosis: float = 0.0
-    step: float = 0.0
+    steps: Floats = field(default_factory=lambda: np.zeros(0))
+    rounding: Floats = field(default_factory=lambda: np.zeros(0))
     properties: tuple[str, ...] = ()
     faults: tuple[Fault, ...] = ()
 
     @property
     def covariance(self) -> Floats:
         """(n_gauges, n_gauges) of one reading, in the squares of the units."""
-        return np.asarray(np.sum([part.covariance for part in self.parts], axis=0))
+        return np.asarray(np.sum([part.covariance for part in self.parts], axis=0)) + self._rounding
+
+    @property
+    def _rounding(self) -> Floats:
+        """(n_gauges, n_gauges) what the displays leave in every mean."""
+        return np.diag(self.rounding) if self.rounding.size else np.zeros((len(self.gauges), len(self.gauges)))
+
+    @property
+    def step(self) -> float:
+        """The step of the typical gauge's display; 0 where none is seen."""
+        return float(np.median(self.steps)) if self.steps.size else 0.0
+
+    @property
+    def remembers(self) -> bool:
+        """Whether successive readings of some part are correlated."""
+        return any(part.remembers for part in self.parts)
 
     @property
     def lag1(self) -> float:
@@ -165,7 +187,8 @@ class Noise:
         """Return the noise of these gauges, in their order."""
         order = [self.gauges.index(name) for name in gauges]
         parts = tuple(replace(part, covariance=part.covariance[np.ix_(order, order)]) for part in self.parts)
-        return replace(self, gauges=tuple(gauges), parts=parts)
+        steps, rounding = (own[order] if own.size else own for own in (self.steps, self.rounding))
+        return replace(self, gauges=tuple(gauges), parts=parts, steps=steps, rounding=rounding)
 
     def with_own(self, serial: Serial) -> "Noise":
         """Return the noise with another memory of what single gauges have."""
@@ -179,7 +202,7 @@ class Noise:
         overlap = np.minimum(count[:, None], count[None, :]) / (count[:, None] * count[None, :])
         n = int(count.max())
         single = sum((n * part.of_mean(n) * part.covariance for part in self.parts), np.zeros(overlap.shape))
-        return np.asarray(self.scale.get(load, 1.0) * single * overlap)
+        return np.asarray(self.scale.get(load, 1.0) * single * overlap) + self._rounding
 
     def of_jumps(self, averages: Sequence[Cell], average: NDArray[np.int64], gauge: NDArray[np.int64]) -> Floats:
         """Return the covariance (n, n) that the offsets of gauges that jumped add to `of_averages`."""
@@ -194,6 +217,8 @@ class Noise:
         """Return the covariance (n, n) of averages; (n,) indices of average and gauge."""
         spread = np.sqrt([self.scale.get(part.load, 1.0) for part in averages])[average]
         total = self.across(averages, average, gauge) * np.outer(spread, spread)  # shared parts scale with the scatter
+        number = np.array([part.number for part in averages])[average]
+        total += self._rounding[np.ix_(gauge, gauge)] * (number[:, None] == number) * (average[:, None] != average)
         for k, part in enumerate(averages):
             here = np.flatnonzero(average == k)
             total[np.ix_(here, here)] += self.of_mean(part.count, part.load)[np.ix_(gauge[here], gauge[here])]

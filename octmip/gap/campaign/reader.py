@@ -5,18 +5,16 @@ state parameter (fractions; empty is unknown), optional ``time`` [s] and ``tempe
 gauge under the twin's name, in its unit. Encoding, separators and decimal marks are those of every other table
 (`octmip.formats.table.delimited`). Lines that begin with # and empty lines are skipped. Rows have the numbers that a
 text editor shows; a quoted cell may run over several lines, and its row has the number of its first.
-
-`gathered` makes a campaign of blocks of readings instead: one for each test and load.
 """
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.table.delimited import Marks, marks_of, ragged
@@ -297,64 +295,3 @@ def _notes(table: CampaignTable, twin: Twin, campaign: Campaign) -> list[str]:
             f"Row {table.numbers[hot[0]]}, column temperature is {temperature[hot[0]]:g}; expected degrees Celsius."
         )
     return notes
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
-    """The repeats of one test at one load.
-
-    Attributes
-    ----------
-    rows
-        (n_repeats, n_readings) in the order of the twin's readings; one row may be given as (n_readings,).
-    loads
-        what was applied, by name.
-    test
-        name of the test.
-    state
-        known values of the twin's state parameters; those that are left out are 0, those that are NaN unknown.
-    """
-
-    rows: ArrayLike
-    loads: Mapping[str, float] = field(default_factory=dict)
-    test: str = "test"
-    state: Mapping[str, float] = field(default_factory=dict)
-
-
-def gathered(twin: Twin, recorded: Sequence[Recorded]) -> Campaign:
-    """Return the campaign of all readings of a twin from blocks of them.
-
-    Raises
-    ------
-    DataError
-        a block of another width than the twin has readings, a load that is missing or unknown.
-    """
-    names, parameters = loads_of(twin), state_parameters(twin)
-    blocks = [np.atleast_2d(np.asarray(one.rows, dtype=np.float64)) for one in recorded]
-    for one, rows in zip(recorded, blocks, strict=True):
-        if rows.ndim != 2 or rows.shape[1] != len(twin.gauges):
-            raise DataError(
-                f"test {one.test!r}: rows of shape {rows.shape}; expected (repeats, {len(twin.gauges)}), a column for "
-                "each of the twin's readings"
-            )
-        for what, given, known in (("loads", one.loads, names), ("state", one.state, parameters)):
-            unknown = [name for name in given if name not in known]
-            missing = [name for name in known if name not in given] if what == "loads" else []
-            if unknown or missing:
-                raise DataError(f"test {one.test!r}: {what} {list(given)}; expected {list(known)}; give these by name")
-    counts = [len(rows) for rows in blocks]
-    applied = np.repeat([[one.loads[name] for name in names] for one in recorded], counts, axis=0)
-    states = np.repeat([[one.state.get(name, 0.0) for name in parameters] for one in recorded], counts, axis=0)
-    nan = np.full(sum(counts), np.nan)
-    return Campaign(
-        gauges=twin.gauges,
-        parameters=parameters,
-        test=tuple(one.test for one, count in zip(recorded, counts, strict=True) for _ in range(count)),
-        load_factor=applied[:, 0] if len(names) == 1 else applied.reshape(sum(counts), len(names)),
-        states=states.reshape(sum(counts), len(parameters)),
-        readings=np.concatenate(blocks),
-        time=nan,
-        temperature=nan,
-        load_names=names,
-        units=units_of(twin),
-    )

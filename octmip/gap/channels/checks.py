@@ -4,6 +4,7 @@
 |---|---|
 | stuck | readings that stand still are left out, the channel where it recorded nothing else |
 | clipped | readings of the cells that met the end of the range are left out |
+| held | readings that repeat one another through a cell count once; no fault |
 | jump | readings of its cell are left out, later ones have an unknown offset |
 | outliers | means withstand them |
 
@@ -12,20 +13,28 @@ The noise is then that of the repeats, of the commissioning run, or what is know
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign, Fault
 from octmip.gap.campaign.noise import Noise, given_noise
 from octmip.gap.campaign.noise_estimate import estimate_noise
-from octmip.gap.channels.faults import clipped_in, jumps_in, stuck_in
+from octmip.gap.channels.jumps import jumps_in
+from octmip.gap.channels.levels import clipped_in, counted_once, stuck_in
 from octmip.gap.channels.outliers import robust
+from octmip.twin import Twin
 
-KINDS = (stuck_in, clipped_in, jumps_in)
-"""What is looked for, each in what the one before has left."""
+Floats = NDArray[np.float64]
+
 FINDINGS = {"stuck": "stuck_channel", "clipped": "clipping", "jump": "jump"}
 """Name of the finding that a kind of fault is, of the effects' list."""
+HALF = 0.6
+"""Half a step, by which rounding moves a reading at most, and what a curved line adds."""
+ENOUGH_OFF = 4
+"""Mean readings beyond those that lines go through, which say that a display is all the noise."""
 NAMED = 4
 """Channels named one by one in a sentence about many."""
 
@@ -36,8 +45,8 @@ class Checked:
 
     Attributes
     ----------
-    campaign
-        what is left.
+    campaign, predicted
+        what is left, and what the twin says of its rows (n_rows, n_gauges).
     faults
         what is left out.
     outliers
@@ -47,6 +56,7 @@ class Checked:
     """
 
     campaign: Campaign
+    predicted: Floats
     faults: tuple[Fault, ...]
     outliers: Mapping[str, float]
     is_one_sided: bool
@@ -72,30 +82,44 @@ class Checked:
         return (*found, *[far] * bool(self.outliers))
 
 
-def checked(campaign: Campaign) -> Checked:
-    """Return the campaign without what its channels do wrong; channels of which nothing is left are no longer in it.
+def checked(campaign: Campaign, twin: Twin) -> Checked:
+    """Return the campaign without what its channels do wrong beside the twin.
+
+    Channels of which nothing is left are no longer in it.
 
     Raises
     ------
     DataError
         nothing is left.
     """
-    left, faults = campaign, []
-    for look in KINDS:
+    left, faults, predicted = campaign, list[Fault](), _predicted(campaign, twin)
+    for look in (partial(stuck_in, predicted=predicted), partial(clipped_in, predicted=predicted), jumps_in):
         found = look(left)
         left = _without(left, found)
         faults += found
+    left = counted_once(left)
     sturdy = robust(left)
     left = _without_silent(replace(left, readings=sturdy.readings), campaign)
-    return Checked(left, tuple(faults), sturdy.share, sturdy.is_one_sided)
+    return Checked(left, _predicted(left, twin), tuple(faults), sturdy.share, sturdy.is_one_sided)
 
 
-def calm(run: Campaign) -> Campaign:
-    """Return a commissioning run without what its channels do wrong, its gauges all kept.
+def _predicted(campaign: Campaign, twin: Twin) -> Floats:
+    """Return what the twin says of every row (n_rows, n_gauges), unknown states healthy; NaN of gauges it lacks."""
+    known = [k for k, name in enumerate(campaign.gauges) if name in twin.gauges]
+    order = [twin.gauges.index(campaign.gauges[k]) for k in known]
+    predicted = np.full_like(campaign.readings, np.nan)
+    for cell in campaign.cells:
+        state = {name: v for name, v in zip(campaign.parameters, cell.state.tolist(), strict=True) if not np.isnan(v)}
+        predicted[np.ix_(cell.rows, known)] = twin.predict(state, cell.load)[order]
+    return predicted
+
+
+def calm(run: Campaign, twin: Twin) -> Campaign:
+    """Return a commissioning run without what its channels do wrong beside the twin, its gauges all kept.
 
     It began with gauges at zero, so what a gauge shows after a jump is left out.
     """
-    found = checked(run)
+    found = checked(run, twin)
     readings = np.full_like(run.readings, np.nan)
     readings[:, [run.gauges.index(name) for name in found.campaign.gauges]] = found.campaign.readings
     for jump in (fault for fault in found.faults if fault.kind == "jump"):
@@ -131,27 +155,62 @@ def _without_silent(campaign: Campaign, before: Campaign) -> Campaign:
 def noise_of(
     checks: Checked, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
 ) -> tuple[Noise, list[str]]:
-    """Return the noise with what the channels do wrong, and notes on where it is from."""
-    noise, notes = _from_repeats_or_known(checks.campaign, run, noise_sd)
-    known = {fault.gauge for fault in checks.faults if fault.kind == "stuck"}
-    quiet = [fault for fault in noise.faults if fault.gauge not in known]
+    """Return the noise with what the channels do wrong, and notes on where it is from.
+
+    Raises
+    ------
+    DataError
+        there are no repeats, or none differ and no display explains it.
+    """
+    noise, notes = _from_repeats_or_known(checks, run, noise_sd)
     properties = tuple(dict.fromkeys((*noise.properties, *checks.findings)))
-    noise = replace(noise, faults=(*checks.faults, *quiet), properties=properties)
-    return noise, [*notes, *(fault.words for fault in quiet)]
+    return replace(noise, faults=checks.faults, properties=properties), notes
 
 
 def _from_repeats_or_known(
-    campaign: Campaign, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
+    checks: Checked, run: Campaign | None, noise_sd: float | Mapping[str, float] | None
 ) -> tuple[Noise, list[str]]:
-    """Return the noise and where it is from: the repeats, else the commissioning run's, else what is given."""
+    """Return the noise and where it is from: the repeats, what is given, the commissioning run or the display."""
+    campaign = checks.campaign
     given = None if noise_sd is None else given_noise(campaign.gauges, noise_sd)
-    if campaign.has_repeats:
+    if campaign.has_repeats and campaign.scatters:
         unused = "The noise is estimated from the repeats; the given standard deviation is not used."
         return estimate_noise(campaign, run), [] if given is None else [unused]
-    few = "Every test holds too few repeats to estimate the noise; "
+    why = "No repeats differ; " if campaign.has_repeats else "Every test holds too few repeats to estimate the noise; "
     if given is not None:
-        return given, [few + "the given standard deviation is taken as known."]
-    return estimate_noise(campaign, run).of_gauges(campaign.gauges), [few + "the commissioning run's noise is used."]
+        return given, [why + "the given standard deviation is taken as known."]
+    if run is not None and run.has_repeats and run.scatters:
+        return estimate_noise(campaign, run).of_gauges(campaign.gauges), [
+            why + "the commissioning run's noise is used."
+        ]
+    noise = estimate_noise(campaign, run)
+    if not _is_explained(campaign, checks.predicted, noise.steps):
+        raise DataError(
+            f"all repeats of each of {len(campaign.gauges)} gauges are equal, and no step of a display explains it; "
+            "expected noise; keep one of rows that are copies, and give the standard deviation of one reading "
+            "(noise_sd, --noise)"
+        )
+    step = f"{noise.step:g}"
+    return noise, [f"{why}the noise is taken as that of the display, whose steps are {step} (typical gauge)."]
+
+
+def _is_explained(campaign: Campaign, predicted: Floats, steps: Floats) -> bool:
+    """Return whether each gauge's readings lie within half a step of a line over what the twin (n_rows, n_gauges) says.
+
+    Copies of readings with noise lie farther from it. One reading beyond the two that a line needs says little, so
+    `ENOUGH_OFF` of all gauges are asked for.
+    """
+    first = np.array([cell.rows[0] for cell in campaign.cells])
+    beyond = 0
+    for k, step in enumerate(steps.tolist()):
+        x, y = predicted[first, k], np.array([cell.mean[k] for cell in campaign.cells])
+        x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+        if len(np.unique(x)) < 3:
+            continue
+        beyond += len(x) - 2
+        if np.abs(y - np.polyval(np.polyfit(x, y, 1), x)).max() > HALF * step:
+            return False
+    return beyond >= ENOUGH_OFF
 
 
 def noise_of_run(run: Campaign, known: Noise) -> tuple[Noise, list[str]]:
@@ -165,7 +224,7 @@ def noise_of_run(run: Campaign, known: Noise) -> tuple[Noise, list[str]]:
     missing = [name for name in known.gauges if name not in run.gauges]
     if missing:
         raise DataError(f"the commissioning run lacks gauge {missing[0]}; expected every gauge of the campaign")
-    if run.has_repeats:
+    if run.has_repeats and run.scatters:
         return estimate_noise(run).of_gauges(known.gauges), []
-    note = "The commissioning run holds too few repeats to estimate its noise; the campaign's is used."
+    note = "The commissioning run holds too few repeats that differ to estimate its noise; the campaign's is used."
     return replace(known, faults=()), [note]

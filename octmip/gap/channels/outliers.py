@@ -22,12 +22,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
-from scipy.stats import norm
+from scipy.stats import t
 
 from octmip.gap.campaign.campaign import Campaign
 
 Floats = NDArray[np.float64]
 
+EFFICIENCY = 0.37
+"""Readings of which a standard deviation is as sure as of one whose median distance is known."""
 CHANCE = 0.005
 """Probability that normal noise has one reading of the campaign as far off as is asked of an outlier."""
 LOCAL = 0.7
@@ -98,7 +100,9 @@ def robust(campaign: Campaign) -> Robust:
 
 def _far(residual: Floats, cell_of: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Return which readings lie far from their cell's median and from their neighbours; residuals are in sd."""
-    limit = float(norm.isf(CHANCE / 2.0 / max(1, int(np.isfinite(residual).sum()))))
+    recorded = np.isfinite(residual)
+    freedom = EFFICIENCY * np.maximum(1, recorded.sum(axis=0) - len(np.unique(cell_of)))
+    limit = t.isf(CHANCE / 2.0 / max(1, int(recorded.sum())), freedom)
     far = np.abs(np.nan_to_num(residual)) > limit
     for k in np.unique(cell_of[far.any(axis=1)]):
         block = np.nan_to_num(residual[cell_of == k])

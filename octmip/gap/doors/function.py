@@ -20,9 +20,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.errors import TwinError
+from octmip.errors import DataError, TwinError
 from octmip.gap.doors.card import Card, Range, RangeLike
 from octmip.gap.effects.simple import SimpleEffect
+from octmip.input.named_arrays import by_name
 from octmip.twin import ONE_LOAD, PURE, Effect, State
 
 Floats = NDArray[np.float64]
@@ -111,15 +112,11 @@ class FunctionTwin:
 
     def _readings(self, answer: Any) -> Floats:
         """Return an answer as numbers in the order of the card."""
-        if isinstance(answer, Mapping):
-            missing = [name for name in self.card.readings if name not in answer]
-            if missing:
-                raise TwinError(
-                    f"the model answers {list(answer)[:4]}... without the reading {missing[0]!r}; expected every "
-                    "reading of its card; add it"
-                )
-            answer = [answer[name] for name in self.card.readings]
-        found = np.array(answer, dtype=np.float64)
+        try:
+            rows, _ = by_name(answer, self.gauges, "the model's answer")
+        except DataError as error:
+            raise TwinError(f"{error}; correct the model, or its card") from error
+        found: Floats = rows[0] if len(rows) == 1 else rows
         found.flags.writeable = False
         return found
 

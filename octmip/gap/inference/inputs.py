@@ -224,11 +224,11 @@ def prepare(
         raise DataError(f"column {unknown[0]!r} is no gauge of the twin; expected among {list(twin.gauges[:3])}...")
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     campaign = replace(campaign, units=tuple(units_of(asked)[asked.gauges.index(name)] for name in campaign.gauges))
-    checks = checked(campaign)
+    _refuse_other_loads(campaign, commissioning, asked)
+    checks = checked(campaign, asked)
     campaign = checks.campaign
-    run = calm(commissioning) if commissioning is not None else None
+    run = calm(commissioning, asked) if commissioning is not None else None
     noise, of_noise = noise_of(checks, run, noise_sd)
-    _refuse_other_loads(campaign, run, asked)
     _refuse_unsought(campaign, asked)
     reference = _reference(campaign, run, asked)
     _refuse_nothing_predicted(campaign, asked, reference)

@@ -4,9 +4,9 @@ A signal that Python raises while it loads a package comes out of that as any er
 each ends the command at once.
 """
 
+import _signal  # `signal` itself imports for as long as Python needs to start, and nobody hears Ctrl-C meanwhile
 import atexit
 import os
-import signal
 
 TYPE_CHECKING = False  # as `typing` has it, whose import takes longer than all else here
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ def main(words: "Sequence[str] | None" = None) -> int:
     """Run one command and return its exit code; without words, those of the command line, as a program."""
     ended: list[int] = []
     if words is None:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, _end)
+        for number in (_signal.SIGINT, _signal.SIGTERM):
+            _signal.signal(number, _end)
         atexit.register(_leave, ended)  # the first that is registered is called last
     from octmip.interfaces.cli import program
 
@@ -37,5 +37,5 @@ def _leave(ended: list[int]) -> None:
 
 def _end(number: int, frame: "FrameType | None") -> None:
     """End the program: nothing is known yet."""
-    os.write(2, b"octmip: terminated\n" if number == signal.SIGTERM else b"octmip: interrupted\n")
+    os.write(2, b"octmip: terminated\n" if number == _signal.SIGTERM else b"octmip: interrupted\n")
     os._exit(128 + number)

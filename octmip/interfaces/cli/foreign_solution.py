@@ -74,10 +74,15 @@ def _bound(stated: float | None) -> float:
     Raises
     ------
     DataError
-        it is not finite.
+        it is not finite, or says nothing as it is below 0.
     """
     if stated is None:
         return -math.inf
     if not math.isfinite(stated):
         raise DataError(f"--stated-bound is {shown(stated)}; expected a number; leave it out where there is none")
+    if stated <= -1:
+        raise DataError(
+            f"--stated-bound is {shown(stated)}; expected 0 or more, as no tree costs less; where the solver left out "
+            "the constant of the objective, write the model again and solve that; else leave it out"
+        )
     return stated

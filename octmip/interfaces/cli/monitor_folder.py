@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import DataError
-from octmip.formats.tree_file import record_tree, write_tree_file
+from octmip.formats.tree_file import Readings, record_tree, write_tree_file
 from octmip.input.files import make_folder, write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.text import number, tree_text
 from octmip.interfaces.report.tree.evidence import gather, judged_by
-from octmip.monitor.export import c_source
+from octmip.monitor.export import Legend, c_source
 from octmip.sensing.monitor_design import MonitorDesign
 from octmip.trees.tradeoff.held_out import Samples
 from octmip.twin import Twin, units_of
@@ -35,17 +35,20 @@ def write_monitor(folder: Path, design: MonitorDesign, twin: Twin) -> None:
     """
     make_folder(folder)
     units = dict(zip(twin.gauges, units_of(twin), strict=True))
+    readings = Readings(units, dict(design.library.reference or {}))
     for k, (one, problem, solution) in enumerate(zip(design.trees, design.problems, design.solutions, strict=True)):
         if set(one.parameter) & set(UNSAFE):
             raise DataError(f"state {one.parameter!r} holds one of {UNSAFE!r}, so it names no file; rename it")
-        place, file = folder / one.parameter, record_tree(problem, solution, target_column=one.parameter)
+        place, file = folder / one.parameter, record_tree(problem, solution, one.parameter, readings=readings)
         write_tree_file(f"{place}.json", file)
         called = f"{one.parameter}_level" if re.fullmatch(r"[A-Za-z]\w*", one.parameter, re.ASCII) else "level"
-        write_bytes(f"{place}.c", c_source(one.tree, one.gauges, one.values, name=called).encode())
+        legend = Legend(one.parameter, readings)
+        source = c_source(one.tree, one.gauges, one.values, name=called, legend=legend)
+        write_bytes(f"{place}.c", source.encode())
         codes = np.searchsorted(one.values, design.library.states[design.truth, k])
         samples = Samples(design.fresh, codes, np.ones(len(codes)))
         evidence = judged_by(gather(file, problem, seconds=0.0), file, samples, "fresh readings of the twin")
-        page = tree_page(file, f"{one.parameter}.json", evidence, units=units)
+        page = tree_page(file, f"{one.parameter}.json", evidence)
         write_bytes(f"{place}.html", page.encode())
     design.selector.write(folder / "monitor.json")
 
@@ -58,7 +61,6 @@ def summary_of(design: MonitorDesign, load: Mapping[str, float], folder: Path) -
         "folder": str(folder),
         "load": dict(load),
         "holds_for": "this load" if library.only_load is not None else "every multiple of this load",
-        "readings_divided_by": design.load_factor if library.reference is None else 1.0,
         "sensors": list(design.sensors),
         "states": [
             {
@@ -82,8 +84,6 @@ def words_of(design: MonitorDesign, summary: Mapping[str, Any]) -> str:
     lines = [f"{visible(summary['folder'])}: read {', '.join(map(visible, design.sensors)) or 'nothing'}"]
     if load:
         lines[0] += f" at {visible(load)}; the trees hold for {summary['holds_for']}"
-    if summary["readings_divided_by"] != 1.0:
-        lines.append(f"thresholds are of readings divided by {summary['readings_divided_by']:g}")
     for state, one, problem in zip(summary["states"], design.trees, design.problems, strict=True):
         off, blind = state["off_by_on_fresh_readings"], state["off_by_without_readings"]
         proof = "proven best in training" if state["is_optimal"] else f"bound in training {number(state['bound'])}"

@@ -76,6 +76,11 @@ def _deployed(folder: Path) -> tuple[ModelSelector, list[ParameterTree]]:
             f"--deployed {folder} has no monitor.json; expected a folder that octmip monitor wrote; give its --out"
         )
     selector, trees = ModelSelector.read(folder / "monitor.json"), []
+    if selector.library.reference is None:
+        raise DataError(
+            f"{folder / 'monitor.json'} is of readings divided by the load; expected one of readings as they are, at a "
+            "load that it names; make it again with octmip monitor --load"
+        )
     for name in selector.library.parameters:
         file = read_tree_file(folder / f"{name}.json")
         if file.target_column not in (None, name):
@@ -94,11 +99,11 @@ def _series(path: str, twin: Twin, selector: ModelSelector) -> tuple[NDArray[np.
     for column, name in enumerate(campaign.gauges):
         if name in gauges:
             readings[:, gauges.index(name)] = campaign.readings[:, column]
-    names, loads = loads_of(twin), [0.0] * len(readings)
-    applied: list[Applied] = list(loads)
+    names = loads_of(twin)
+    applied: list[Applied] = [0.0] * len(readings)
     for cell in campaign.cells:
         for row in cell.rows.tolist():
-            applied[row] = cell.load if len(names) == 1 else dict(zip(names, amounts_of(cell.load), strict=True))
+            applied[row] = dict(zip(names, amounts_of(cell.load), strict=True))
     for load, line in zip(applied, campaign.numbers, strict=True):
         try:
             selector.library.checked_load(load)

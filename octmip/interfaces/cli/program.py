@@ -21,6 +21,7 @@ from octmip.input.names import visible
 from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import check_files
 from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt
+from octmip.interfaces.cli.streams import open_streams
 from octmip.trees.solution import ProofError
 
 COMMANDS = {
@@ -60,7 +61,9 @@ def run_words(words: Sequence[str] | None) -> int:
     """Run one command and return its exit code; without words, those of the command line, as a program."""
     is_program = words is None
     words = list(sys.argv[1:] if words is None else words)
-    with term_as_interrupt() as heard:
+    if is_program:
+        open_streams()
+    with term_as_interrupt(raises=False) as heard:
         with Watch(heard):
             code = _code(words, heard)
         if is_program:
@@ -71,9 +74,16 @@ def run_words(words: Sequence[str] | None) -> int:
 
 
 def _code(words: list[str], heard: Heard) -> int:
-    """Run one command; return its exit code, whatever it raises said in a sentence."""
+    """Run one command; return its exit code, whatever it raises said in a sentence.
+
+    A signal raises while the command runs and nowhere else, so none comes out of here as a traceback.
+    """
     try:
-        return _run_or_interrupted(words, heard)
+        try:
+            heard.begin()
+            return _run_or_interrupted(words, heard)
+        finally:
+            heard.raises = False
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
         print(f"{name}: {_with_options(_one_line(error), words)}", file=sys.stderr)
@@ -82,7 +92,6 @@ def _code(words: list[str], heard: Heard) -> int:
         print(f"octmip: {heard.word}", file=sys.stderr)
         return heard.exit_code
     except BrokenPipeError:  # the reader of our output has seen enough
-        sys.stderr.close()
         return 0
     except UnicodeEncodeError as error:
         held = f"its encoding {error.encoding} lacks {error.object[error.start]!a}"

@@ -2,17 +2,18 @@
 
 import argparse
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
-from octmip.formats.tree_file import TreeFile, read_tree_file
+from octmip.formats.tree_file import TreeFile, file_bytes, read_tree_file
 from octmip.input.files import write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import printable, verdict
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
-from octmip.interfaces.cli.options.report import KINDS
+from octmip.interfaces.cli.options.report import EXPORTS, KINDS
 from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
@@ -51,6 +52,10 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
     if arguments.histograms and (not arguments.data or kind not in (".html", *PICTURES)):
         kinds = ", ".join((".html", *PICTURES))
         raise DataError(f"--histograms needs the training table, and --out of {kinds}; give DATA behind TREE.json")
+    if arguments.data and kind in EXPORTS:
+        raise DataError(f"--out {arguments.out} holds the tree alone, without DATA; leave {arguments.data} out")
+    if arguments.table and kind != ".sql":
+        raise DataError("--table names the table of an expression; write one with --out TREE.sql, or leave it out")
     for option in ("test", "holdout", "proof"):
         if getattr(arguments, option) is not None and not arguments.data:
             raise DataError(f"--{option} needs the table that the tree was trained on; give DATA behind TREE.json")
@@ -72,8 +77,6 @@ def _number_columns(columns: Columns | None, file: TreeFile) -> tuple[str, ...]:
 
 
 def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -> "Evidence":
-    from dataclasses import replace
-
     from octmip.interfaces.cli.samples.training import read_test, read_training
     from octmip.interfaces.report.tree.evidence import gather, judged_by, with_share_held_out
     from octmip.trees.proof import check_proof
@@ -112,6 +115,8 @@ def _content(
     units: dict[str, str],
     masthead: "Masthead | None",
 ) -> bytes:
+    if kind in EXPORTS:
+        return _export(arguments, kind, file, units)
     if kind in PICTURES:
         return _drawing(arguments, kind, file, evidence, units)
     if kind == ".html":
@@ -129,6 +134,24 @@ def _content(
         )
         return page.encode()
     return ((_markdown(file, evidence) if kind == ".md" else _words(file, evidence)) + "\n").encode()
+
+
+def _export(arguments: argparse.Namespace, kind: str, file: TreeFile, units: dict[str, str]) -> bytes:
+    """Return the tree in the language of another machine; what that cannot hold is refused."""
+    from octmip.monitor.export import Legend, c_source, onnx_model, sql_expression  # slow to import
+
+    readings = replace(file.readings, units={**file.readings.units, **units})
+    if kind == ".json":
+        return file_bytes(replace(file, readings=readings))
+    legend = Legend(file.target_column or "", readings)
+    columns = file.feature_names if file.preparation is None else file.preparation.columns
+    if kind == ".sql":
+        text = sql_expression(file.tree, columns, file.class_names, table=arguments.table, legend=legend)
+        return f"{text}\n".encode()
+    if kind == ".c":
+        return c_source(file.tree, columns, file.class_names, legend=legend).encode()
+    model: bytes = onnx_model(file.tree, columns, file.class_names, legend=legend).SerializeToString()
+    return model
 
 
 def _drawing(

@@ -61,6 +61,8 @@ class Heard:
         whether the last one was SIGTERM.
     is_held_back
         whether the only one so far raised nothing.
+    raises
+        whether a signal raises `KeyboardInterrupt`; else it is noted alone.
     code
         exit code of a program that is done: a later signal ends it with that; None before.
     """
@@ -69,6 +71,7 @@ class Heard:
         self.n_signals = 0
         self.is_termination = False
         self.is_held_back = False
+        self.raises = True
         self.code: int | None = None
 
     @property
@@ -81,13 +84,19 @@ class Heard:
         """The exit code of a command that was interrupted without a result."""
         return TERMINATED if self.is_termination else INTERRUPTED
 
+    def begin(self) -> None:
+        """Let signals raise from now on; raise for one that came before."""
+        self.raises = True
+        if self.n_signals:
+            raise KeyboardInterrupt
+
     def hear(self, number: int, frame: FrameType | None) -> None:
         """Note a signal and raise `KeyboardInterrupt`; a first one is noted alone where it is held back."""
         if self.code is not None:
             os._exit(self.code)
         self.n_signals += 1
         self.is_termination = number == signal.SIGTERM
-        self.is_held_back = self.n_signals == 1 and interruption.is_held_back()
+        self.is_held_back = not self.raises or (self.n_signals == 1 and interruption.is_held_back())
         interruption.note()
         if not self.is_held_back:
             raise KeyboardInterrupt
@@ -102,12 +111,15 @@ class Heard:
 
 
 @contextlib.contextmanager
-def term_as_interrupt() -> Iterator[Heard]:
+def term_as_interrupt(*, raises: bool = True) -> Iterator[Heard]:
     """Raise `KeyboardInterrupt` on SIGINT and SIGTERM inside, one call as a whole; yields what was heard.
+
+    With `raises` False they are noted alone, until `Heard.begin`.
 
     The handlers of before are put back, but where `Heard.code` says that the program is done.
     """
     heard = Heard()
+    heard.raises = raises
     if threading.current_thread() is not threading.main_thread():  # only there does Python hear signals
         yield heard
         return

@@ -12,6 +12,7 @@ from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.errors import TreeError
+from octmip.formats.columns.frames import series_of
 from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
@@ -70,7 +71,11 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         ("subsets"), their rank ("order"), or are refused ("refuse"); an ordered pandas category becomes its rank.
     missing
         missing values go to whichever side of a split is better ("either-side"), or are refused ("refuse").
-        Hyperplanes take none. Where some are missing in fit, predict takes them too, in any column.
+        Hyperplanes take none.
+    takes_missing
+        whether predict takes missing values where fit had none, as a fold of a cross-validation may: they go to the
+        side of more training weight. A column without a value in fit is then a constant. False refuses both, unless
+        some value was missing in fit.
     smoothing
         of the probabilities in each leaf. "out-of-fold" corrects the shares of the training rows, which are too high
         for fresh ones, by rows held out of ten quick refits; they run when a probability is first asked for, and take
@@ -136,7 +141,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         """
         features, labels, columns = learn_samples(self, X, y)
         check_classification_targets(labels)
-        given = _check_sample_weight(sample_weight, features, dtype=np.float64)
+        given = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
         self.classes_ = np.unique(labels)
         self.columns_ = columns
         self._label_name = label_name(y)
@@ -152,7 +157,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             "takes_missing": columns.lack_numbers,
         }
         run = self._answer(features, labels, weights, **own)
-        self._shares = LeafShares(self.problem_, self.tree_, self.smoothing, self.seconds, run.seed, run.n_jobs)
+        self._shares = LeafShares(self.problem_, self._routes, self.smoothing, self.seconds, run.seed, run.n_jobs)
         self._say_how_it_ended()
         return self
 
@@ -165,7 +170,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     def predict(self, X: ArrayLike) -> NDArray[Any]:
         """Return the class of each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
-        return np.asarray(self.classes_[self._place[predict(self.tree_, read_samples(self, X))]])
+        return np.asarray(self.classes_[self._place[predict(self._routes, read_samples(self, X))]])
 
     def predict_proba(self, X: ArrayLike, prior: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the probability of each class in the leaf of each row, shape (n_samples, n_classes).

@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.columns import Columns
-from octmip.formats.table.preparation import Preparation
+from octmip.formats.table.preparation import Preparation, with_written_cuts
 from octmip.formats.tree_file import record_tree
 from octmip.input.files import PathLike
 from octmip.input.messages import several
@@ -39,7 +39,7 @@ from octmip.trees.shape import splits_of
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Choice, solve_default
-from octmip.trees.tree import Node, depth, leaves
+from octmip.trees.tree import Node, depth, leaves, with_sides_for_missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,6 +53,8 @@ class FittedTree(Settings):
     certificate_: Certificate
     columns_: Columns
     choice_: Choice | None
+    _routes: Node
+    """The tree with a side for missing cells at every split: where training had none, that of more weight."""
     _label_name: str | None
 
     def __sklearn_tags__(self) -> Tags:
@@ -97,8 +99,9 @@ class FittedTree(Settings):
             solution, self.choice_ = solve_run(problem, run), None
         if solution.tree is None:
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
-        self.problem_, self.solution_ = problem, solution
-        self.certificate_ = certify(problem, solution)
+        self.problem_, self.solution_ = problem, with_written_cuts(problem, solution, self.columns_)
+        self.certificate_ = certify(problem, self.solution_)
+        self._routes = with_sides_for_missing(self.tree_, problem.features, problem.weights)
         return run
 
     def _say_how_it_ended(self) -> None:
@@ -160,12 +163,12 @@ class FittedTree(Settings):
         Nodes are numbered in preorder: the root 0, a node before its left side, that before its right side.
         """
         check_is_fitted(self, "solution_")
-        return leaf_nodes(self.tree_, read_samples(self, X))
+        return leaf_nodes(self._routes, read_samples(self, X))
 
     def decision_path(self, X: ArrayLike) -> csr_matrix:
         """Return which nodes each row of X passes, a sparse matrix (n_samples, n_nodes); nodes as in `apply`."""
         check_is_fitted(self, "solution_")
-        return node_indicator(self.tree_, read_samples(self, X))
+        return node_indicator(self._routes, read_samples(self, X))
 
     @property
     def feature_importances_(self) -> NDArray[np.float64]:
@@ -220,7 +223,8 @@ class FittedTree(Settings):
                 "give one row, as X[:1]"
             )
         how = {"histograms": histograms, "sample": row, "dark": dark}
-        return figure_of(self.problem_, self.tree_, self.columns_, title, **how)
+        tree = self._routes if row is not None and np.isnan(row).any() else self.tree_
+        return figure_of(self.problem_, tree, self.columns_, title, **how)
 
     def report(
         self, path: PathLike, X_test: ArrayLike | None = None, y_test: ArrayLike | None = None, seconds: float = 10.0
@@ -246,7 +250,9 @@ class FittedTree(Settings):
         check_is_fitted(self, "solution_")
         held_out = None if X_test is None else test_samples(self, X_test, y_test)
         preparation = Preparation(self.columns_)
-        file = record_tree(self.problem_, self.solution_, self._label_name, preparation=preparation)
+        lacks = held_out is not None and np.isnan(held_out.features).any()
+        solution = replace(self.solution_, tree=self._routes) if lacks else self.solution_
+        file = record_tree(self.problem_, solution, self._label_name, preparation=preparation)
         write_page(path, self.problem_, file, held_out, seconds)
 
     def _repr_html_inner(self) -> str:

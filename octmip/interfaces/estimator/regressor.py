@@ -10,6 +10,7 @@ from sklearn.utils import Tags
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted
 
 from octmip.errors import DataError
+from octmip.formats.columns.frames import series_of
 from octmip.input.cells import BEYOND, beyond_exact
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
@@ -41,7 +42,7 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         a mapping from columns, where `max_depth` is not "auto"; as in scikit-learn, of any number of classes.
     leaf_penalty
         price of one feature in one split, in units of weight times error; "auto" chooses its own.
-    sensor_of_feature, sensor_cost, sensor_budget, categories, missing
+    sensor_of_feature, sensor_cost, sensor_budget, categories, missing, takes_missing
         as in `OptimalTreeClassifier`.
     method
         "auto" proves where splits read one feature and leaves hold one number, else searches; "exact", "search", or
@@ -99,7 +100,7 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         row = beyond_exact(given, targets)
         if row is not None:
             raise DataError(f"y holds {given[row]} in row {row}, {BEYOND}")
-        weights = _check_sample_weight(sample_weight, features, dtype=np.float64)
+        weights = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
         own = {"loss": number_loss(self.loss), "leaf_model": self.leaf_model, "ridge": self.ridge}
         self._answer(features, targets, weights, **own)
         self._say_how_it_ended()
@@ -108,4 +109,4 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
     def predict(self, X: ArrayLike) -> NDArray[np.float64]:
         """Return the number predicted for each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
-        return predict_values(self.tree_, read_samples(self, X))
+        return predict_values(self._routes, read_samples(self, X))

@@ -1,7 +1,10 @@
 """What scikit-learn calls X, as the features that a tree reads.
 
-An array of finite numbers is its own features. Anything else, text, pandas categories or missing values, is encoded
+An array of finite numbers is its own features. Anything else, text, dates, categories or missing values, is encoded
 as the command does it, by `octmip.formats.columns`. `n_features_in_` and `feature_names_in_` are those of X itself.
+
+Folds of a cross-validation are parts of a table: a cell may be missing in predict where none was in fit, and a column
+may lose all its values. `takes_missing` says whether an estimator takes both.
 """
 
 from typing import Any
@@ -15,7 +18,9 @@ from sklearn.utils.validation import assert_all_finite, check_consistent_length,
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.column import Column
-from octmip.input.cells import BEYOND, beyond_exact
+from octmip.formats.columns.frames import frame_of, series_of
+from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact
+from octmip.input.messages import shown
 from octmip.trees.tradeoff.held_out import Samples
 
 Floats = NDArray[np.float64]
@@ -35,6 +40,7 @@ def learn_samples(
     DataError
         a column cannot become features (also a ValueError); all of them are named.
     """
+    X = frame_of(X)
     checked, labels = validate_data(estimator, _objects(X), _labels(y), dtype=None, ensure_all_finite=False)
     names = _names(estimator)
     numbers = _numbers(estimator, checked, X)
@@ -45,6 +51,7 @@ def learn_samples(
         categories=estimator.categories,
         missing=estimator.missing,
         doubled=doubled,
+        of_part=takes_missing(estimator),
     )
     if estimator.split == "hyperplane":
         columns.refuse_missing_in_sums("use split='axis', or fill them (NaN) before")
@@ -61,19 +68,52 @@ def read_samples(estimator: BaseEstimator, X: ArrayLike) -> Floats:
     DataError
         a column holds what it did not in training (also a ValueError).
     """
+    X = frame_of(X)
     checked = validate_data(estimator, _objects(X), dtype=None, ensure_all_finite=False, reset=False)
     columns: Columns = estimator.columns_
+    takes = takes_missing(estimator) or columns.lack_numbers
     numbers = _numbers(estimator, checked, X)
-    if numbers is not None and columns.is_plain and (columns.lack_numbers or not np.isnan(numbers).any()):
+    if numbers is not None and columns.is_plain and (takes or not np.isnan(numbers).any()):
         return numbers
-    return columns.encode(_frame(X, checked, columns.names))
+    features = columns.encode(_frame(X, checked, columns.names), takes_missing=takes)
+    if estimator.split == "hyperplane":
+        _refuse_sums(features, columns)
+    return features
+
+
+def takes_missing(estimator: BaseEstimator) -> bool:
+    """Whether predict takes a missing cell in a column that had none in fit; a sum in a leaf would have no value."""
+    is_sum = getattr(estimator, "leaf_model", "constant") != "constant"
+    return bool(estimator.takes_missing) and estimator.missing != "refuse" and not is_sum
+
+
+def _refuse_sums(features: Floats, columns: Columns) -> None:
+    """Refuse numbers that are missing where a hyperplane adds them; a missing text is no number."""
+    numbers = [column.name for column in columns.columns if column.kind in ("number", "order")]
+    for name, lacks in zip(columns.column_of_feature, np.isnan(features).any(axis=0).tolist(), strict=True):
+        if lacks and name in numbers:
+            raise DataError(
+                f"cells are missing in {shown(name)}; a hyperplane adds its features; fill them (NaN) before"
+            )
 
 
 def _objects(X: Any) -> Any:
-    """Return X with columns of pandas' own types as objects: older versions of scikit-learn take these for numbers."""
-    if isinstance(X, pd.DataFrame) and not all(isinstance(kind, np.dtype) for kind in X.dtypes):
+    """Return X as scikit-learn is to check it: a frame as objects, unless all its columns are numbers of one array."""
+    if isinstance(X, pd.DataFrame) and not all(map(_is_plain, X.dtypes, (X.iloc[:, k] for k in range(X.shape[1])))):
         return X.astype(object)
     return X
+
+
+def _is_plain(kind: Any, column: "pd.Series[Any]") -> bool:
+    """Whether a column of numpy's numbers is the same as float64."""
+    return isinstance(kind, np.dtype) and (kind.kind in "bf" or (kind.kind in "iu" and _is_exact(column.to_numpy())))
+
+
+def _is_exact(whole: NDArray[Any]) -> bool:
+    """Whether float64 holds whole numbers; others are refused by the name of their column."""
+    if not whole.size or whole.dtype.itemsize < 8:
+        return True
+    return int(whole.min()) >= -EXACT_INTEGERS and int(whole.max()) <= EXACT_INTEGERS
 
 
 def _labels(y: Any) -> Any:
@@ -84,6 +124,7 @@ def _labels(y: Any) -> Any:
     DataError
         a label among texts is missing.
     """
+    y = series_of(y)
     if not isinstance(y, pd.Series | np.ndarray | list):
         return y
     labels = pd.Series(y) if np.ndim(y) == 1 else pd.Series()

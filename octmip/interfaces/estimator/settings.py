@@ -44,6 +44,7 @@ class Settings:
     sensor_budget: float | None = None
     categories: Literal["yes-no", "subsets", "order", "refuse"] = "yes-no"
     missing: Literal["either-side", "refuse"] = "either-side"
+    takes_missing: bool = True
     method: Method = "auto"
     options: Options | None = None
     seconds: float = 60.0

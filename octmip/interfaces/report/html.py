@@ -33,13 +33,13 @@ def tree_page(
     data
         name of the data file, None where there is none.
     units
-        of the columns' values, by column.
+        of the columns' values, by column, beside those of the file.
     masthead
         heading, asset and day; by default the heading names the label's column.
     histograms
         whether the splits show the values of the samples that come to them, which needs evidence.
     """
-    wording = Wording(file.feature_names, file.class_names, file.columns, units or {})
+    wording = Wording(file.feature_names, file.class_names, file.columns, {**file.readings.units, **(units or {})})
     made = masthead.made if masthead else None
     facts = page_facts(data, file.sha256, made, **({"Tree file": source} if source else {}))
     page = page_contents(file, source, evidence, wording, data, histograms)

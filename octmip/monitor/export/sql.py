@@ -1,17 +1,12 @@
-"""A tree as one SQL expression over columns named like the features.
+"""A tree as one SQL expression over the columns of the user's own table.
 
-Numbers. A decimal literal is not read to the last bit by every database, so a number is written as a whole number over
-powers of two, all exact in float64, and so is their quotient.
+The wording is the same for all databases; `octmip.monitor.export.sql_cells` says how it asks the cells of a column.
 
-Missing readings. NULL is on no side of a split. SQLite stores NaN as NULL; PostgreSQL and DuckDB keep it and hold it
-for larger than every number, so the right side is asked as ``-x < -threshold``: true for what is larger than the
-threshold, false for NaN in either order. A sum that is no number, infinity minus infinity, goes right as in the tree.
-Where a split has a side for missing readings, that side is also asked for
-what is neither 0 or less nor, in the same way, more.
-
-Names. The only names in the text are column names, always in double quotes with inner ones doubled: nothing that a
-name holds can end it. SQLite takes a quoted name that no column bears for a text, without an error; with `table` every
-column is written ``"table"."column"``, and a missing one is an error in every database.
+Names. The only texts of the user's in it are names of columns, in double quotes with inner ones doubled, and texts of
+columns and classes, in single quotes in the same way: nothing that they hold can end them. ClickHouse reads a backslash
+in quotes as an escape, so names and texts with one are refused. SQLite takes a quoted name that no column bears for a
+text, without an error; with `table` every column is written ``"table"."column"``, and a missing one is an error in
+every database.
 
 Depth. Parsers of SQLite before 3.46 hold some 16 nested CASE; deeper trees are written flat, one condition per leaf.
 """
@@ -20,132 +15,210 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from octmip.errors import TreeError
+from octmip.formats.columns import Columns
 from octmip.input.names import shown
-from octmip.monitor.export.fit import check_column, check_fit
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, depth, features_used, splits
+from octmip.monitor.export.legend import Legend, comment, quoted
+from octmip.monitor.export.questions import (
+    Answer,
+    Asked,
+    NumberAsked,
+    OwnTree,
+    Part,
+    SumAsked,
+    Term,
+    TextAsked,
+    own_tree,
+)
+from octmip.monitor.export.sql_cells import Cells, exact, plain, text_literal
+from octmip.trees.tree import SIDES, Node, Side, depth
 
-LARGEST = 62
-"""Powers of two up to 2**62 are whole numbers of every database."""
 DEEPEST_NEST = 10
 """Levels written as CASE within CASE."""
 MOST_TERMS = 900
-"""Features of one hyperplane: a sum of more is deeper than the 1,000 levels of SQLite's and DuckDB's expressions."""
+"""Columns of one sum: a sum of more is deeper than the 1,000 levels of SQLite's and DuckDB's expressions."""
+INT32, INT64 = 2**31, 2**63
 
 
 def sql_expression(
-    tree: Node, feature_names: Sequence[str], class_names: Sequence[Any] | None = None, table: str = ""
+    tree: Node,
+    columns: Columns | Sequence[str],
+    class_names: Sequence[Any] = (),
+    *,
+    table: str = "",
+    legend: Legend | None = None,
 ) -> str:
-    """Return the expression for ``SELECT <expression> FROM readings``: the index of the class, -1 for no result.
+    """Return the expression for ``SELECT <expression> FROM readings``: the class's own value, or a number.
 
-    Names of classes are not part of it (`names_json` has them); `class_names` only have to cover its classes.
-    PostgreSQL tells columns apart by their first 63 bytes, and stops with an error where a product of a hyperplane
-    leaves the range of float64, which the other databases and the tree carry on as infinite or zero.
+    NULL is what it returns where the tree has no answer. PostgreSQL tells columns apart by their first 63 bytes, and
+    stops with an error where a product of a hyperplane leaves the range of float64, which the other databases and the
+    tree carry on as infinite or zero.
 
     Raises
     ------
     TreeError
-        the names do not cover the tree, or a feature that it reads has a name that no database takes.
+        the names do not cover the tree, or it reads or answers what no expression can hold in all databases: a name or
+        text with a backslash, a duration, a number that is written with a sign or with marks between its digits, a date
+        that is neither one of the database nor ISO text.
     """
-    check_fit(tree, feature_names, class_names)
-    _check_columns(tree, feature_names)
-    owner = f"{_quoted(check_column(table))}." if table else ""
-    columns = [owner + _quoted(str(name)) for name in feature_names]
-    return _nested(tree, columns, "") if depth(tree) <= DEEPEST_NEST else _flat(tree, columns)
+    own = own_tree(tree, columns, class_names)
+    _check_names(own)
+    owner = f"{_column(table)}." if table else ""
+    cells = {k: Cells.of(own.columns[k], owner + _column(own.columns[k].name)) for k in own.read}
+    named = [quoted(column.name) for column in own.columns]
+    head = (legend or Legend()).lines(own, named.__getitem__, lambda column: Cells.of(column, "").words, "NULL")
+    wide = any(isinstance(value, int) and not -INT32 <= value < INT32 for value in own.answers)
+    writer = _Expression(cells, wide)
+    text = writer.nested(own.root, "") if depth(tree) <= DEEPEST_NEST else writer.flat(own.root)
+    return f"{comment(head)}\n{text}"
 
 
-def _check_columns(tree: Node, names: Sequence[str]) -> None:
-    """Refuse names that no database takes, or that a database which knows no case takes for another feature's."""
-    folded = [str(name).casefold() for name in names]
-    for feature in features_used(tree):
-        check_column(names[feature])
-        if folded.count(folded[feature]) > 1:
-            other = next(j for j, name in enumerate(folded) if name == folded[feature] and j != feature)
+def _check_names(own: OwnTree) -> None:
+    """Refuse names that a database which knows no case takes for another column's."""
+    folded = [column.name.casefold() for column in own.columns]
+    for k in own.read:
+        if folded.count(folded[k]) > 1:
+            other = next(j for j, name in enumerate(folded) if name == folded[k] and j != k)
             raise TreeError(
-                f"feature names {shown(names[feature])} and {shown(names[other])} differ in case only; expected names "
-                "that differ otherwise, since SQLite and DuckDB take these for one column; rename one"
+                f"column names {shown(own.columns[k].name)} and {shown(own.columns[other].name)} differ in case only; "
+                "expected names that differ otherwise, since SQLite and DuckDB take these for one column; rename one"
             )
-    widest = max((len(split.features) for split in splits(tree)), default=0)
-    if widest > MOST_TERMS:
-        raise TreeError(
-            f"a split of the tree adds {widest} features; expected at most {MOST_TERMS}, since databases refuse longer "
-            "sums; export to C or ONNX, or limit the problem's split_size"
-        )
 
 
-def _nested(node: Node, columns: Sequence[str], indent: str) -> str:
-    if isinstance(node, Leaf):
-        return str(node.label)
-    left, right = _conditions(node, columns)
-    inner = indent + "  "
-    return (
-        f"CASE\n{indent}WHEN {left} THEN {_nested(node.left, columns, inner)}\n"
-        f"{indent}WHEN {right} THEN {_nested(node.right, columns, inner)}\n{indent}ELSE -1 END"
-    )
+def _column(name: str) -> str:
+    """Return the name of a column or table in quotes."""
+    return '"' + plain(name, "the name of a column; rename the feature and the column").replace('"', '""') + '"'
 
 
-def _flat(tree: Node, columns: Sequence[str]) -> str:
-    lines = [f"WHEN {' AND '.join(path)} THEN {leaf.label}" for path, leaf in _paths(tree, columns, ())]
-    return "\n".join(["CASE", *lines, "ELSE -1 END"])
+class _Expression:
+    """The expression of a tree.
+
+    Attributes
+    ----------
+    cells
+        how each column that it reads is asked.
+    wide
+        whether whole numbers are written with 64 bits: Polars ends where a CASE mixes them with shorter ones.
+    """
+
+    def __init__(self, cells: dict[int, Cells], wide: bool) -> None:
+        self.cells, self.wide = cells, wide
+
+    def nested(self, part: Part, indent: str) -> str:
+        if isinstance(part, Answer):
+            return self.answer(part)
+        inner = indent + "  "
+        left, right = (self.nested(side, inner) for side in (part.left, part.right))
+        lost, goes_left = self.in_turn(part.asked)
+        nowhere = f"\n{indent}WHEN {lost} THEN NULL" if lost else ""
+        return f"CASE{nowhere}\n{indent}WHEN {goes_left} THEN {left}\n{indent}ELSE {right} END"
+
+    def in_turn(self, asked: Asked) -> tuple[str, str]:
+        """Return when a row has no answer, "" where each has one, and when it goes left of those that have."""
+        if isinstance(asked, SumAsked):
+            left, right = self.conditions(asked)
+            return ("" if asked.missing else f"NOT ({left} OR {right})"), left
+        cells = self.cells[asked.column]
+        missing, unknown = cells.missing, self.unknown(asked)
+        test = self.test(asked, "left")
+        if asked.missing is None:
+            return (f"{missing} OR {unknown}" if unknown else missing), test
+        lost = f"NOT {missing} AND {unknown}" if unknown else ""
+        return lost, f"{missing} OR {test}" if asked.missing == "left" else f"NOT {missing} AND {test}"
+
+    def unknown(self, asked: NumberAsked | TextAsked) -> str:
+        """Return when a cell that is not missing has no answer either; "" where each has one."""
+        cells = self.cells[asked.column]
+        if isinstance(asked, NumberAsked):
+            return "" if asked.threshold is None else cells.unknown
+        return "" if asked.others else f"NOT {cells.among((*asked.left, *asked.right))}"
+
+    def test(self, asked: NumberAsked | TextAsked, side: Side) -> str:
+        """Return when a cell that is not missing goes to a side."""
+        cells = self.cells[asked.column]
+        if isinstance(asked, NumberAsked):
+            return cells.beside(asked.threshold, side) if asked.threshold is not None else _holds(asked.missing != side)
+        if asked.others != side:
+            return cells.among(asked.texts(side))
+        return f"NOT {cells.among(asked.texts('right' if side == 'left' else 'left'))}"
+
+    def flat(self, root: Part) -> str:
+        lines = [f"WHEN {' AND '.join(path)} THEN {self.answer(leaf)}" for path, leaf in self.paths(root, ())]
+        return "\n".join(["CASE", *lines, "ELSE NULL END"])
+
+    def paths(self, part: Part, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Answer]]:
+        """Yield every leaf with the conditions on its way."""
+        if isinstance(part, Answer):
+            yield path, part
+            return
+        left, right = self.conditions(part.asked)
+        yield from self.paths(part.left, (*path, left))
+        yield from self.paths(part.right, (*path, right))
+
+    def answer(self, answer: Answer) -> str:
+        if answer.terms:
+            return self.total(answer.terms, answer.value)
+        return f"CAST({_constant(answer.value)} AS BIGINT)" if self.wide else _constant(answer.value)
+
+    def conditions(self, asked: Asked) -> tuple[str, str]:
+        """Return when a row goes left and when right; neither holds for what has no answer."""
+        if isinstance(asked, SumAsked):
+            return self.sides_of_sum(asked)
+        missing, unknown = self.cells[asked.column].missing, self.unknown(asked)
+        sides = []
+        for side in SIDES:
+            test = f"{self.test(asked, side)}{f' AND NOT ({unknown})' * bool(unknown)}"
+            sides.append(f"({missing} OR {test})" if asked.missing == side else f"(NOT {missing} AND {test})")
+        return sides[0], sides[1]
+
+    def sides_of_sum(self, asked: SumAsked) -> tuple[str, str]:
+        """Return when a sum is at most its offset; a sum that is no number goes right, where no cell is missing."""
+        total = self.total(asked.terms, None)
+        left = f"({total} <= {exact(asked.offset)} AND LOWER({total} || '') NOT IN ('nan', '-nan'))"
+        missing = f"({' OR '.join(f'({self.counted(term)}) IS NULL' for term in asked.terms)})"
+        right = f"CASE WHEN {left} THEN 0 ELSE 1 END = 1"
+        sides = [
+            f"({missing} OR {test})" if asked.missing == side else f"(NOT {missing} AND {test})"
+            for side, test in zip(SIDES, (left, right), strict=True)
+        ]
+        return sides[0], sides[1]
+
+    def total(self, terms: Sequence[Term], first: float | None) -> str:
+        """Return a sum, added from the first to the last, as SQL adds without parentheses."""
+        if len(terms) > MOST_TERMS:
+            raise TreeError(
+                f"a split of the tree adds {len(terms)} features; expected at most {MOST_TERMS}, since databases "
+                "refuse longer sums; export to C or ONNX, or limit the problem's split_size"
+            )
+        products = [f"{exact(term.coefficient)} * {self.counted(term)}" for term in terms]
+        return f"({' + '.join(([] if first is None else [exact(first)]) + products)})"
+
+    def counted(self, term: Term) -> str:
+        """Return what the cell of a term counts, NULL where it counts nothing."""
+        cells = self.cells[term.column]
+        missing = "NULL" if term.missing is None else exact(term.missing)
+        choices = [f"WHEN {cells.missing} THEN {missing}"]
+        if term.counts:
+            choices += [f"WHEN {cells.among((word,))} THEN {exact(number)}" for word, number in term.counts]
+            other = "NULL" if term.others is None else exact(term.others)
+        else:
+            other = cells.number
+            ends = ((term.least, "<"), (term.most, ">"))
+            choices += [f"WHEN {other} {sign} {exact(end)} THEN {exact(end)}" for end, sign in ends if end is not None]
+        return f"CASE {' '.join(choices)} ELSE {other} END"
 
 
-def _paths(node: Node, columns: Sequence[str], path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Leaf]]:
-    """Yield every leaf with the conditions on its way."""
-    if isinstance(node, Leaf):
-        yield path, node
-        return
-    left, right = _conditions(node, columns)
-    yield from _paths(node.left, columns, (*path, left))
-    yield from _paths(node.right, columns, (*path, right))
+def _holds(is_so: bool) -> str:
+    return "1 = 1" if is_so else "1 = 0"
 
 
-def _conditions(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
-    """Return when a reading goes left and when right; neither holds for what is missing and has no side."""
-    missing, present = (_ask_for_missing([columns[j] for j in split.features], of_missing) for of_missing in (1, 0))
-    if isinstance(split, Split) and split.threshold is None:
-        return (missing, present) if split.missing == "left" else (present, missing)
-    left, right = _sides(split, columns)
-    if isinstance(split, HyperplaneSplit):  # a sum that is no number goes right, where no reading is missing
-        right = f"(CASE WHEN {left} THEN 0 ELSE 1 END = 1 AND {present})"
-    if split.missing is None:
-        return left, right
-    return (f"({left} OR {missing})", right) if split.missing == "left" else (left, f"({right} OR {missing})")
-
-
-def _ask_for_missing(columns: Sequence[str], of_missing: int) -> str:
-    """Return the condition that some column lacks its number (1), or that none does (0)."""
-    zero = _exact(0.0)
-    present = " AND ".join(f"({column} <= {zero} OR -{column} < {zero})" for column in columns)
-    return f"CASE WHEN {present} THEN 0 ELSE 1 END = {of_missing}"
-
-
-def _sides(split: Split | HyperplaneSplit, columns: Sequence[str]) -> tuple[str, str]:
-    """Return when a number lies left of a threshold and when right."""
-    if isinstance(split, Split):
-        assert split.threshold is not None
-        asked, threshold = columns[split.feature], float(split.threshold)
-    else:  # added from the first to the last, as SQL adds without parentheses, and as `goes_left` does
-        terms = zip(split.coefficients, split.features, strict=True)
-        asked = f"({' + '.join(f'{_exact(float(c))} * {columns[j]}' for c, j in terms)})"
-        threshold = float(split.offset)
-    return f"{asked} <= {_exact(threshold)}", f"-{asked} < {_exact(-threshold)}"
-
-
-def _quoted(name: str) -> str:
-    return '"' + name.replace('"', '""') + '"'
-
-
-def _exact(number: float) -> str:
-    """Return a number as an expression that is exact in float64."""
-    numerator, denominator = number.as_integer_ratio()
-    shift = (numerator & -numerator).bit_length() - 1 if denominator == 1 and numerator else 0
-    text = f"CAST({numerator >> shift} AS DOUBLE PRECISION)"
-    for power in _powers(shift):
-        text = f"{text} * CAST({power} AS DOUBLE PRECISION)"
-    for power in _powers(denominator.bit_length() - 1):
-        text = f"{text} / CAST({power} AS DOUBLE PRECISION)"
-    return f"({text})"
-
-
-def _powers(exponent: int) -> list[int]:
-    whole, rest = divmod(exponent, LARGEST)
-    return [2**LARGEST] * whole + ([2**rest] if rest else [])
+def _constant(value: Any) -> str:
+    """Return an answer as a literal."""
+    if isinstance(value, bool):
+        return "TRUE" if value else "FALSE"
+    if isinstance(value, str):
+        return text_literal(value)
+    if isinstance(value, float):
+        return exact(value)
+    if not -INT64 <= value < INT64:
+        raise TreeError(f"the class {value} has more than 64 bits; expected a smaller one; make the classes texts")
+    return str(value)

@@ -34,7 +34,7 @@ from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.tree import Node
+from octmip.trees.tree import Node, without_empty_sides
 
 FORMULATIONS: Mapping[str, Formulate] = {
     "oct": oct.formulate,
@@ -58,8 +58,12 @@ class Answer:
         its lower bound, in the units of the model's objective; -inf without one.
     solver
         its name.
-    n_added
-        rows, and columns with a fixed value, that are not the model's own.
+    stop
+        why it ended.
+    added
+        the names of what forbids solutions and is not the model's own: rows, sets, fixed values, narrower ends.
+    activity
+        the sum of the ranges of the activities of the rows among them.
     dual_tolerance
         by which its reduced costs may have the wrong sign.
     """
@@ -67,7 +71,9 @@ class Answer:
     values: NDArray[np.float64]
     bound: float = -math.inf
     solver: str = "another solver"
-    n_added: int = 0
+    stop: Stop = Stop.FINISHED
+    added: tuple[str, ...] = ()
+    activity: float = 0.0
     dual_tolerance: float = COARSEST_DUAL
 
 
@@ -90,9 +96,9 @@ class Model:
     formulation: Formulation
     known: Known
 
-    def start(self) -> NDArray[np.float64] | None:
-        """Return the values (n_columns,) of the tree to start from, None where the model does not hold it."""
-        placed = place(self.known.tree, self.formulation.heap, self.problem.features)
+    def start(self, tree: Node | None = None) -> NDArray[np.float64] | None:
+        """Return the values (n_columns,) of a tree, of the one to start from by default; None: the model lacks it."""
+        placed = place(self.known.tree if tree is None else tree, self.formulation.heap, self.problem.features)
         values = self.formulation.start(placed)
         return None if values is None or self.formulation.rows.violation(values)[0] > START_SLACK else values
 
@@ -143,32 +149,77 @@ class Model:
                 "method of the model that was solved, or solve it again"
             )
         decoded = decode(self.problem, formulation, values)
-        price, bound = (
-            formulation.rows.objective(values),
-            foreign_bound(formulation.rows, formulation.prices, answer.bound, answer.dual_tolerance),
-        )
+        price, bound = formulation.rows.objective(values), self._bound_of(answer)
         outcome = Outcome(values, price, price, answer.bound, Stop.FINISHED, "", 0, 0.0, math.inf, math.inf)
         if reason := refutation(self.problem, outcome, bound, decoded):
             raise SolverError(f"{reason.replace('HiGHS', answer.solver)}; solve it again with finer tolerances")
-        if not answer.n_added and (start := self.start()) is not None:
-            self._refuse_above(formulation.rows.objective(start), bound, answer.solver)
         tree, scope = decoded.tree, formulation.scope.trees
-        if answer.n_added:
-            tree = to_tree(formulation.heap, formulation.splits(values), formulation.labels(values))
-            scope += f" that keep what was added to the model (rows and fixed values: {answer.n_added})"
+        if answer.added:
+            tree = self._read(values)
+            # Rows that no optimum needs, as other classes in sibling leaves, also narrow what an added row leaves.
+            scope = (
+                f"those of {scope} that are solutions of the model '{self.method}' and keep what was added to it "
+                f"({named(answer.added)})"
+            )
+        elif (start := self.start()) is not None:
+            self.refuse_above(formulation.rows.objective(start), answer)
         # A known tree outside the model, or against a row that was added, contradicts no bound.
-        result = RunResult(replace(self.known, tree=tree), tree, Stop.FINISHED, {"scope": scope}, price_bound=bound)
+        details: dict[str, object] = {"scope": scope} | ({"added": list(answer.added)} if answer.added else {})
+        result = RunResult(replace(self.known, tree=tree), tree, answer.stop, details, price_bound=bound)
         solution = solution_of_run(self.problem, result, method=self.method, seed=0, seconds=0.0, gap=0.0)
         certify(self.problem, solution)
         return replace(solution, version=answer.solver)
 
-    def _refuse_above(self, price: float, bound: int, solver: str) -> None:
-        """Raise a SolverError where a solver's bound denies the tree to start from, which the model holds."""
+    def _bound_of(self, answer: Answer) -> int:
+        """Return the price that no tree lies below by a solver's bound."""
+        rows, prices = self.formulation.rows, self.formulation.prices
+        return foreign_bound(rows, prices, answer.bound, answer.dual_tolerance, answer.activity)
+
+    def _read(self, values: NDArray[np.float64]) -> Node:
+        """Return the tree of values as they stand, but for splits that send all samples to one side."""
+        heap, formulation = self.formulation.heap, self.formulation
+        raw = to_tree(heap, formulation.splits(values), formulation.labels(values))
+        return without_empty_sides(raw, self.problem.features)
+
+    def read_again(self, values: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        """Return the values (n_columns,) of the tree of other values, None where those split the same nodes.
+
+        A node that sends all samples to one side is a split in values, but in no tree. The nodes that both split keep
+        their hyperplanes and thresholds.
+        """
+        formulation, families = self.formulation, self.formulation.rows.families
+        read, placed = formulation.splits(values), place(self._read(values), formulation.heap, self.problem.features)
+        split = set(read)
+        if "d" in families:
+            split |= {m for m, j in zip(formulation.heap.branches, families["d"][0], strict=True) if values[j] > 0.5}
+        if split == set(placed.splits):
+            return None
+        if (own := formulation.start(placed)) is None:
+            return np.full_like(values, math.nan)
+        for m, made in placed.splits.items():
+            if m in read and read[m].features == made.features:
+                columns = [families[letter][0][..., m - 1] for letter in ("a", "b") if letter in families]
+                own[np.hstack(columns or [np.arange(0)])] = values[np.hstack(columns or [np.arange(0)])]
+        return own
+
+    def refuse_above(self, price: float, answer: Answer) -> None:
+        """Raise a SolverError where a solver's bound denies a tree that the model holds and that keeps what was added.
+
+        The bound is false, or it is one of another model: rows may have been taken away after it was solved.
+        """
+        bound = self._bound_of(answer)
         if bound > price + 0.5:
             raise SolverError(
-                f"{solver} claims that no tree is below {bound} but one of the model costs {price:g}: its answer is "
-                "false; solve the model without presolve, or with another solver"
+                f"{answer.solver} claims that no tree is below {bound} but one of the model costs {price:g}: its "
+                "answer is false, or that of another model; solve this one as it stands, without presolve, or with "
+                "another solver"
             )
+
+
+def named(names: tuple[str, ...], most: int = 4) -> str:
+    """Return the first few of some names."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
 
 
 def model_of(

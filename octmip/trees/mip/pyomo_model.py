@@ -7,18 +7,22 @@ solution = octmip.solution_of(model, results)
 """
 
 import math
-from dataclasses import replace
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
+from octmip.trees.methods.options import SearchOptions
+from octmip.trees.methods.search import local_search
 from octmip.trees.mip.highs.claims import COARSEST_DUAL
-from octmip.trees.mip.model_rows import Answer, Model, model_of
+from octmip.trees.mip.model_rows import Answer, Model, model_of, named
+from octmip.trees.mip.pyomo_changes import Changes, changes_of, is_untouched
+from octmip.trees.mip.pyomo_results import Report, report_of
 from octmip.trees.mip.rows import Rows
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.solution import Limits, Solution
 from octmip.trees.tree import Node
 
 with needed_by("a Pyomo model"):
@@ -43,6 +47,8 @@ EQUATIONS = {
 """Equation of Bertsimas & Dunn (2017) of each family of rows of OCT."""
 MADE_OF = "_octmip_model"
 """Attribute of a ConcreteModel: the `Model` that it was made of."""
+QUICK = 20
+"""Restarts of the search that tries a bound, and its perturbations in a row."""
 
 
 def model(
@@ -88,12 +94,17 @@ def solution_of(
 ) -> Solution:
     """Return the certified Solution of a model made by `model` that a solver has solved.
 
+    Nothing is believed that can be checked: the solver's end comes first, then the model is compared with the rows that
+    it was made of, then all that was added to it is evaluated at the values. The Solution's scope says what was added.
+    Rows that are taken away between the solve and this call show only where they make the bound false of a tree that a
+    quick search finds: leave the model as it was solved.
+
     Parameters
     ----------
     model
         the ConcreteModel, its variables with the solver's values.
     results
-        what the solver returned: its bound and name are read from it; None: neither is known.
+        what the solver returned: its end, bound and name are read from it; None: nothing is known of them.
     bound
         the solver's lower bound, in place of that in `results`.
     dual_tolerance
@@ -104,15 +115,38 @@ def solution_of(
     Raises
     ------
     SolverError
-        the variables have no values, or these are no solution of the model.
+        the solver has no solution; the variables have no values, or not those of `results`; these are no solution of
+        the model, or break what was added to it; the bound is false.
     ProblemError
-        the model is none of `model`.
+        the model is none of `model`, has another objective, or holds what cannot be evaluated.
     """
-    made, answer = _answer_of(model, results)
+    made = getattr(model, MADE_OF, None)
+    if not isinstance(made, Model):
+        raise ProblemError(f"the model {model!r:.60} is none of octmip.model; give the ConcreteModel that it returned")
     if not 0 <= dual_tolerance < math.inf:
         raise ProblemError(f"dual_tolerance is {dual_tolerance!r}; expected a number of 0 or more, such as 1e-9")
-    answer = replace(answer, dual_tolerance=dual_tolerance)
-    return made.solution(answer if bound is None else replace(answer, bound=bound))
+    if bound is not None and not math.isfinite(bound):
+        raise ProblemError(f"bound is {bound!r}; expected a number; leave it out where the solver states none")
+    rows, report = made.formulation.rows, report_of(results)
+    variables = _variables(model, rows)
+    changes = changes_of(model, rows, variables)
+    values = _values_of(report, made, changes, variables)
+    if broken := changes.broken(_value_of):
+        raise SolverError(
+            f"the values of the model break {broken}, which was added to it; solve the model as it stands, then ask"
+        )
+    answer = Answer(
+        values,
+        report.bound if bound is None else bound,
+        report.solver,
+        report.stop,
+        changes.names,
+        changes.activity,
+        dual_tolerance,
+    )
+    _check_splits(made, changes, values, variables)
+    _refuse_false_bound(made, changes, answer, variables)
+    return made.solution(answer)
 
 
 def _concrete_model(made: Model) -> pyo.ConcreteModel:
@@ -125,42 +159,10 @@ def _concrete_model(made: Model) -> pyo.ConcreteModel:
     start = made.start()
     for variable, value in zip(variables, [] if start is None else start.tolist(), strict=False):
         variable.set_value(value, skip_validation=True)
+    for variable in variables:
+        variable.stale = True  # until a solver sets it: `pyomo_changes.is_untouched`
     object.__setattr__(M, MADE_OF, made)
     return M
-
-
-def _answer_of(model: Any, results: Any) -> tuple[Model, Answer]:
-    """Return what a model was made of, and what a solver made of it.
-
-    Raises
-    ------
-    ProblemError
-        `octmip.model` did not make it.
-    SolverError
-        a variable of the model has no value.
-    """
-    made = getattr(model, MADE_OF, None)
-    if not isinstance(made, Model):
-        raise ProblemError(f"the model {model!r:.60} is none of octmip.model; give the ConcreteModel that it returned")
-    rows = made.formulation.rows
-    variables = _variables(model, rows)
-    values = np.array([math.nan if v.value is None else v.value for v in variables], dtype=float)
-    if np.isnan(values).any():
-        lacks = variables[int(np.isnan(values).argmax())].name
-        raise SolverError(f"the variable {lacks} has no value; expected a solution; solve the model first")
-    if [one.name for one in model.component_data_objects(pyo.Objective, active=True)] != ["cost"]:
-        raise ProblemError("the model has another objective than its own; expected 'cost' alone; rows may be added")
-    return made, Answer(values, _bound_of(results), _name_of(results), _n_changes(model, rows, variables))
-
-
-def _n_changes(model: Any, rows: Rows, variables: list[Any]) -> int:
-    """Return how many rows were added or taken away, and how many variables were fixed or bounded anew."""
-    own = {id(row) for name, _ in rows.row_families for row in model.component(name).values() if row.active}
-    n_rows = sum(1 for _ in model.component_data_objects(pyo.Constraint, active=True))
-    ends = zip(variables, rows.lower, rows.upper, strict=True)
-    is_bound = (v.fixed or (v.lb, v.ub) != tuple(map(_end, (low, high))) for v, low, high in ends)
-    n_bound: int = sum(is_bound)
-    return n_rows + rows.n_rows - 2 * len(own) + n_bound
 
 
 def _add_columns(M: pyo.ConcreteModel, rows: Rows) -> list[Any]:
@@ -187,8 +189,101 @@ def _end(value: float) -> float | None:
 
 
 def _variables(model: Any, rows: Rows) -> list[Any]:
-    """Return the variables of a model, column by column."""
-    return [variable for letter in rows.families for variable in model.component(letter).values()]
+    """Return the variables of a model, column by column.
+
+    Raises
+    ------
+    ProblemError
+        some are gone.
+    """
+    components = [model.component(letter) for letter in rows.families]
+    found = [variable for component in components if isinstance(component, pyo.Var) for variable in component.values()]
+    if len(found) != rows.n_columns:
+        letters = ", ".join(rows.families)
+        raise ProblemError(
+            f"the model has {len(found)} variables {letters}; expected {rows.n_columns}; make the model again, and fix "
+            "variables in place of taking them away"
+        )
+    return found
+
+
+def _values_of(report: Report, made: Model, changes: Changes, variables: list[Any]) -> NDArray[np.float64]:
+    """Return the values (n_columns,) that a solver gave the variables of a model.
+
+    Raises
+    ------
+    SolverError
+        it gave none, or none of what its results speak of.
+    """
+    added = f" that keeps what was added to it ({named(changes.names)})" if changes.added else ""
+    if report.denies:
+        start = made.start()
+        is_false = start is not None and not changes.broken(_values_at(start, variables))
+        end = "that is false, as the tree to start from is one; ask another solver" if is_false else "take some away"
+        raise SolverError(f"{report.solver} ended with '{report.condition}': no tree of the model{added}; {end}")
+    values = np.array([math.nan if v.value is None else v.value for v in variables], dtype=float)
+    if np.isnan(values).any():
+        lacks = variables[int(np.isnan(values).argmax())].name
+        raise SolverError(f"the variable {lacks} has no value; expected a solution; solve the model first")
+    if report.condition and not report.is_proven and math.isnan(report.incumbent):
+        raise SolverError(
+            f"{report.solver} ended with '{report.condition}' and without a solution{added}: the values of the model "
+            "are others; give it more time"
+        )
+    if is_untouched(variables):
+        raise SolverError(
+            "the variables have the values of the tree to start from, which no solver has set; solve the model, or "
+            "load its solution: model.solutions.load_from(results), results.solution_loader.load_vars()"
+        )
+    price = made.formulation.rows.objective(values)
+    if abs(report.incumbent - price) > 0.5:  # prices are whole
+        raise SolverError(
+            f"{report.solver} has a solution of objective {report.incumbent:g} but the values of the model have "
+            f"{price:g}: they are not those of these results; load them, or give the results of the last solve"
+        )
+    return values
+
+
+def _value_of(variable: Any) -> float:
+    return math.nan if variable.value is None else float(variable.value)
+
+
+def _check_splits(made: Model, changes: Changes, values: NDArray[np.float64], variables: list[Any]) -> None:
+    """Check that a tree keeps what was added, where its solution has a split with all samples on one side.
+
+    No tree has such a split. Without it the tree has other values, at which what was added may be broken.
+
+    Raises
+    ------
+    SolverError
+        it is.
+    """
+    if not changes.added or (own := made.read_again(values)) is None:
+        return
+    if broken := changes.broken(_values_at(own, variables)):
+        raise SolverError(
+            f"the solution keeps {broken} by a split with all samples on one side, which is none of a tree: without it "
+            f"the tree breaks {broken}; ask for samples on both sides in a row, or for a price of a split "
+            "(leaf_penalty), and solve the model again"
+        )
+
+
+def _refuse_false_bound(made: Model, changes: Changes, answer: Answer, variables: list[Any]) -> None:
+    """Raise a SolverError where a bound denies a tree of the model that a quick search finds and that keeps all.
+
+    The comparison sees the model as it is, not as it was when it was solved.
+    """
+    options = SearchOptions(restarts=QUICK, perturbations=QUICK)
+    for tree in (made.known.tree, local_search(made.problem, limits=Limits(seconds=1.0), options=options).tree):
+        values = None if tree is None else made.start(tree)
+        if values is not None and not changes.broken(_values_at(values, variables)):
+            made.refuse_above(made.formulation.rows.objective(values), answer)
+
+
+def _values_at(values: NDArray[np.float64], variables: list[Any]) -> Callable[[Any], float]:
+    """Return the value of any variable when a model's own have `values` (n_columns,)."""
+    own = {id(variable): value for variable, value in zip(variables, values.tolist(), strict=True)}
+    return lambda variable: own.get(id(variable), _value_of(variable))
 
 
 def _add_rows(M: pyo.ConcreteModel, rows: Rows, variables: list[Any]) -> None:
@@ -212,24 +307,3 @@ def _add_rows(M: pyo.ConcreteModel, rows: Rows, variables: list[Any]) -> None:
 def _sum(numbers: NDArray[np.float64], columns: NDArray[np.integer], variables: list[Any]) -> Any:
     """Return the sum of numbers (n,) times the variables of columns (n,)."""
     return LinearExpression(linear_coefs=numbers.tolist(), linear_vars=[variables[j] for j in columns])
-
-
-def _bound_of(results: Any) -> float:
-    """Return the lower bound in what a solver of Pyomo returned, old interface or new; -inf without one."""
-    found = getattr(results, "objective_bound", None)
-    if found is None and results is not None:
-        found = getattr(getattr(results, "problem", None), "lower_bound", None)
-        found = getattr(found, "value", found)
-    try:
-        return -math.inf if found is None or math.isnan(float(found)) else float(found)
-    except (TypeError, ValueError):
-        return -math.inf
-
-
-def _name_of(results: Any) -> str:
-    """Return the name of the solver in what it returned."""
-    found = getattr(results, "solver_name", None)
-    if found is None:
-        found = getattr(getattr(results, "solver", None), "name", None)
-        found = getattr(found, "value", found)
-    return "another solver" if found is None or str(found) == "<undefined>" else str(found)

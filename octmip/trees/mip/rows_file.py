@@ -5,7 +5,8 @@ Columns and rows have the names of the paper's letters, ``a(3,1)``: in .lp files
 written here, in the part of the format that every solver reads.
 
 A solution file is whatever a solver writes of a solution: a column's name and its value behind it. HiGHS, SCIP, CBC,
-GLPK (--output), Gurobi and CPLEX write such; a column that is not named is 0. None of them says a bound.
+GLPK (--output), Gurobi and CPLEX write such; a column that is not named is 0. HiGHS reads its own raw
+style alone.
 """
 
 import math
@@ -13,6 +14,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import highspy
 import numpy as np
@@ -35,6 +37,10 @@ TITLE = re.compile(r"octmip model (\w+), problem (\w+)")
 WORD = re.compile(r'[^\s"<>=]+')
 NEAR = 6
 """Words behind a column's name among which its value stands."""
+BY_NUMBER = re.compile(r"^s (bas|ipt|mip) ", re.MULTILINE)
+"""A line of GLPK's raw format, which has the numbers of columns only."""
+TABLE = re.compile(r"\s*Index\b.*\b(Primal)\b.*\bName\s*$")
+"""The header of a table of HiGHS's style 1."""
 WIDTH = 240
 """Of a line of an .lp file: solvers read 255 letters at least."""
 
@@ -61,7 +67,7 @@ def write_rows(rows: Rows, path: PathLike, title: str) -> None:
         text = "\n".join(_lp_lines(rows)) + "\n"
         write_bytes(target, _title(title, target) + text.encode())
         return
-    highs = worker.load(arrays(rows) | {"names": (names(rows), _file_names(rows.row_names()))})
+    highs = worker.load(_priced_by_columns(rows) | {"names": (_with_constant(rows), _file_names(rows.row_names()))})
     if highs is None or highs.writeModel(str(target)) == highspy.HighsStatus.kError:
         raise SolverError(f"HiGHS {VERSION} could not write the model to {path}; expected a writable folder; create it")
     write_bytes(target, _title(title, target) + read_bytes(target))
@@ -98,8 +104,13 @@ def read_values(rows: Rows, path: PathLike) -> NDArray[np.float64]:
     DataError
         the file names no column of the model, or one that the model lacks.
     """
-    column, words = {name: j for j, name in enumerate(names(rows))}, WORD.findall(read_text(path))
-    found: dict[int, float] = {}
+    column, text = {name: j for j, name in enumerate(names(rows))}, read_text(path)
+    if BY_NUMBER.search(text):
+        raise DataError(
+            f"solution {path} names no column: it is in the raw format of GLPK (glpsol --write, style 2 of HiGHS); "
+            "expected names and values; write it by glpsol --output, or in style 0 of HiGHS"
+        )
+    words, found = WORD.findall(_plain_lines(text)), dict[int, float]()
     for at, word in enumerate(words):
         letter, bracket, _ = word.partition("(")
         if bracket and letter in rows.families and word not in column:
@@ -121,6 +132,20 @@ def read_values(rows: Rows, path: PathLike) -> NDArray[np.float64]:
     return values
 
 
+def _plain_lines(text: str) -> str:
+    """Return a solution as lines of name and value, where it is a table with the name behind the value.
+
+    HiGHS's style 1 is one: the value ends below the last letter of "Primal".
+    """
+    lines, end = [], None
+    for line in text.splitlines():
+        header = TABLE.match(line)
+        end = header.end(1) if header else end if line.strip() else None
+        words = line[:end].split()
+        lines.append(line if end is None or not words else f"{line.split()[-1]} {words[-1]}")
+    return "\n".join(lines)
+
+
 def names(rows: Rows) -> list[str]:
     """Return the names of all columns as files have them."""
     return _file_names(rows.column_names())
@@ -128,6 +153,19 @@ def names(rows: Rows) -> list[str]:
 
 def _file_names(given: list[str]) -> list[str]:
     return [name.replace("[", "(").replace("]", ")") for name in given]
+
+
+def _priced_by_columns(rows: Rows) -> dict[str, Any]:
+    """Return a model for HiGHS whose constant is a column: GLPK reads the one of an .mps file with the other sign."""
+    model = arrays(rows)
+    if rows.offset:
+        for name, value in {"cost": rows.offset, "lower": 1.0, "upper": 1.0, "is_integer": False}.items():
+            model[name] = np.append(model[name], value)
+    return model | {"offset": 0.0}
+
+
+def _with_constant(rows: Rows) -> list[str]:
+    return names(rows) + [CONSTANT] * bool(rows.offset)
 
 
 def _title(title: str, path: Path) -> bytes:

@@ -1,6 +1,7 @@
 """Show a tree file in words on standard output, or write it as a file of the kind that its ending names.
 
 .html  a page to read and to send    .md  Markdown    .txt  words    .svg .png .pdf  a drawing
+.sql  an expression over your own columns    .c  a function    .onnx  a model    .json  the tree file itself
 
 With DATA, the table that the tree was trained on, every claim is recounted, and the report also has the greedy tree
 (CART), the error on samples held out, and in a page trees of lower depth and the samples in each leaf.
@@ -12,12 +13,14 @@ from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
 from octmip.interfaces.cli.samples.options import TABLE_HELP, add_held_out_arguments
 
-KINDS = (".html", ".md", ".txt", ".svg", ".png", ".pdf")
+EXPORTS = (".sql", ".c", ".onnx", ".json")
+KINDS = (".html", ".md", ".txt", ".svg", ".png", ".pdf", *EXPORTS)
 EXAMPLES = """\
   octmip report tree.json
   octmip report tree.json iris.csv --out iris.html
   octmip report tree.json strains.csv --holdout 0.25 --unit microstrain --out strains.html
   octmip report tree.json train.csv --test test.csv --unit age=years --unit weight=kg --out page.html
+  octmip report tree.json --out tree.sql
   octmip report tree.json pumps.csv --title "When a pump fails" --asset "Hall 2" --out pumps.html
 """
 
@@ -33,6 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
     )
     add_held_out_arguments(group)
+    group.add_argument(
+        "--table", metavar="NAME", default="", help="write this table's name before each column in .sql (default: none)"
+    )
     group = parser.add_argument_group("page and drawing")
     add_page_arguments(group, "COL", "unit of the numbers, of one column or of all; may be given several times")
     group.add_argument(

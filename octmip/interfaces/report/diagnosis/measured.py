@@ -25,6 +25,8 @@ class MeasuredCell:
     ----------
     test, load, load_words
         of the cell.
+    state
+        values of the state parameters, "" of an unknown one.
     measured, half_width
         mean reading, and half of its 90 % interval: the noise alone.
     twin, repaired
@@ -40,6 +42,7 @@ class MeasuredCell:
     test: str
     load: Load
     load_words: str
+    state: tuple[float | str, ...]
     measured: Floats
     half_width: Floats
     twin: Floats
@@ -106,6 +109,7 @@ def _cell(model: LinearModel, number: int, means: Floats) -> MeasuredCell:
         test=cell.test,
         load=cell.load,
         load_words=cell.load_words,
+        state=tuple("" if np.isnan(value) else value for value in cell.state.tolist()),
         measured=measured,
         half_width=means[2],
         twin=measured - means[0],

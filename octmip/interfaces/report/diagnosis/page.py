@@ -138,8 +138,9 @@ def _figures(diagnosis: Diagnosis) -> list[tuple[str, ...]]:
         sized = [p for p in first.parameters if p.named.has_size]
         entries += [(_capital(p.named.name), size_of(p), interval_words(p)) for p in sized]
     chance = first.probability if kind is not Verdict.UNEXPLAINED else diagnosis.unknown_probability
-    of = {Verdict.UNEXPLAINED: "that the library lacks the cause", Verdict.SOUND: "that nothing acts"}
-    tone = {Verdict.UNEXPLAINED: "warn", Verdict.SOUND: "good"}.get(kind, "")
+    of = {Verdict.UNEXPLAINED: "that the library lacks the cause"}
+    of |= dict.fromkeys((Verdict.SOUND, Verdict.UNMEASURED), "that nothing acts")
+    tone = {Verdict.UNEXPLAINED: "warn", Verdict.UNMEASURED: "warn", Verdict.SOUND: "good"}.get(kind, "")
     entries.append(("Probability", about(chance), of.get(kind, "of the first cause"), tone))
     s = diagnosis.shrinkage
     if s is not None and s.held_out:

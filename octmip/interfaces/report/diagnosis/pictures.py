@@ -19,6 +19,8 @@ PANEL, ROW, LABEL = 264, 18, 66
 """Width of a panel, height of a gauge's row and width of its name [px]."""
 SMALL, TALL = 168, 150
 """Width and height of a gauge's own panel [px]."""
+DASH = 8
+"""Half of the length of a line over one load [px]."""
 MAP, DOT = 560, 8
 """Width of the map and radius of a gauge on it, in its own units: shown at 340 to 560 px."""
 UNIT_SHORT = {MIXED: "noise sd"}
@@ -163,13 +165,25 @@ def _few(loads: Sequence[float]) -> Sequence[float]:
 
 
 def _course(cells: Sequence[MeasuredCell], at: dict[int, float], gauge: int, x: Scale, y: Scale, kind: str) -> str:
-    """Return what is predicted over the load, a line for each test."""
+    """Return what is predicted over the load, a line for each test; tests of one load and one state share theirs.
+
+    Where a line would be one point it is a dash.
+    """
+    loads: dict[str, set[float]] = {}
+    for cell in cells:
+        loads.setdefault(cell.test, set()).add(at[id(cell)])
+    courses: dict[object, list[tuple[float, float]]] = {}
+    for cell in cells:
+        predicted = cell.twin[gauge] if kind == "before" else cell.repaired[gauge]
+        course = courses.setdefault(cell.test if len(loads[cell.test]) > 1 else cell.state, [])
+        course.append((x(at[id(cell)]), y(float(predicted))))
     lines = []
-    for test in dict.fromkeys(cell.test for cell in cells):
-        own = sorted((cell for cell in cells if cell.test == test), key=lambda cell: at[id(cell)])
-        strain = [cell.twin[gauge] if kind == "before" else cell.repaired[gauge] for cell in own]
-        places = " ".join(f"{x(at[id(c)]):.1f},{y(float(s)):.1f}" for c, s in zip(own, strain, strict=True))
-        lines.append(f'<polyline points="{places}" class="{kind}"/>')
+    for course in courses.values():
+        places = sorted(course)
+        if places[0][0] == places[-1][0]:
+            places = [(places[0][0] - DASH, places[0][1]), (places[-1][0] + DASH, places[-1][1])]
+        points = " ".join(f"{across:.1f},{up:.1f}" for across, up in places)
+        lines.append(f'<polyline points="{points}" class="{kind}"/>')
     return "".join(lines)
 
 

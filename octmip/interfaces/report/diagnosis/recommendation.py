@@ -3,6 +3,7 @@
 | verdict | holds where | sentence |
 |---|---|---|
 | unexplained | the first cause is, or has beside it, something outside the library | Stop: ... inspect ... |
+| unmeasured | the first cause is no effect, but readings and twin differ, without a run | Cannot be told: ... |
 | sound | the first cause is no effect | Nothing to do: ... |
 | too small | some effect acts, but none stands d' = 3 above the noise | Nothing to do yet: ... |
 | hidden | an unknown damage could make the same readings as an effect of it | Cannot be told: ... |
@@ -17,7 +18,15 @@ from enum import StrEnum
 from octmip.gap.causes import ENOUGH, MISFIT, UNKNOWN, Cause, Certainty, ConfoundedEffects
 from octmip.gap.diagnosis import BASELINE, Diagnosis
 from octmip.input.names import visible
-from octmip.interfaces.report.diagnosis.phrases import about, brief_words, cause_names, finding_words, listed, with_unit
+from octmip.interfaces.report.diagnosis.phrases import (
+    about,
+    amount,
+    brief_words,
+    cause_names,
+    finding_words,
+    listed,
+    with_unit,
+)
 
 RIVAL = 0.05
 """Share of a cause's probability from which an effect that cannot be told from it is named beside it."""
@@ -26,10 +35,15 @@ FEW = 3
 MORE = "repeat the test with more readings"
 
 
+DIFFERENT = 0.01
+"""Probability of a gap as great between a sound asset and its twin, below which "nothing to do" needs a run."""
+
+
 class Verdict(StrEnum):
     """The kinds of verdict, in the order in which their rules are tried."""
 
     UNEXPLAINED = "unexplained"
+    UNMEASURED = "unmeasured"
     SOUND = "sound"
     TOO_SMALL = "too small"
     HIDDEN = "hidden"
@@ -43,7 +57,7 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
     if UNKNOWN in first.effects:
         return Verdict.UNEXPLAINED
     if not first.effects:
-        return Verdict.SOUND
+        return Verdict.UNMEASURED if _is_unmeasured(diagnosis) else Verdict.SOUND
     if not first.is_identifiable:
         return Verdict.TOO_SMALL
     if _hidden(diagnosis):
@@ -57,6 +71,7 @@ def recommend(diagnosis: Diagnosis) -> str:
     """Return what to do, as one sentence."""
     sentence = {
         Verdict.UNEXPLAINED: _stop,
+        Verdict.UNMEASURED: _bring_a_run,
         Verdict.SOUND: _nothing,
         Verdict.TOO_SMALL: _not_yet,
         Verdict.HIDDEN: _between_damage_and_effect,
@@ -95,6 +110,20 @@ def _stop(diagnosis: Diagnosis) -> str:
     return (
         f"stop: the gap is explained by nothing in the library (probability {chance}); inspect {places} before relying "
         "on the twin"
+    )
+
+
+def _is_unmeasured(diagnosis: Diagnosis) -> bool:
+    """Return whether readings and twin differ by more than chance, and nothing says whether they always did."""
+    return diagnosis.posterior.model.inputs.run is None and diagnosis.where.p_value < DIFFERENT
+
+
+def _bring_a_run(diagnosis: Diagnosis) -> str:
+    where = diagnosis.where
+    return (
+        f"cannot be told: readings and twin differ by {amount(where.rms, where.unit)} root mean square, most at gauge "
+        f"{where.gauges[0].name} (p-value {where.p_value:.2g}), and no effect of the library explains it; bring a run "
+        "of the sound asset (--commissioning), which says whether the twin was always off by as much"
     )
 
 

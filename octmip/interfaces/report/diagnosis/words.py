@@ -239,7 +239,7 @@ def noise_lines(diagnosis: Diagnosis) -> list[str]:
         f"Standard deviation of one reading {sd} (typical gauge); lag-1 correlation {noise.lag1:.2f}, excess kurtosis "
         f"{noise.kurtosis:.2f}{step}."
     ]
-    if noise.inflation > 1.0:
+    if noise.remembers:
         lines.append(
             f"Successive readings are correlated: the variance of a mean is {noise.inflation:.1f} times as large."
         )

@@ -9,7 +9,7 @@ from octmip.input.names import shown
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
-from octmip.interfaces.report.tree.words import Wording, counted, figure, percent, short_name
+from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
 from octmip.trees.solution import Stop
 from octmip.trees.tree import ValueLeaf, leaves, splits
 
@@ -44,7 +44,7 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     total = sum(cost.get(sensor, 1.0) for sensor in {sensor_of[column] for column in asked})
     budget = file.settings["sensor_budget"]
     of = len({wording.feature(j).column for j in range(len(file.feature_names))})
-    sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}."
+    sentence = f"The tree reads {len(asked):,} of {counted(of, 'column')}{_at(file)}."
     if has_sensors or budget is not None:
         limit = f", of a budget of {figure(budget)}" if budget is not None else ""
         sentence += f" Their sensors cost {figure(total)}{limit}; each is paid once, however often the tree reads it."
@@ -56,6 +56,12 @@ def reads(file: TreeFile, wording: Wording) -> dict[str, Any]:
     ]
     head = ["column", readers, "sensor", "its cost"]
     return {"sentence": sentence, "head": head, "rows": rows, "right": (1, 3)}
+
+
+def _at(file: TreeFile) -> str:
+    """Return the loads at which the readings are taken, in words; "" where none is known."""
+    loads = listed([f"{short_name(name)} {figure(value)}" for name, value in file.readings.loads.items()], 5)
+    return f", measured at {loads} and given as they are" if loads else ""
 
 
 def risk(file: TreeFile, measure: Measure, evidence: Evidence | None) -> dict[str, Any]:
