@@ -22,7 +22,7 @@ def drawn(name: object, among: Iterable[object] = ()) -> str:
     """
     text = str(name)
     if len(text) > LONGEST:
-        text = shortened([text, *map(str, among)], lambda part: len(part) <= LONGEST)[text]
+        text = shortened([*map(str, among), text], lambda part: len(part) <= LONGEST)[text]
     return in_font(shown(text).strip(ISOLATE + END_ISOLATE))
 
 

@@ -11,6 +11,7 @@ from octmip.interfaces.cli.samples.table_problem import TableProblem, read_probl
 from octmip.interfaces.cli.sets.amount import amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
+from octmip.trees.digits import exact
 from octmip.trees.methods.interruption import held_back, is_heard
 from octmip.trees.near_sets import NearOptimalSet, NearTree, RootInterval, near_optimal
 from octmip.trees.tree_nodes import encode_tree
@@ -155,7 +156,7 @@ def _roots(found: NearOptimalSet) -> str:
 def _thresholds(interval: RootInterval) -> str:
     if interval.first is None or interval.last is None:
         return "missing?"
-    span = f"{interval.first:.6g}" if interval.n_cuts == 1 else f"{interval.first:.6g} to {interval.last:.6g}"
+    span = exact(interval.first) if interval.n_cuts == 1 else f"{exact(interval.first)} to {exact(interval.last)}"
     return span if interval.missing is None else f"{span}, missing {interval.missing}"
 
 
