@@ -145,7 +145,8 @@ class Problem(Shape):
             set_field(self, name, value)
 
     def __repr__(self) -> str:
-        words = [f"{self.n_samples} samples", f"{self.n_features} features"]
+        counts = {"sample": self.n_samples, "feature": self.n_features}
+        words = [f"{count} {noun}{'s' * (count != 1)}" for noun, count in counts.items()]
         words += [f"{self.n_classes} classes"] if self.class_names else [f"loss={self.loss!r}"]
         words += [f"depth={'any' if self.any_depth else self.depth}", f"split={self.split!r}"]
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}

@@ -8,7 +8,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from octmip.input.names import END_ISOLATE, ISOLATE, shortened, shown
+from octmip.input.names import END_ISOLATE, ISOLATE, shortened, shown, visible_lines
 
 LONGEST = 60
 """Characters of a name in a drawing: a longer one keeps its beginning and its end."""
@@ -22,12 +22,13 @@ def drawn(name: object, among: Iterable[object] = ()) -> str:
     """
     text = str(name)
     if len(text) > LONGEST:
-        text = shortened([text, *map(str, among)], lambda part: len(part) <= LONGEST)[text]
+        text = shortened([*map(str, among), text], lambda part: len(part) <= LONGEST)[text]
     return in_font(shown(text).strip(ISOLATE + END_ISOLATE))
 
 
 def in_font(text: str) -> str:
-    """Return a text without isolates, with characters that no font of the drawing has as escapes."""
+    """Return a text without isolates; characters that no font of the drawing has, or that act, become escapes."""
+    text = visible_lines(text)
     if text.isascii():
         return text
     families = tuple(matplotlib.rcParams["font.family"])

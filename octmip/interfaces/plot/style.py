@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
+from octmip.interfaces.plot.names import in_font, plain
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
 
@@ -68,7 +69,7 @@ def quiet_frame(axes: Axes) -> None:
 def titled(figure: Figure, axes: Axes, title: str | None) -> Figure:
     """Return a figure whose axes bear a title, where there is one."""
     if title:
-        axes.set_title(title, fontsize=10, color=INK)
+        plain(axes.set_title(in_font(title), fontsize=10, color=INK))
     return figure
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from octmip.formats.columns.written import DAYS, is_date
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import LONGEST_NAME, Wording, figure, question, short_name, short_names
@@ -78,7 +79,14 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
     }
     if wording.columns is None:
         return asked
-    column = next(column for column in wording.columns.columns if column.name == item.column)
+    column = wording.columns.column_of(item)
+    if column.form == DAYS or is_date(column.form):
+        example = column.number_text(column.least)
+        asked |= {
+            "time": "duration" if column.form == DAYS else "date",
+            "hasZone": bool(column.zone),
+            "example": example,
+        }
     asked |= {"values": list(column.values), "shown": short_names(column.values, LONGEST_NAME)}
     ends = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
     return asked | {

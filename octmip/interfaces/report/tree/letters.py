@@ -36,7 +36,7 @@ def wrapped(text: str, room: float, most: int = 2) -> tuple[str, ...]:
     first = text[: MOST_CHARACTERS + 1]
     end = max(k for k in range(len(first)) if text_width(first[:k]) <= room)
     at = max((k + 1 for k in range(end // 3, end) if text[k] in BREAKS), default=end)
-    return text[:at].rstrip(), *wrapped(text[at:], room, most - 1)
+    return text[:at].rstrip(), *wrapped(text[at:].lstrip(), room, most - 1)
 
 
 def is_whole(text: str, room: float) -> bool:

@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
-from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
+from octmip.interfaces.report.tree.words import (
+    Wording,
+    compact,
+    counted,
+    figure,
+    listed,
+    percent,
+    short_name,
+    short_names,
+)
 from octmip.trees.tradeoff.held_out import score
 from octmip.trees.tree import Leaf, Node, leaves, predict
 
@@ -90,7 +99,7 @@ class OfClasses(Measure):
         """Return errors, and the cost where that is something else."""
         wrong, n = errors_of(self.file), self.file.n_samples
         cards: list[Card] = [("Wrong in training", f"{wrong:,}", f"of {n:,} ({percent(wrong / n)})")]
-        cost = ("Cost", figure(self.file.solution.objective), "errors weighed, splits charged")
+        cost = ("Cost", compact(self.file.solution.objective), "errors weighed, splits charged")
         return cards if self.is_errors else [*cards, cost]
 
     def held_card(self, evidence: Evidence) -> Card:

@@ -33,6 +33,17 @@ def figure(value: float | None, digits: int = DIGITS) -> str:
         is_whole = value == whole or size >= 10**digits
         text = f"{whole:,}" if is_whole else _without_exponent(value, digits)
         return text.replace("-", MINUS)
+    return _power(value, digits)
+
+
+def compact(value: float, largest: float = 1e9) -> str:
+    """Return a number for a narrow place: of the `largest` or more four digits and a power of ten."""
+    return (
+        figure(value) if not math.isfinite(value) or abs(value) < largest else _power(value, 4).replace(" ", "\u00a0")
+    )
+
+
+def _power(value: float, digits: int) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     short = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
     return f"{short} {TIMES} 10{str(int(exponent)).translate(SUPERSCRIPT)}".replace("-", MINUS)
@@ -81,7 +92,7 @@ def short_name(name: object, longest: int = LONGEST_NAME, among: Iterable[object
     text = str(name)
     if len(text) <= longest:
         return shown(text)
-    return shown(shortened([text, *map(str, among)], lambda part: len(part) <= longest)[text])
+    return shown(shortened([*map(str, among), text], lambda part: len(part) <= longest)[text])
 
 
 def short_names(names: Iterable[object], longest: int = 40) -> list[str]:
@@ -130,7 +141,7 @@ class Wording:
         """Return a line of a box about a name of a column, class or text, which is cut where it is too long for two."""
         text = str(name)
         if not _fits(text, line, self.written):
-            text = _boxed_names((text, *self._names()), line, self.written)[text]
+            text = _boxed_names((*self._names(), text), line, self.written)[text]
         return line.format(shown(text))
 
     def _names(self) -> list[str]:
