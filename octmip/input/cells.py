@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterable, Iterator
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -33,6 +34,8 @@ def beyond_exact(values: Any, numbers: NDArray[np.float64]) -> int | None:
 def is_beyond(cell: object) -> bool:
     """Whether a cell is a whole number, or the text of one, that float64 does not hold."""
     if isinstance(cell, str) and cell.strip().lstrip("+-").isdecimal() and len(cell) < MOST_DIGITS:
+        cell = int(cell)
+    if isinstance(cell, Decimal) and cell.is_finite() and cell == cell.to_integral_value():
         cell = int(cell)
     if not isinstance(cell, int | np.integer) or abs(int(cell)) <= EXACT_INTEGERS:
         return False
