@@ -13,9 +13,9 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
-from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.written import words_of
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.input.names import shown
 from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (

@@ -14,9 +14,9 @@ import numpy as np
 from octmip.errors import TreeError, needed_by
 from octmip.formats.columns import Columns
 from octmip.formats.columns.cells import UNKNOWN
-from octmip.input.cells import EXACT_INTEGERS
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.written import words_of
+from octmip.input.cells import EXACT_INTEGERS
 from octmip.input.names import shown
 from octmip.monitor.export.legend import Legend
 from octmip.monitor.export.questions import Answer, Asked, NumberAsked, OwnTree, Part, Term, TextAsked, own_tree
