@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from benchmarks.oracles.sql_engines import ROW
 from octmip.formats.columns import Columns
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, midpoint, predict, predict_values
+from octmip.trees.digits import midpoint
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, predict, predict_values
 
 Rng = np.random.Generator
 Values = Callable[[Rng, int], Any]

@@ -34,6 +34,8 @@ WORDS = ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}))
 NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": WORDS}
 """Texts of a missing number, by what the cells are; SQLite keeps the empty cells of a CSV file as empty texts."""
 SPELLINGS = {False: "('false', 'f', '0', '0.0')", True: "('true', 't', '1', '1.0')"}
+YEARS = (-719_528, 2_932_897)
+"""Days behind 1970 where year 0 begins and year 9999 ends."""
 UTC = ("", "UTC", "Etc/UTC", "Z", "+00:00", "-00:00")
 
 
@@ -170,12 +172,11 @@ def _check_date(column: Column) -> None:
 
 def _time_text(days: float) -> str:
     """Return the last instant that has at most so many days, as ISO text to the nanosecond."""
-    day, clock = divmod(last_instant(days), DAY)
-    date = np.datetime64(day, "D")
-    if not np.datetime64("0000-01-01") <= date <= np.datetime64("9999-12-31"):
+    if not YEARS[0] <= days < YEARS[1]:
         raise TreeError(f"the tree splits at day {days:g} behind 1970; expected years 0 to 9999, which ISO text has")
+    day, clock = divmod(last_instant(days), DAY)
     seconds, rest = divmod(clock, SECOND)
-    return f"{date} {seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{rest:09d}"
+    return f"{np.datetime64(day, 'D')} {seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{rest:09d}"
 
 
 def plain(text: str, what: str) -> str:
