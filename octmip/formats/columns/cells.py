@@ -15,11 +15,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.written import DAY, DAYS, ISO, form_of, read_texts, read_times, unit_of, words_of
-from octmip.input.cells import plain_number
+from octmip.formats.columns.times import DAYS, ISO, read_durations, read_times
+from octmip.formats.columns.written import form_of, read_texts, unit_of, words_of
+from octmip.input.cells import is_missing_word, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
-MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
@@ -86,7 +86,7 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     if kind == "M":
         return _numbers(read_times(series), is_missing, ISO)
     if kind == "m":
-        return _numbers(np.asarray(series / DAY, dtype=np.float64), is_missing, DAYS)  # type: ignore[operator]
+        return _numbers(read_durations(series), is_missing, DAYS)
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
@@ -149,9 +149,9 @@ def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str 
 def _written(cells: NDArray[Any], is_missing: NDArray[np.bool_], form: str | None) -> Cells | None:
     """Return the numbers of texts that have a form; None where they have none."""
     different = {str(cell) for cell in cells[~is_missing]}
-    texts = sorted(text for text in different if text.strip().lower() not in MISSING_WORDS)
+    texts = sorted(text for text in different if not is_missing_word(text))
     form = form_of(texts) if form is None else form
-    if not form or form == DAYS or not texts:
+    if not form or not texts:
         return None
     number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
     read = [math.nan if gone else number.get(str(cell), math.nan) for cell, gone in zip(cells, is_missing, strict=True)]
@@ -167,7 +167,7 @@ def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArra
         cell = cells[row]
         number = _number_of(cell)
         if number is None or math.isnan(number):
-            if str(cell).strip().lower() not in MISSING_WORDS:
+            if not is_missing_word(str(cell)):
                 return None
             continue
         out[row] = number
