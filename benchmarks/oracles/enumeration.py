@@ -14,8 +14,9 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from octmip.trees.digits import midpoint
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Side, Split, midpoint
+from octmip.trees.tree import Leaf, Node, Side, Split
 
 Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of missing, mask of samples that go left
 Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree

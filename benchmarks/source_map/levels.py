@@ -10,6 +10,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     "octmip": {
         "errors": 0,
         "trees._native": 0,
+        "trees.digits": 0,
         "trees.methods.interruption": 0,
         "input.messages": 0,
         "input.cells": 1,

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
+from octmip.trees.digits import exact, midpoint
 
 Side = Literal["left", "right"]
 """Where a split sends a missing reading."""
@@ -127,15 +128,6 @@ Node = Leaf | Split | HyperplaneSplit
 def _check_side(side: object, where: str) -> None:
     if side not in (None, *SIDES):
         raise TreeError(f"missing readings of {where} go to {side!r}; expected 'left', 'right' or None")
-
-
-def midpoint(low: float, high: float) -> float:
-    """Return a threshold with ``low <= threshold < high``: the mean of two neighbours, guarded against rounding.
-
-    The mean of two neighbouring float64 values can round to the upper one, which would send `high` left.
-    """
-    middle = low / 2 + high / 2
-    return middle if low <= middle < high else low
 
 
 def goes_left(
@@ -365,28 +357,28 @@ def simplify(tree: Node) -> Node:
 
 
 def prediction(leaf: Leaf, name: Callable[[int], str]) -> str:
-    """Return what a leaf predicts on one line, numbers to six digits, features by their `name`."""
+    """Return what a leaf predicts on one line, features by their `name`, its numbers `exact`."""
     if not isinstance(leaf, ValueLeaf):
         return f"class {leaf.label}"
-    terms = [f"{leaf.value:.6g}"]
+    terms = [exact(leaf.value)]
     for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
-        terms.append(f"{'-' if coefficient < 0 else '+'} {abs(coefficient):.6g} {name(feature)}")
+        terms.append(f"{'-' if coefficient < 0 else '+'} {exact(abs(coefficient))} {name(feature)}")
     return " ".join(terms)
 
 
 def condition(split: Split | HyperplaneSplit, name: Callable[[int], str]) -> str:
-    """Return the condition for going left on one line, numbers to six digits, features by their `name`."""
+    """Return the condition for going left on one line, features by their `name`, its numbers `exact`."""
     or_missing = " or missing" if split.missing == "left" else ""
     if isinstance(split, Split):
         if split.threshold is None:
             return f"{name(split.feature)} is {'' if or_missing else 'not '}missing"
-        return f"{name(split.feature)} <= {split.threshold:.6g}{or_missing}"
+        return f"{name(split.feature)} <= {exact(split.threshold)}{or_missing}"
     terms = ""
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = (" - " if coefficient < 0 else " + ") if terms else ("-" if coefficient < 0 else "")
-        size = "" if abs(coefficient) == 1 else f"{abs(coefficient):.6g} "
+        size = "" if abs(coefficient) == 1 else f"{exact(abs(coefficient))} "
         terms += f"{sign}{size}{name(feature)}"
-    return f"{terms} <= {split.offset:.6g}{or_missing}"
+    return f"{terms} <= {exact(split.offset)}{or_missing}"
 
 
 def tree_lines(

@@ -29,7 +29,8 @@ def test_an_input_of_another_program_is_read_rightly_or_refused_in_one_sentence(
     with pytest.raises((OctmipError, FemlibError)) as refused:
         row.ask(source)
     sentence = str(refused.value)
-    assert len(sentence) <= MOST_CHARACTERS and "\n" not in sentence.strip()
+    assert len(sentence) <= MOST_CHARACTERS
+    assert "\n" not in sentence.strip()
     assert [word for word in answer.words if word not in sentence] == []
 
 

@@ -25,7 +25,7 @@ def test_a_tree_in_words():
         "if a <= 0.5",
         "    yes    (3 samples)",
         "else",
-        "    if -2 a + b <= 0.333333",
+        "    if -2 a + b <= 0.3333333333333333",
         "        no    (3 samples, 1 wrong)",
         "    else",
         "        yes    (1 sample)",

@@ -108,7 +108,7 @@ def test_a_split_is_a_question_in_words_of_the_table():
         ("age \u2264 40.5 years", True),
     ]
     weighted = HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1))
-    assert question(weighted, Wording(("a", "b"), (0, 1))).text == "\u2212 2 a + b \u2264 0.333333"
+    assert question(weighted, Wording(("a", "b"), (0, 1))).text == "\u2212 2 a + b \u2264 0.3333333333333333"
 
 
 # What the page says

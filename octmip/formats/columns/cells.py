@@ -15,8 +15,10 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.times import DAYS, ISO, read_durations, read_times
-from octmip.formats.columns.written import form_of, read_texts, unit_of, words_of
+from octmip.formats.columns.instants import zone_of
+from octmip.formats.columns.spellings import DAYS, ISO
+from octmip.formats.columns.times import days_in, read_times, zone_in
+from octmip.formats.columns.written import form_of, is_date, read_texts, unit_of, words_of
 from octmip.input.cells import is_missing_word, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
@@ -44,6 +46,8 @@ class Cells:
         number of missing cells.
     form
         how the numbers were written (`octmip.formats.columns.written`), "" for plain numbers and texts.
+    zone
+        of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
     """
 
     numbers: NDArray[np.float64]
@@ -52,6 +56,7 @@ class Cells:
     is_ordered: bool
     n_missing: int
     form: str = ""
+    zone: str = ""
 
     @property
     def is_text(self) -> bool:
@@ -84,9 +89,10 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     if isinstance(series.dtype, pd.PeriodDtype):
         return _numbers(read_times(series.dt.to_timestamp()), is_missing, ISO)
     if kind == "M":
-        return _numbers(read_times(series), is_missing, ISO)
+        zone = getattr(getattr(series.dtype, "pyarrow_dtype", series.dtype), "tz", None)  # dates of Arrow have none
+        return _numbers(read_times(series), is_missing, ISO, zone_of(zone))
     if kind == "m":
-        return _numbers(read_durations(series), is_missing, DAYS)
+        return _numbers(days_in(series), is_missing, DAYS)
     if kind == "c":
         raise DataError("holds complex numbers; give real and imaginary parts as two columns")
     if kind in "biuf":
@@ -94,11 +100,11 @@ def _cells_of(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str
     return _objects(series, is_missing, form)
 
 
-def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: str = "") -> Cells:
+def _numbers(numbers: NDArray[np.float64], is_missing: NDArray[np.bool_], form: str = "", zone: str = "") -> Cells:
     infinite = np.flatnonzero(np.isinf(numbers))
     if len(infinite):
         raise DataError(f"is {numbers[infinite[0]]:g} in row {infinite[0] + 1}; expected finite numbers")
-    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form)
+    return Cells(numbers, np.full(len(numbers), None, dtype=object), (), False, int(is_missing.sum()), form, zone)
 
 
 def _exact(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> NDArray[np.float64]:
@@ -131,7 +137,8 @@ def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str 
     cells = series.to_numpy(dtype=object)
     present = cells[~is_missing]
     if len(present) and all(isinstance(cell, date) for cell in present):
-        return _numbers(read_times(series), is_missing, ISO)
+        zones = {zone_of(getattr(cell, "tzinfo", None)) for cell in present}
+        return _numbers(read_times(series), is_missing, ISO, zones.pop() if len(zones) == 1 else "UTC")
     odd = next((cell for cell in present if not isinstance(cell, KINDS)), None)
     if odd is not None:
         raise DataError(f"holds {shown(str(odd))} of type {type(odd).__name__}; expected numbers or text")
@@ -156,7 +163,7 @@ def _written(cells: NDArray[Any], is_missing: NDArray[np.bool_], form: str | Non
     number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
     read = [math.nan if gone else number.get(str(cell), math.nan) for cell, gone in zip(cells, is_missing, strict=True)]
     numbers = np.array(read)
-    return _numbers(numbers, np.isnan(numbers), form)
+    return _numbers(numbers, np.isnan(numbers), form, zone_in(texts) if is_date(form) else "")
 
 
 def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArray[np.float64] | None:

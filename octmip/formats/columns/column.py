@@ -24,10 +24,12 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.cells import Cells
-from octmip.formats.columns.written import FORMS, number_words
+from octmip.formats.columns.instants import cut_between, date_text, duration_text
+from octmip.formats.columns.written import DAYS, FORMS, is_date
 from octmip.input.cells import plain_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
+from octmip.trees.digits import exact
 from octmip.trees.tree import Leaf, Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]
@@ -44,6 +46,7 @@ CONTENT = Record(
         "values": ListOf(Text()),
         "is_doubled": Truth(),
         "form": Text(pattern=FORMS, meaning="a form of numbers"),
+        "zone": Text(pattern=r"^[-+A-Za-z0-9_/:]{0,40}$", meaning="a time zone"),
     },
     closed=True,
 )
@@ -95,6 +98,8 @@ class Column:
         whether missing cells are numbers below and above all others, in two features.
     form
         how its numbers are written (`octmip.formats.columns.written`), "" for plain numbers and texts.
+    zone
+        of the clock that dates were read from (`octmip.formats.columns.instants.date_text`).
     """
 
     name: str
@@ -105,6 +110,7 @@ class Column:
     values: tuple[str, ...] = ()
     is_doubled: bool = False
     form: str = ""
+    zone: str = ""
 
     @property
     def lacks_numbers(self) -> bool:
@@ -209,7 +215,17 @@ class Column:
             )
         return np.array([rank[word] for word in words], dtype=np.float64)
 
-    def left_words(self, feature: Feature, split: Split, number: Callable[[float], str]) -> str:
+    def number_text(self, value: float, number: Callable[[float], str] = exact) -> str:
+        """Return a number of the column as people write it: a date, a duration, an amount with its sign."""
+        if is_date(self.form):
+            return date_text(value, self.zone)
+        return duration_text(value) if self.form == DAYS else number(value) + self.form[7:]
+
+    def cut_between(self, low: float, high: float) -> float | None:
+        """Return the date or duration of fewest fields between two neighbours; None for other numbers."""
+        return cut_between(low, high, self.zone) if is_date(self.form) or self.form == DAYS else None
+
+    def left_words(self, feature: Feature, split: Split, number: Callable[[float], str] = exact) -> str:
         """Return what holds for the cells that a split of one of its features sends left."""
         threshold = split.threshold
         if threshold is None:
@@ -231,9 +247,11 @@ class Column:
             return f"{self.name} is missing"
         if feature.kind == "missing-right" and threshold >= most:
             return f"{self.name} is not missing"
-        plain = number(threshold)
-        shown_threshold = number_words(threshold, self.form, plain) if self.form else plain
-        cut = f"{self.name} <= {shown_threshold}" if self.kind == "number" else self._rank_words(threshold)
+        cut = (
+            f"{self.name} <= {self.number_text(threshold, number)}"
+            if self.kind == "number"
+            else self._rank_words(threshold)
+        )
         is_left = feature.kind == "missing-left" or (split.missing == "left" and not self.is_doubled)
         return f"{cut} or missing" if is_left else cut
 
@@ -241,7 +259,7 @@ class Column:
         """Return the names of its yes/no features by the words of a tree that splits them, or of the other set."""
         found = {}
         for feature in self.features if self.asks_texts else ():
-            found[self.left_words(feature, Split(0, 0.5, Leaf(0), Leaf(0)), str)] = feature.name
+            found[self.left_words(feature, Split(0, 0.5, Leaf(0), Leaf(0)))] = feature.name
             if feature.kind == "among":
                 rest = set_words([level for level in self._levels if level not in feature.members])
                 found |= dict.fromkeys((f"{self.name} in {rest}", f"{self.name} not in {rest}"), feature.name)
@@ -262,6 +280,7 @@ class Column:
             "values": list(self.values),
             "is_doubled": self.is_doubled,
             "form": self.form,
+            "zone": self.zone,
         }
 
     @classmethod
@@ -291,4 +310,5 @@ class Column:
             tuple(taken["values"]),
             taken["is_doubled"],
             taken["form"],
+            taken["zone"],
         )

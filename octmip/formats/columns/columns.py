@@ -5,7 +5,7 @@ encoded, and how, is said by `changes`; a column that cannot be used is refused,
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -19,7 +19,8 @@ from octmip.formats.columns.times import complaint_of
 from octmip.formats.columns.written import words_of
 from octmip.input.checked import ListOf, Record
 from octmip.input.messages import MOST_NAME, shown
-from octmip.trees.tree import Split
+from octmip.trees.digits import exact
+from octmip.trees.tree import Leaf, Node, Split, goes_left
 
 Categories = Literal["yes-no", "subsets", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]
@@ -216,11 +217,40 @@ class Columns:
             found.append(f"cells are missing in {_listed(lacking)}; a split sends them to whichever side is better")
         return tuple(found)
 
-    def left_words(self, split: Split, number: Callable[[float], str] = "{:.6g}".format) -> str:
+    def left_words(self, split: Split, number: Callable[[float], str] = exact) -> str:
         """Return what holds for the rows that a split sends left, such as "age <= 40.5 or missing"."""
         item = self.features[split.feature]
-        column = next(column for column in self.columns if column.name == item.column)
-        return column.left_words(item, split, number)
+        return self.column_of(item).left_words(item, split, number)
+
+    def column_of(self, feature: Feature) -> Column:
+        """Return the column that a feature reads."""
+        return next(column for column in self.columns if column.name == feature.column)
+
+    def with_written_cuts(self, tree: Node, features: NDArray[np.float64]) -> Node:
+        """Return the tree with every date and duration that it asks for in the fewest fields.
+
+        Parameters
+        ----------
+        tree
+            parts the rows of `features` (n_rows, n_features), which go the same ways in the tree that is returned.
+        """
+        of_feature = [self.column_of(feature) for feature in self.features]
+
+        def moved(node: Node, rows: NDArray[np.int64]) -> Node:
+            if isinstance(node, Leaf):
+                return node
+            goes = goes_left(node, features, rows)
+            node = replace(node, left=moved(node.left, rows[goes]), right=moved(node.right, rows[~goes]))
+            if not isinstance(node, Split) or node.threshold is None:
+                return node
+            values = features[rows, node.feature]
+            below, above = values[values <= node.threshold], values[values > node.threshold]
+            if not len(below) or not len(above):
+                return node
+            cut = of_feature[node.feature].cut_between(float(below.max()), float(above.min()))
+            return node if cut is None else replace(node, threshold=cut)
+
+        return moved(tree, np.arange(len(features))) if any(column.form for column in self.columns) else tree
 
     def to_json(self) -> dict[str, Any]:
         """Return the columns as a JSON object."""
@@ -299,7 +329,7 @@ def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -
         kind = "order" if cells.is_ordered or categories == "order" else kind
         return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled and kind == "order")
     least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
-    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form)
+    column = Column(name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form, zone=cells.zone)
     if is_doubled:
         _ = column.beyond  # raises where float64 has no room
     return column

@@ -22,128 +22,52 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.formats.columns.instants import days_of
+from octmip.formats.columns.spellings import (
+    DAYS,
+    DURATIONS,
+    GERMAN,
+    ISO,
+    LOOKS,
+    MINUTES,
+    MONTHS,
+    PATTERNS,
+    PLAIN,
+    SHORT_YEAR,
+    TIME_FIRST,
+    TIMES,
+    WEEKDAY,
+    WEEKDAYS,
+    ZONE,
+    ZONE_NAME,
+)
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
-ISO, DAYS, NAMED = "%Y-%m-%d", "days", "%d %b %Y"
-DATES = (ISO, "%Y/%m/%d", "%Y.%m.%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y", NAMED)
-TIMES = (*DATES, DAYS)
-"""Every form of a time."""
 DAY = pd.Timedelta(days=1)
 NANOSECONDS = 86_400 * 10**9
 """In a day."""
+MOST_DAYS = 106_000
+"""Days from 1970 whose nanoseconds an int64 holds."""
 EPOCH = date(1970, 1, 1).toordinal()
-MONTHS = {"jan": 1, "feb": 2, "mar": 3, "apr": 4, "may": 5, "jun": 6, "jul": 7, "aug": 8, "sep": 9, "oct": 10} | {
-    "nov": 11, "dec": 12, "mär": 3, "mrz": 3, "mai": 5, "okt": 10, "dez": 12
-}  # fmt: skip
-WEEKDAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
-_MONTH = r"(?P<b>[A-Za-zä]{3,9})\.?"
-_CLOCK = (
-    r"(?P<H>\d{1,2})(?::(?P<M>\d{2})(?::(?P<S>\d{2})(?:[.,](?P<f>\d{1,9}))?)?(?:\s*(?P<p>[AaPp])\.?[Mm]\.?)?"
-    r"|\s*(?P<p2>[AaPp])\.?[Mm]\.?)"
-)
-_COMPACT = r"(?P<H3>\d{2})(?:(?P<M3>\d{2})(?:(?P<S3>\d{2})(?:[.,](?P<f3>\d{1,9}))?)?)?"
-_ZONE = r"(?:\s*(?:Z|(?:UTC|GMT|UT)?(?P<z>[+-]\d{1,2}(?::?\d{2})?)|UTC|GMT|UT)(?:\s*\(\w+\))?)?"
-_AFTER = rf"(?:(?:[T_:]|,?\s+)(?:{_CLOCK})|[T_](?:{_COMPACT})){_ZONE}"
-_WEEKDAY = re.compile(r"(?P<a>Mon|Tue|Wed|Thu|Fri|Sat|Sun)[a-z]*\.?,?\s+", re.IGNORECASE)
-_CTIME = re.compile(rf"{_MONTH}\s+(?P<d>\d{{1,2}})\s+(?:{_CLOCK})(?:{_ZONE}\s+)(?P<Y>\d{{4}})")
-_ZONE_NAME = re.compile(r"\d\s*(?P<name>\[?[A-Z][A-Za-z]+(?:/[A-Z][A-Za-z_]+)*\]?)$")
-_LOOKS = re.compile(rf"\d:\d\d|\d{{1,4}}([-/.])\d{{1,2}}\1\d{{1,4}}|\d.{{0,2}}\b(?:{'|'.join(MONTHS)})", re.IGNORECASE)
-SHORT_YEAR = re.compile(r"(?:\d{1,2}([/-])\d{1,2}\1\d{2}|\d{2}\.\d{2}\.\d{2})(?:[T\s,].*)?")
-MINUTES = re.compile(r"\d{1,2}:\d{2}[.,]\d+")
-
-
-def _dated(*patterns: str) -> tuple[re.Pattern[str], ...]:
-    return tuple(re.compile(f"{pattern}(?:{_AFTER})?") for pattern in patterns)
-
-
-_Y, _m, _d = r"(?P<Y>\d{4})", r"(?P<m>\d{1,2})", r"(?P<d>\d{1,2})"
-_PATTERNS = {
-    ISO: (
-        *_dated(r"(?P<Y>\d{4})-(?P<m>\d{2})-(?P<d>\d{2})", r"(?P<Y>\d{4})-?W(?P<V>\d{2})(?:-?(?P<u>[1-7]))?"),
-        re.compile(rf"(?P<Y>\d{{4}})(?P<m>\d{{2}})(?P<d>\d{{2}}){_AFTER.replace('[T_](', '[T_ -](')}"),
-        *_dated(r"(?P<Y>\d{4})-(?P<j>\d{3})"),
-        re.compile(r"(?P<Y>\d{4})-(?P<m>\d{2})"),
-        re.compile(r"(?P<Y>\d{4})-?Q(?P<q>[1-4])"),
-    ),
-    "%Y/%m/%d": _dated(f"{_Y}/{_m}/{_d}"),
-    "%Y.%m.%d": _dated(rf"{_Y}\.{_m}\.{_d}\.?"),
-    "%d.%m.%Y": _dated(rf"{_d}\.\s?{_m}\.\s?{_Y}"),
-    "%d/%m/%Y": _dated(f"{_d}/{_m}/{_Y}"),
-    "%m/%d/%Y": _dated(f"{_m}/{_d}/{_Y}"),
-    "%d-%m-%Y": _dated(f"{_d}-{_m}-{_Y}"),
-    "%m-%d-%Y": _dated(f"{_m}-{_d}-{_Y}"),
-    NAMED: (
-        *_dated(
-            rf"{_d}(?:st|nd|rd|th|\.)?[\s/-]?\s?{_MONTH},?[\s/-]?{_Y}",
-            rf"{_MONTH}\s+{_d}(?:st|nd|rd|th)?,?\s+{_Y}",
-            rf"{_Y}[\s-]{_MONTH}[\s-]{_d}",
-        ),
-        _CTIME,
-    ),
-}
-_FIRST = re.compile(rf"(?P<time>(?:{_CLOCK}){_ZONE})\s+(?P<date>\S*\d{{4}}\S*|\d.*[a-z].*\d{{4}})")
-"""A time of day before its date."""
-_DURATIONS = (
-    re.compile(rf"(?P<minus>-)?(?:(?P<D>\d+)\s*(?:days?|d)[,\s]\s*)?(?P<plus>\+)?(?:{_CLOCK.replace('1,2', '1,6')})"),
-    re.compile(r"(?P<minus>-)?(?P<D>\d+)\s*days?"),
-    re.compile(
-        r"(?P<minus>-)?P(?=[\dT])(?:(?P<D>\d+)D)?"
-        r"(?:T(?=\d)(?:(?P<H>\d+)H)?(?:(?P<M>\d+)M)?(?:(?P<S>\d+)(?:[.,](?P<f>\d{1,9}))?S)?)?"
-    ),
-)
 
 
 def read_times(series: "pd.Series[Any]") -> Floats:
-    """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,).
-
-    Raises
-    ------
-    DataError
-        two instants would be one number.
-    """
-    stamps = pd.to_datetime(series, utc=True)
-    return _days_of(stamps - pd.Timestamp(0, tz="UTC"))
+    """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,)."""
+    return days_in(pd.to_datetime(series, utc=True))
 
 
-def read_durations(series: "pd.Series[Any]") -> Floats:
-    """Return the days of durations that pandas holds, NaN where missing, shape (n,).
-
-    Raises
-    ------
-    DataError
-        two durations would be one number.
-    """
-    return _days_of(pd.to_timedelta(series))
+def days_in(spans: "pd.Series[Any]") -> Floats:
+    """Return the days of durations, or of dates since 1970-01-01 (UTC), NaN where missing, shape (n,)."""
+    ticks = spans.astype(np.int64).to_numpy()
+    return np.where(spans.isna(), np.nan, days_of(ticks, DAY // pd.Timedelta(1, spans.dt.unit)))
 
 
-def _days_of(spans: "pd.Series[Any]") -> Floats:
-    """Return spans as days: the same float64 in whatever unit pandas counts them."""
-    unit = np.timedelta64(1, "D") // np.timedelta64(1, spans.dt.unit) if hasattr(spans.dt, "unit") else NANOSECONDS
-    is_missing = spans.isna().to_numpy()
-    counts = spans.to_numpy().astype(np.int64)
-    return np.where(is_missing, np.nan, _days(*np.divmod(np.where(is_missing, 0, counts), int(unit)), int(unit)))
-
-
-def _days(whole: Integers, rest: Integers, unit: int) -> Floats:
-    """Return whole days and rests counted in `unit` parts of a day as one number each.
-
-    Raises
-    ------
-    DataError
-        float64 would merge two of them.
-    """
-    days = whole + rest / unit
-    if (rest * 1.0 % (unit / 86_400e6) != 0.0).any():  # parts of a microsecond, some of which float64 has no room for
-        order = np.lexsort((rest, whole))
-        is_apart = (np.diff(whole[order]) != 0) | (np.diff(rest[order]) != 0)
-        if ((np.diff(days[order]) == 0.0) & is_apart).any():
-            raise DataError(
-                "holds instants so close together that days since 1970 merge them in float64; subtract the first, and "
-                "give the difference as a number"
-            )
-    return np.asarray(days, dtype=np.float64)
+def zone_in(texts: Sequence[str]) -> str:
+    """Return the offset from UTC in dates; "UTC" where they have several, "" without any."""
+    found = {zone[1] for text in texts if (zone := ZONE.search(text.strip()))}
+    return "" if not found else f"{one[:3]}:{one[-2:]}" if len(found) == 1 and (one := found.pop()) != "Z" else "UTC"
 
 
 def time_form_of(texts: Sequence[str]) -> str | None:
@@ -183,14 +107,14 @@ def time_form_of(texts: Sequence[str]) -> str | None:
 
 def _has_zone_name(text: str) -> bool:
     """Whether a text is a time but for the name of its zone."""
-    found = _ZONE_NAME.search(text)
+    found = ZONE_NAME.search(text)
     return found is not None and is_time_text(text[: found.start("name")])
 
 
 def complaint_of(texts: Iterable[str]) -> str:
     """Return what keeps texts that mostly look like times from being read as such; "" where they look like words."""
     texts = list(texts)
-    odd = [text for text in texts if not _LOOKS.search(text)]
+    odd = [text for text in texts if not LOOKS.search(text)]
     if 2 * len(odd) > len(texts) or not texts:
         return ""
     form = next((form for form in TIMES if _parsed(next(t for t in texts if t not in odd), form)), "")
@@ -199,9 +123,28 @@ def complaint_of(texts: Iterable[str]) -> str:
 
 
 def read_time_texts(texts: Sequence[str], form: str) -> Floats | None:
-    """Return the days (n,) of texts of one form, None where one is not of it."""
+    """Return the days (n,) of texts of one form, None where one is not of it.
+
+    Raises
+    ------
+    DataError
+        two instants would be one number; the sentence begins behind the name of the column.
+    """
     parts = instants_of(texts, form)
-    return None if parts is None else _days(*parts, NANOSECONDS)
+    if parts is None:
+        return None
+    days, rest = parts
+    if not (rest % 1000).any():
+        return days_of(days * (NANOSECONDS // 1000) + rest // 1000, NANOSECONDS // 1000)
+    if np.abs(days).max() > MOST_DAYS:
+        return None
+    found = days_of(days * NANOSECONDS + rest, NANOSECONDS)
+    if len(np.unique(found)) < len(set(zip(days.tolist(), rest.tolist(), strict=True))):
+        raise DataError(
+            "holds times so close together that days since 1970 merge them in float64; subtract the first one, and "
+            "give the rest as numbers"
+        )
+    return found
 
 
 def instants_of(texts: Sequence[str], form: str) -> tuple[Integers, Integers] | None:
@@ -222,11 +165,10 @@ def instants_of(texts: Sequence[str], form: str) -> tuple[Integers, Integers] | 
 
 MANY = 1000
 """Texts from which on pandas, which knows the plain spellings of ISO 8601 alone, is asked first."""
-_PLAIN = re.compile(r"\d{4}-\d{2}-\d{2}(?:[T ]\d{2}:\d{2}(?::\d{2}(?:\.\d{1,9})?)?(?:Z|[+-]\d{2}:?\d{2})?)?")
 
 
 def _plain_iso(texts: Sequence[str]) -> tuple[Integers, Integers] | None:
-    if not all(map(_PLAIN.fullmatch, texts)):
+    if not all(map(PLAIN.fullmatch, texts)):
         return None
     stamps = pd.to_datetime(pd.Series(list(texts)), format="ISO8601", errors="coerce", utc=True)
     if stamps.isna().any():
@@ -242,12 +184,12 @@ def _parsed(text: str, form: str) -> tuple[int, int] | None:
     """Return whole days since 1970-01-01 and nanoseconds of the day of one text; None where it is not of the form."""
     text = unicodedata.normalize("NFKC", text)  # narrow blanks before AM and PM
     if form == DAYS:
-        return _first(_duration, (pattern.fullmatch(text) for pattern in _DURATIONS))
-    weekday = _WEEKDAY.match(text)
+        return _first(_duration, (pattern.fullmatch(text) for pattern in DURATIONS))
+    weekday = WEEKDAY.match(text)
     text = text[weekday.end() :] if weekday else text
-    swapped = _FIRST.fullmatch(text)
+    swapped = TIME_FIRST.fullmatch(text)
     text = f"{swapped['date']} {swapped['time']}" if swapped else text
-    found = _first(_instant, (pattern.fullmatch(text) for pattern in _PATTERNS[form]))
+    found = _first(_instant, (pattern.fullmatch(text) for pattern in PATTERNS[form]))
     if weekday and found and (found[0] + EPOCH - 1) % 7 != WEEKDAYS.index(weekday["a"][:3].lower()):
         return None
     return found
@@ -296,11 +238,8 @@ def _month(part: dict[str, str | None]) -> int:
     if name is None:
         return int(part["m"] or 1)
     full = pd.Timestamp(2000, MONTHS.get(name[:3].lower(), 1), 1).month_name().lower()
-    is_known = name.lower() in (full, full[:3], "sept", *_GERMAN)
+    is_known = name.lower() in (full, full[:3], "sept", *GERMAN)
     return MONTHS.get(name[:3].lower(), 0) if is_known else 0  # there is no month 0
-
-
-_GERMAN = ("januar", "februar", "märz", "mär", "mrz", "mai", "juni", "juli", "oktober", "okt", "dezember", "dez")
 
 
 def _clock(part: dict[str, str | None]) -> int | None:

@@ -12,7 +12,6 @@ A zero may stand without the sign of the others. A column that fits two forms wi
 decimals. Of money the comma before three digits groups them, since amounts have two decimals.
 """
 
-import math
 import re
 import unicodedata
 from collections.abc import Sequence
@@ -22,7 +21,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.times import DATES, DAY, DAYS, TIMES, read_time_texts, time_form_of
+from octmip.formats.columns.spellings import DATES, DAYS, TIMES
+from octmip.formats.columns.times import read_time_texts, time_form_of
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
@@ -109,17 +109,6 @@ def words_of(form: str) -> str:
     if sign == "%":
         return f"per cent (5% is 5, and {style} is 1000.5)"
     return f"{f'amounts in {sign}' if sign else 'numbers'} ({style} is 1000.5)"
-
-
-def number_words(number: float, form: str, plain: str) -> str:
-    """Return a number of a form as people write it; `plain` is what it would be without one."""
-    if not is_date(form):
-        return plain + (form[7:] if form != DAYS else " days")
-    try:
-        stamp = pd.Timestamp(0) + number * DAY
-    except (OverflowError, ValueError):  # beyond the dates that pandas holds
-        return f"day {plain}"
-    return stamp.strftime("%Y-%m-%d" if number == math.floor(number) else "%Y-%m-%d %H:%M:%S")
 
 
 def _read(texts: Sequence[str], form: str) -> Floats | None:

@@ -1,7 +1,7 @@
 """How the rows and columns of a table became the samples of a problem, so that they can become so again."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -9,6 +9,8 @@ import numpy as np
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.table.samples import Table
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
 
 RowsKept = Literal["all", "labelled", "complete"]
 
@@ -46,6 +48,16 @@ class Preparation:
             the columns are none.
         """
         return cls(Columns.from_json(content["columns"]), content["index"], content["rows"])
+
+
+def with_written_cuts(problem: Problem, solution: Solution, columns: Columns) -> Solution:
+    """Return a solution whose tree asks for dates and durations in the fewest fields, and parts the samples alike.
+
+    Splits that are given, or those of an old tree, stay as they are.
+    """
+    if solution.tree is None or problem.given_splits or problem.old_tree is not None:
+        return solution
+    return replace(solution, tree=columns.with_written_cuts(solution.tree, problem.features))
 
 
 def kept_rows(table: Table, rows: RowsKept, label: str, others: Sequence[str]) -> Table:

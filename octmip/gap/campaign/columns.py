@@ -14,7 +14,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.times import DAYS, instants_of, read_durations, time_form_of
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.times import days_in, instants_of, time_form_of
 from octmip.formats.columns.written import words_of
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.units import factor_between, unit_behind
@@ -201,7 +202,7 @@ class CampaignColumns:
 
 
 def _seconds_of(spans: "pd.Series[pd.Timedelta]") -> Floats:
-    return read_durations(spans) * SECONDS
+    return days_in(spans) * SECONDS
 
 
 def read_columns(

@@ -7,6 +7,7 @@ from functools import partial
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
+from octmip.formats.table.preparation import with_written_cuts
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
     ProgressLine,
@@ -130,6 +131,7 @@ def _show(arguments: argparse.Namespace, asked: TableProblem, solution: Solution
     problem = asked.problem
     if solution.tree is None:
         raise SolverError(f"{solution.solver} found no tree (stop: {solution.stop}); give it more time")
+    solution = with_written_cuts(problem, solution, asked.preparation.columns)
     found = _beside_cart(arguments, asked, solution)
     with held_back():
         certificate = certify(problem, solution)

@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from octmip.errors import ProblemError, SolverError
 from octmip.formats.columns import Columns
-from octmip.formats.table.preparation import Preparation
+from octmip.formats.table.preparation import Preparation, with_written_cuts
 from octmip.formats.tree_file import record_tree
 from octmip.input.files import PathLike
 from octmip.input.messages import several
@@ -97,8 +97,8 @@ class FittedTree(Settings):
             solution, self.choice_ = solve_run(problem, run), None
         if solution.tree is None:
             raise SolverError(f"{solution.solver} found no tree within {self.seconds} s; give it more seconds")
-        self.problem_, self.solution_ = problem, solution
-        self.certificate_ = certify(problem, solution)
+        self.problem_, self.solution_ = problem, with_written_cuts(problem, solution, self.columns_)
+        self.certificate_ = certify(problem, self.solution_)
         return run
 
     def _say_how_it_ended(self) -> None:

@@ -16,7 +16,7 @@ from octmip.trees.tree import condition as named_condition
 
 
 def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:
-    """Return the condition for going left on one line, numbers to six digits.
+    """Return the condition for going left on one line.
 
     With `columns` it is said of the columns that the features were made from: "colour is not red" instead of
     "colour is red <= 0.5".
@@ -49,7 +49,7 @@ def tree_text(
 
 
 def leaf_text(leaf: Leaf, feature_names: Sequence[str], class_names: Sequence[Any]) -> str:
-    """Return what a leaf predicts on one line: the name of its class, or a number to six digits."""
+    """Return what a leaf predicts on one line: the name of its class, or a number."""
     if isinstance(leaf, ValueLeaf):
         return prediction(leaf, lambda j: shown(feature_names[j]))
     return shown(class_names[leaf.label])

@@ -16,8 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.digits import midpoint
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split, midpoint
+from octmip.trees.tree import Leaf, Node, Split
 
 Floats = NDArray[np.float64]
 

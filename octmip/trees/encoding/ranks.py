@@ -28,10 +28,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees import _native
+from octmip.trees.digits import midpoint
 from octmip.trees.encoding.costs import IntegerCosts
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
-from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split, centred, midpoint
+from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split, centred
 
 
 @dataclass(slots=True, eq=False)

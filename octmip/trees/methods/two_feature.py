@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from octmip.errors import CertificateError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
+from octmip.trees.digits import midpoint
 from octmip.trees.encoding import (
     IntegerCosts,
     integer_costs,
@@ -48,7 +49,7 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof, log_header
 from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left, midpoint
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 
 SOLVER = "two-feature exact"
 MOST_DEPTH = 2

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.digits import midpoint
 from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, goes_left, midpoint
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, goes_left
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]

@@ -13,7 +13,7 @@ from octmip.interfaces.report.tree.bars import BAR, HISTOGRAM, Bar, histogram_ba
 from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.node_text import ROOM, NodeText, leaf_text, split_text
 from octmip.interfaces.report.tree.seen import Histogram, Seen
-from octmip.interfaces.report.tree.words import Wording, figure, question, short_name
+from octmip.interfaces.report.tree.words import Wording, answered, question, short_name
 from octmip.trees.tree import Leaf, Node, ValueLeaf, leaves
 
 Answer = Callable[[Leaf, Wording], str]
@@ -149,7 +149,7 @@ def draw_tree(
 
 
 def _answer(leaf: Leaf, wording: Wording) -> str:
-    return figure(leaf.value) if isinstance(leaf, ValueLeaf) else short_name(wording.classes[leaf.label])
+    return answered(leaf.value) if isinstance(leaf, ValueLeaf) else short_name(wording.classes[leaf.label])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

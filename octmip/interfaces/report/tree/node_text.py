@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.interfaces.report.tree.letters import fitting, wrapped
-from octmip.interfaces.report.tree.words import Question, Wording, counted, figure, percent
+from octmip.interfaces.report.tree.words import Question, Wording, answered, counted, figure, number, percent
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 
 ROOM = 208
@@ -34,7 +34,7 @@ def split_text(
     come = f"{counted(n_samples, 'sample')} come here"
     return NodeText(
         _few(asked.lines, written) if isinstance(node, HyperplaneSplit) else _two_each(asked.lines, written),
-        f"{asked.text}? {_exactly(node)}{_missing(node, wording)}{come}",
+        f"{asked.text}? {_missing(node, wording)}{come}",
     )
 
 
@@ -46,6 +46,8 @@ def leaf_text(
     share = percent(round(here / max(1, total), 3))
     answer, size = wrapped(written(name), ROOM), f"{here:,}, {share}"
     title = f"Answer: {name}. {counted(here, 'sample')} ({share} of all)"
+    if isinstance(node, ValueLeaf) and not node.features:
+        title = title.replace(answered(node.value), number(node.value))
     if not isinstance(node, ValueLeaf):
         wrong = here - int(counts[node.label])
         return NodeText((*answer, size, f"{wrong:,} wrong"), f"{title}, {wrong:,} of them wrong", len(answer))
@@ -63,12 +65,6 @@ def _few(lines: Sequence[str], written: Written) -> tuple[str, ...]:
     if len(lines) > MOST_TERMS + 1:
         lines = [*lines[: MOST_TERMS - 1], f"+ {len(lines) - MOST_TERMS} more", lines[-1]]
     return tuple(fitting(written(line), ROOM) for line in lines)
-
-
-def _exactly(node: Split | HyperplaneSplit) -> str:
-    if not isinstance(node, Split) or not node.threshold or figure(node.threshold) == figure(node.threshold, 17):
-        return ""
-    return f"(exactly {figure(node.threshold, 17)}) "
 
 
 def _missing(node: Split | HyperplaneSplit, wording: Wording) -> str:

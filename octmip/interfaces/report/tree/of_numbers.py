@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
-from octmip.interfaces.report.tree.words import MINUS, Wording, counted, figure, short_name
+from octmip.interfaces.report.tree.words import MINUS, Wording, answered, counted, figure, short_name
 from octmip.trees.tradeoff.held_out import Score, score
 from octmip.trees.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
 
@@ -203,10 +203,10 @@ class OfNumbers(Measure):
 def value_words(leaf: Leaf, wording: Wording, target: str | None = None) -> str:
     """Return what a leaf of numbers answers: the number with its unit, or the sum of a linear leaf."""
     assert isinstance(leaf, ValueLeaf)
-    terms = [figure(leaf.value)]
+    terms = [answered(leaf.value)]
     for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
         sign = MINUS if coefficient < 0 else "+"
-        terms.append(f"{sign} {figure(abs(coefficient), DIGITS)} {short_name(wording.features[feature], 24)}")
+        terms.append(f"{sign} {answered(abs(coefficient))} {short_name(wording.features[feature], 24)}")
     return " ".join(terms) + (wording.unit(target) if target and not leaf.features else "")
 
 

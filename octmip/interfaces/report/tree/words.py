@@ -7,11 +7,12 @@ from typing import Any
 
 from octmip.formats.columns import Columns, Feature
 from octmip.input.names import shown
+from octmip.trees.digits import grouped
 from octmip.trees.tree import HyperplaneSplit, Split
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MINUS, TIMES, DASH = "\u2212", "\u00d7", "\u2013"
-DIGITS = 6
+DIGITS, MOST_DIGITS = 6, 12
 LONGEST_NAME = 80
 """Characters of a name on the page; the tree in words has it whole."""
 
@@ -37,6 +38,19 @@ def _without_exponent(value: float, digits: int) -> str:
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
     text = f"{value:,.{decimals}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def number(value: float) -> str:
+    """Return a number that decides, to its last digit: thousands apart, powers of ten as such."""
+    mantissa, _, exponent = grouped(value).partition("e")
+    power = f" {TIMES} 10{str(int(exponent)).translate(SUPERSCRIPT)}" if exponent else ""
+    return f"{mantissa}{power}".replace("-", MINUS)
+
+
+def answered(value: float) -> str:
+    """Return the number of a leaf, whole to twelve digits, which prices are; a longer one, as means are, is cut."""
+    text = number(value)
+    return text if sum(character.isdigit() for character in text) <= MOST_DIGITS else f"≈ {figure(value, DIGITS + 3)}"
 
 
 def percent(share: float) -> str:
@@ -89,6 +103,13 @@ class Wording:
             return self.columns.features[index]
         return Feature(self.features[index], self.features[index], "number")
 
+    def number(self, item: Feature, value: float) -> str:
+        """Return a number that a feature is compared with: a date of a column of dates, else with the unit."""
+        column = None if self.columns is None else self.columns.column_of(item)
+        if column is not None and column.form:
+            return column.number_text(value, number)
+        return number(value) + self.unit(item.column)
+
     def unit(self, column: str) -> str:
         """Return the unit of a column behind a number, its blank included; nothing where none is known."""
         return f" {shown(self.units[column])}" if self.units.get(column) else ""
@@ -127,14 +148,14 @@ def question(split: Split | HyperplaneSplit, wording: Wording) -> Question:
             words = f"is {'' if split.missing == 'left' else 'not '}missing"
             return Question((name, f"{words}?"), f"{short_name(item.column)} {words}")
         or_missing = " or missing" if split.missing == "left" else ""
-        cut = f"≤ {figure(split.threshold)}{wording.unit(item.column)}{or_missing}"
+        cut = f"≤ {wording.number(item, split.threshold)}{or_missing}"
         return Question((name, f"{cut}?"), f"{short_name(item.column)} {cut}")
     if item.kind in ("is", "is-missing"):
         value = shown(item.value) if item.kind == "is" else "missing"
         return Question(
             (shown(item.column), f"is {value}?"), f"{short_name(item.column)} is {short_name(value)}", False
         )
-    words = wording.columns.left_words(split, figure)
+    words = wording.columns.left_words(split, number)
     rest = words.removeprefix(item.column).strip().replace("<=", "≤")
     if wording.unit(item.column) and "≤" in rest:
         cut, _, missing = rest.partition(" or missing")
@@ -146,9 +167,9 @@ def _weighted(split: HyperplaneSplit, wording: Wording) -> Question:
     terms: list[tuple[str, str, str]] = []
     for feature, coefficient in zip(split.features, split.coefficients, strict=True):
         sign = f"{MINUS} " if coefficient < 0 else "+ " if terms else ""
-        size = "" if abs(coefficient) == 1 else f"{figure(abs(coefficient), 4)} "
+        size = "" if abs(coefficient) == 1 else f"{number(abs(coefficient))} "
         terms.append((sign, size, wording.features[feature]))
-    cut = f"≤ {figure(split.offset)}"
+    cut = f"≤ {number(split.offset)}"
     lines = [f"{sign}{size}{shown(name)}" for sign, size, name in terms]
     words = " ".join(f"{sign}{size}{short_name(name, 24)}" for sign, size, name in terms)
     return Question((*lines, f"{cut}?"), f"{words} {cut}")

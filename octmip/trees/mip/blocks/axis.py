@@ -3,9 +3,10 @@
 import numpy as np
 
 from octmip.errors import ProblemError
+from octmip.trees.digits import midpoint
 from octmip.trees.encoding import Ranks
 from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Split, midpoint
+from octmip.trees.tree import HyperplaneSplit, Split
 
 
 def require_axis(problem: Problem, method: str) -> None:
