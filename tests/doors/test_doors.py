@@ -13,7 +13,7 @@ from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 from tests.doors.row import Refused, Row
 
-TABLES: tuple[str, ...] = ()
+TABLES: tuple[str, ...] = ("texts",)
 ROWS: list[Row] = [row for name in TABLES for row in importlib.import_module(f"tests.doors.{name}").ROWS]
 MOST_CHARACTERS = 600
 """The longest sentence of a refusal: a person reads it in a terminal."""

@@ -108,7 +108,8 @@ def time_form_of(texts: Sequence[str]) -> str | None:
 def _has_zone_name(text: str) -> bool:
     """Whether a text is a time but for the name of its zone."""
     found = ZONE_NAME.search(text)
-    return found is not None and is_time_text(text[: found.start("name")])
+    is_half = found is not None and found["name"].upper() in ("AM", "PM")
+    return found is not None and not is_half and is_time_text(text[: found.start("name")])
 
 
 def complaint_of(texts: Iterable[str]) -> str:

@@ -31,8 +31,10 @@ NO_NUMBERS = (
     "#N/A",
 )
 """No class is called so; other words, such as NA, are missing among numbers alone (`octmip.input.cells`)."""
-COUNTED = ("", "Unnamed: 0")
-"""Names of the column in which pandas writes the names of the rows."""
+COUNTED = "Unnamed: 0"
+"""Name of the column in which pandas read the names of the rows that it had written."""
+FEW = 4
+"""Rows whose first cells may count 1, 2, ... by chance."""
 
 
 def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
@@ -117,6 +119,10 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
     while columns and len(columns) - 1 in empty and (len(header) < len(columns) or not header[len(columns) - 1]):
         columns.pop()  # a separator at the end of every line
     header, frame = header[: len(columns)], frame[columns]
+    if len(header) == len(columns):  # an empty column, as before the first bar of a line in bars
+        held = [k for k, name in enumerate(header) if name or k not in empty]
+        header, columns = [header[k] for k in held], [columns[k] for k in held]
+        frame = frame[columns]
     if len(header) < len(columns) - 1 or len(header) > len(columns):
         row = next(rows_in(layout), None)
         if row is not None:
@@ -124,7 +130,7 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
     if len(header) == len(columns) - 1:
         return _with_first(source, frame, layout, header)
     unnamed = [k for k, name in enumerate(header) if not name]
-    if header and header[0].startswith(COUNTED[1]):
+    if header and header[0].startswith(COUNTED):
         unnamed = [0, *unnamed]
     if unnamed == [0] and len(columns) > 1 and frame.iloc[:, 0].is_unique:
         return frame.iloc[:, 1:], (f"the first column of {source.name} has no name; it names the rows and is left out",)
@@ -145,7 +151,8 @@ def _with_first(
         out = pd.concat([both, frame.iloc[:, 2:]], axis=1)
         return out.set_axis(header, axis=1), (f"day and time are read together as the column {header[0]}",)
     begin = layout.rows.splitlines()[row.number - 1].lstrip()[:1]
-    counts = layout.separator != "," and first.dtype.kind == "i" and first.tolist() == [*range(1, len(first) + 1)]
+    counts = first.dtype.kind == "i" and first.tolist() == [*range(1, len(first) + 1)]
+    counts = counts and (layout.separator != "," or len(first) > FEW)  # 1,5 may be a number with a decimal comma
     if not (first.is_unique and (begin == '"' or not is_value(row.cells[0]) or counts)):
         raise DataError(
             f"{source.name}, line {row.number}: {ragged(len(row.cells), len(header))}, and name every column"

@@ -45,7 +45,9 @@ _QUANTITIES = {
 }
 _LOGGER = frozenset({"TS", "RN", "unitless", "bool", "text", "date", "none", "string"})
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
-_BEHIND = re.compile(r"(?P<name>.*?\S)[\s_,;]*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>|\{(?P<d>[^}]*)\})")
+_BEHIND = re.compile(
+    r"(?P<name>.*?[^\s_,;/])[\s_,;/]*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>|\{(?P<d>[^}]*)\})"
+)
 _OVER = re.compile(r"(?P<name>\S.*?)\s*(?:/| in )\s*(?P<unit>\S+(?:/\S+)?)")
 
 

@@ -6,7 +6,7 @@ another unit of the same quantity are converted, and a note says so; others are 
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -102,7 +102,7 @@ class CampaignColumns:
         value = plain_number(text)
         if value is None:
             cure = "clear the cell if nothing is known"
-            if "," in text:
+            if re.fullmatch(r"[-+]?\d[\d., '\u00a0\u202f]*", text):
                 cure = "write decimal points and no thousands separators"
             elif row == 0:
                 cure = "begin the row with # if it holds no readings, but remarks"
@@ -216,6 +216,11 @@ def read_columns(
         the file is no table, a column is missing, two columns have one meaning, or a name is nearly one of the twin's.
     """
     table = read_table(path, as_text=TEST)
+    is_empty = table.frame.isna().all(axis=1).to_numpy()
+    if 0 < is_empty.sum() < len(is_empty):
+        n_empty = int(is_empty.sum())
+        left_out = f"{n_empty} row{'s' * (n_empty != 1)} without any cell left out."
+        table = replace(table.rows(~is_empty), notes=(*table.notes, left_out))
     known = (TEST, *loads, TIME, TEMPERATURE, *gauges, *parameters)
     units = dict(table.units)
     place: dict[str, str] = {}

@@ -105,7 +105,10 @@ def _tests(table: CampaignColumns) -> tuple[str, ...]:
     tests = table.texts("test")
     for name, number in zip(tests, table.numbers, strict=True):
         if not name:
-            raise DataError(f"row {number}, column test is empty; give every reading the name of its test")
+            raise DataError(
+                f"row {number}, column test is empty; give every reading the name of its test, or begin the row "
+                "with # if it holds no readings, but units or remarks"
+            )
     return tests
 
 
@@ -154,7 +157,10 @@ def _notes(table: CampaignColumns, twin: Twin, campaign: Campaign) -> list[str]:
         notes.append(f"Row {table.numbers[missing[0]]}, column time is empty: times are not used.")
     back = np.flatnonzero(np.diff(time) < 0.0)
     if back.size:
-        notes.append(f"Row {table.numbers[back[0] + 1]}, column time: earlier than the row before; order rows by time.")
+        notes.append(
+            f"Row {table.numbers[back[0] + 1]}, column time: earlier than the row before; order rows by time, or "
+            "write the day beside the time of day."
+        )
     hot = np.flatnonzero(temperature > HOTTEST)
     if hot.size:
         notes.append(
