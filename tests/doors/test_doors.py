@@ -22,6 +22,7 @@ TABLES: tuple[str, ...] = (
     "frames",
     "large_integers",
     "models",
+    "texts",
 )
 ROWS: list[Row] = [row for name in TABLES for row in importlib.import_module(f"tests.doors.{name}").ROWS]
 MOST_CHARACTERS = 600

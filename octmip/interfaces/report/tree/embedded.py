@@ -7,7 +7,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from octmip.formats.columns.written import DAYS, is_date
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.written import is_date
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import LONGEST_NAME, Wording, figure, question, short_name, short_names
