@@ -133,7 +133,7 @@ class Monitor:
                     f"{', '.join(index)}"
                 )
             row = [values.get(gauge) for gauge in index]
-        elif not isinstance(values, list | tuple) and type(values) is not np.ndarray:  # a series, a masked array
+        elif type(values).__name__ not in ("list", "tuple", "ndarray"):  # a series, a masked array
             own = by_name(values, tuple(index), "reading")[0].ravel().tolist()
             row = [None if math.isnan(value) else value for value in own]
         else:

@@ -160,7 +160,7 @@ def _scatter(sources: Sequence[Campaign]) -> _Scatter:
     pooled, steps = np.concatenate(blocks), steps_of(sources[0])
     degrees = sum((np.maximum(np.isfinite(block).sum(axis=0) - 1, 0) for block in blocks), np.zeros(len(gauges)))
     own = np.nansum(pooled**2, axis=0) / np.maximum(degrees, 1)
-    usable = np.any([(source.spreads() > 0.0).any(axis=0)[_order(gauges, source)] for source in sources], axis=0)
+    usable = np.any([(source.spreads()[:, _order(gauges, source)] > 0.0).any(axis=0) for source in sources], axis=0)
     variance = _typical(sources[0], own, usable, degrees > 0, steps)
     variance[usable] = _moderated(own[usable], degrees[usable])
     rounding = left_by(steps, np.where(degrees > 0, np.minimum(own, variance), variance))

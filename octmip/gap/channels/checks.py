@@ -110,7 +110,7 @@ def _predicted(campaign: Campaign, twin: Twin) -> Floats:
     predicted = np.full_like(campaign.readings, np.nan)
     for cell in campaign.cells:
         state = {name: v for name, v in zip(campaign.parameters, cell.state.tolist(), strict=True) if not np.isnan(v)}
-        predicted[np.ix_(cell.rows, known)] = twin.predict(state, cell.load)[order]
+        predicted[np.ix_(cell.rows, np.array(known, dtype=np.int64))] = twin.predict(state, cell.load)[order]
     return predicted
 
 

@@ -108,7 +108,7 @@ def _far(residual: Floats, cell_of: NDArray[np.int64]) -> NDArray[np.bool_]:
         block = np.nan_to_num(residual[cell_of == k])
         local = median_filter(block, size=(5, 1), mode="mirror")
         far[cell_of == k] &= np.abs(block - local) > LOCAL * limit
-    return far
+    return np.asarray(far)
 
 
 def _is_skewed(residual: Floats) -> bool:

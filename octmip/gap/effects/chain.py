@@ -228,7 +228,7 @@ def _exchanged(moment: Moment, places: Sequence[str]) -> Floats:
 
 
 def _exchanged_here(moment: Moment) -> Floats:
-    return _exchanged(moment, (moment.place,))[0]
+    return np.asarray(_exchanged(moment, (moment.place,))[0])
 
 
 def _more_load(moment: Moment) -> Floats:

@@ -201,7 +201,7 @@ class Cell:
 
     def change_here(self, moment: Moment) -> Floats:
         """Return the change of the readings (n_gauges,) at the moment's own place."""
-        return self.change(moment, (moment.place,))[0]
+        return np.asarray(self.change(moment, (moment.place,))[0])
 
     def change(self, moment: Moment, places: Sequence[str]) -> Floats:
         """Return the change of the readings (n_places, n_gauges) per unit of size."""
