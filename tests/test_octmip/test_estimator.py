@@ -236,3 +236,12 @@ def test_no_tree_at_all_is_an_error(monkeypatch):
     stopped(monkeypatch, tree=None, objective=math.inf, stop=Stop.TIME)
     with pytest.raises(SolverError, match="give it more seconds"):
         OptimalTreeClassifier(max_depth=2).fit(*IRIS)
+
+
+def test_a_long_fit_says_how_far_it_is_where_it_is_asked_to(monkeypatch, capsys):
+    monkeypatch.setattr("octmip.interfaces.estimator.progress.INTERVAL", -1.0)
+    for settings, said in (({"max_depth": 2}, "objective"), ({"seconds": 0.5}, "cross-validating, 1 of 6 done")):
+        OptimalTreeClassifier(**settings).fit(*IRIS)
+        assert capsys.readouterr().out == ""
+        OptimalTreeClassifier(**settings, verbose=1).fit(*IRIS)
+        assert said in capsys.readouterr().out
