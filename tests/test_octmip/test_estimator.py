@@ -22,6 +22,7 @@ import octmip
 from octmip import OptimalTreeClassifier, Stop, certify, predict
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
+from octmip.interfaces.estimator.progress import Told
 from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
@@ -236,3 +237,12 @@ def test_no_tree_at_all_is_an_error(monkeypatch):
     stopped(monkeypatch, tree=None, objective=math.inf, stop=Stop.TIME)
     with pytest.raises(SolverError, match="give it more seconds"):
         OptimalTreeClassifier(max_depth=2).fit(*IRIS)
+
+
+def test_a_long_fit_says_how_far_it_is_where_it_is_asked_to(monkeypatch, capsys):
+    monkeypatch.setattr("octmip.interfaces.estimator.progress.INTERVAL", -1.0)
+    for verbose in (0, 1):
+        OptimalTreeClassifier(seconds=0.0, verbose=verbose).fit(*IRIS)
+        assert ("cross-validating, 1 of 6 done" in capsys.readouterr().out) == bool(verbose)
+    Told()(octmip.Progress(3.0, 12.0, 9.0, 70))
+    assert capsys.readouterr().out == "octmip: 3.0 s  objective 12  bound 9  gap 25 %  nodes 70\n"

@@ -10,6 +10,7 @@ seconds     from the signal to the end, of wall time and of processor time
 
 import json
 import os
+import re
 import resource
 import shutil
 import signal
@@ -146,7 +147,8 @@ def outcome(command: str, folder: Path, number: signal.Signals, moment: float) -
 
 def judged(command: str, number: signal.Signals, code: int, out: str, err: str) -> str:
     """Return "result", "interrupted" or "loading"; else what is wrong."""
-    if not out and "in main" not in err and (code == -number or (code == 1 and "KeyboardInterrupt" in err)):
+    is_raised = code == -number or (code == 1 and "KeyboardInterrupt" in err)
+    if not out and is_raised and not re.search(r"cli.__init__\.py.*, in main", err):
         return "loading"  # Python itself has not come to the command
     if "Traceback" in err:
         return f"traceback: {err.strip().splitlines()[-1]}"

@@ -4,7 +4,7 @@ A signal that Python raises while it loads a package comes out of that as any er
 each ends the command at once.
 """
 
-import _signal  # `signal` itself imports for as long as Python needs to start, and nobody hears Ctrl-C meanwhile
+import _signal  # type: ignore[import-not-found]  # `signal` takes as long to import as Python to start
 import atexit
 import os
 

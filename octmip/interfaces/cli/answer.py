@@ -11,12 +11,12 @@ from typing import Any
 
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
-from octmip.interfaces.report.text import narrow_scope, number, percent
+from octmip.interfaces.report.text import narrow_scope, number, percent, progress_words
 from octmip.trees.certificate import Certificate
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Progress, Solution, relative_gap
+from octmip.trees.solution import Progress, Solution
 from octmip.trees.tradeoff import Comparison, Score
 from octmip.trees.tree_nodes import encode_tree
 
@@ -199,12 +199,7 @@ class ProgressLine:
             return
         self._shown_at = time.monotonic()
         self._is_shown = True
-        gap = percent(relative_gap(state.objective, state.bound))
-        line = (
-            f"{self._prefix}{state.seconds:.1f} s  objective {number(state.objective)}  bound {number(state.bound)}  "
-            f"gap {gap}  nodes {state.n_nodes}"
-        )
-        print(f"\r\x1b[2K{line}", end="", file=sys.stderr, flush=True)
+        print(f"\r\x1b[2K{self._prefix}{progress_words(state)}", end="", file=sys.stderr, flush=True)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

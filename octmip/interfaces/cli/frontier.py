@@ -121,13 +121,12 @@ def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, opt
     """
     if is_heard():
         return None
-    with StageLine("cross-validating"), contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
+    with StageLine("cross-validating") as line, contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
         # A file of solves is this process's own: whoever keeps one takes the folds here.
         if options.cluster is None or options.solves is not None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
-        return choose_tree(
-            problem, folds=arguments.folds, method=arguments.method, limits=limits, seed=arguments.seed, options=options
-        )
+        how = {"method": arguments.method, "limits": limits, "seed": arguments.seed, "options": options}
+        return choose_tree(problem, folds=arguments.folds, stage=line, **how)
     return None
 
 

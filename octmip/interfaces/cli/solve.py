@@ -116,9 +116,9 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
         )
     asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
-    with method_options(arguments, asked.problem) as options, StageLine("cross-validating"):
+    with method_options(arguments, asked.problem) as options, StageLine("cross-validating") as line:
         run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
-        answer = solve_default(asked.problem, run)
+        answer = solve_default(asked.problem, run, line)
     _show(arguments, replace(asked, problem=answer.problem), answer.solution)
     return 0
 

@@ -91,6 +91,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         limit of wall time [s]; the best tree so far is fitted, with a ConvergenceWarning where a proof was begun.
     n_jobs
         threads: None is 1, -1 is all.
+    verbose
+        1 prints every two seconds how far the fit is; 0 prints nothing.
     random_state
         seed of all random choices, a RandomState to draw it from, or None for another one in every fit.
 

@@ -18,6 +18,7 @@ from octmip.input.messages import several
 from octmip.interfaces.estimator.drawing import figure_of, notebook_picture, words_of, write_page
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import leaf_nodes, node_indicator
+from octmip.interfaces.estimator.progress import Told
 from octmip.interfaces.estimator.proof import method_proves, warn_unproven
 from octmip.interfaces.estimator.samples import read_samples, test_samples
 from octmip.interfaces.estimator.settings import (
@@ -71,7 +72,8 @@ class FittedTree(Settings):
         `own` are the fields of the Problem that the other estimator has not.
         """
         seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
-        run = Run(self.method, Limits(seconds=self.seconds), seed, threads, self.options or NO_OPTIONS)
+        told = Told() if self.verbose else None
+        run = Run(self.method, Limits(seconds=self.seconds), seed, threads, self.options or NO_OPTIONS, told)
         kept = weights != 0
         problem = Problem(
             features[kept],
@@ -93,7 +95,7 @@ class FittedTree(Settings):
             **own,
         )
         if self.max_depth == AUTO:
-            found = solve_default(problem, replace(run, method="auto"))
+            found = solve_default(problem, replace(run, method="auto"), told)
             problem, solution, self.choice_ = found.problem, found.solution, found.choice
         else:
             solution, self.choice_ = solve_run(problem, run), None

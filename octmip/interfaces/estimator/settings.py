@@ -49,6 +49,7 @@ class Settings:
     options: Options | None = None
     seconds: float = 60.0
     n_jobs: int | None = None
+    verbose: int = 0
     random_state: RandomState = 0
 
 

@@ -11,7 +11,7 @@ from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
 from octmip.trees.classes import words_of_order
 from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.solution import Progress, Solution, relative_gap
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
 from octmip.trees.tree import condition as named_condition
 
@@ -108,3 +108,10 @@ def solution_text(problem: Problem, solution: Solution, certificate: Certificate
         f"in training {measured}; depth {certificate.depth}, {splits}, {sensors}\n{order}"
         f"{visible(solution.solver)} {visible(solution.version)}, {solution.seconds:.3g} s, stop: {solution.stop}"
     )
+
+
+def progress_words(state: Progress) -> str:
+    """Return how far a solver is, on one line."""
+    gap = percent(relative_gap(state.objective, state.bound))
+    known = f"objective {number(state.objective)}  bound {number(state.bound)}  gap {gap}"
+    return f"{state.seconds:.1f} s  {known}  nodes {state.n_nodes}"

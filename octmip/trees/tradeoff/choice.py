@@ -165,6 +165,7 @@ def choose_tree(
     seed: int = 0,
     n_jobs: int | None = None,
     options: Options = NO_OPTIONS,
+    stage: Callable[[str], None] | None = None,
 ) -> Choice:
     """Return the tree of cross-validated kind, depth and leaf penalty, fitted to all samples.
 
@@ -195,6 +196,8 @@ def choose_tree(
         folds at a time, as joblib counts them; None: what `joblib.parallel_config` says, else one.
     options
         of the method, for instance ``restarts`` of the search; or ``cluster``, whose workers take the folds.
+    stage
+        called with the share that is done, in words.
 
     Raises
     ------
@@ -231,7 +234,7 @@ def choose_tree(
             most_solves=most_solves,
             seconds=SHARE_OF_PATHS * seconds / turns,
         )
-        traced, is_interrupted = _traced([problem, *parts], trace, n_jobs)
+        traced, is_interrupted = _traced([problem, *parts], trace, n_jobs, stage or (lambda words: None))
         paths, of_folds, pairs = _usable(traced, pairs)
         n_kinds = min(map(len, (paths, *of_folds)))  # those that all had time for
         judged = [
@@ -260,6 +263,7 @@ def choose_default(
     seed: int = 0,
     n_jobs: int | None = None,
     options: Options = NO_OPTIONS,
+    stage: Callable[[str], None] | None = None,
 ) -> Choice | None:
     """Return the tree that holds on new rows as far as five folds can tell; None where rows are too few to tell.
 
@@ -287,6 +291,7 @@ def choose_default(
         seed=seed,
         n_jobs=n_jobs,
         options=options,
+        stage=stage,
     )
 
 
@@ -305,7 +310,10 @@ def _usable_folds(problem: Problem, seed: int) -> list[Fold]:
 
 
 def _traced(
-    problems: Sequence[Problem], trace: Callable[[Problem], list[PenaltyPath]], n_jobs: int | None
+    problems: Sequence[Problem],
+    trace: Callable[[Problem], list[PenaltyPath]],
+    n_jobs: int | None,
+    stage: Callable[[str], None],
 ) -> tuple[list[list[PenaltyPath]], bool]:
     """Return the finished paths of each problem, after Ctrl-C of the first ones only, and whether it was heard."""
     from joblib import Parallel, delayed
@@ -316,6 +324,7 @@ def _traced(
             found.append([path for path in paths if not path.is_interrupted])
             if len(found[-1]) < len(paths):
                 return found, True
+            stage(f"cross-validating, {len(found)} of {len(problems)} done (all rows, then all but each fold)")
     except KeyboardInterrupt:
         return found, True
     return found, False

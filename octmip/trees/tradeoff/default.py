@@ -3,6 +3,7 @@
 import contextlib
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from octmip.trees.methods.options import NO_OPTIONS
@@ -39,7 +40,7 @@ class DefaultAnswer:
     choice: Choice | None
 
 
-def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
+def solve_default(problem: Problem, run: Run, stage: Callable[[str], None] | None = None) -> DefaultAnswer:
     """Return the tree that `choose_default` chooses, within the seconds of the run's limits and by so many threads.
 
     Where they do not suffice for a tree of all rows, it is chosen and grown on rows that are drawn at random.
@@ -52,6 +53,8 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
     ----------
     problem
         its depth and leaf penalty have no effect.
+    stage
+        called with the share that is done, in words.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def solve_default(problem: Problem, run: Run) -> DefaultAnswer:
             stack.enter_context(parallel_config(backend="threading", n_jobs=run.n_jobs))
         try:
             left = max(0.0, run.limits.seconds - (time.perf_counter() - start))
-            choice = choose_default(part or problem, seconds=left, seed=run.seed, options=run.options)
+            choice = choose_default(part or problem, seconds=left, seed=run.seed, options=run.options, stage=stage)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
     if choice is None:
