@@ -69,8 +69,8 @@ def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> li
     if len(pair) != 2 or not set(used) <= set(pair):
         names = [shown(problem.feature_names[feature]) for feature in used]
         raise ProblemError(
-            f"the tree reads {len(used)} feature{'s' * (len(used) != 1)} ({', '.join(names)}); a plane shows a tree over two: name two that "
-            "hold them, or solve with a sensor budget of 2"
+            f"the tree reads {len(used)} feature{'s' * (len(used) != 1)} ({', '.join(names)}); a plane shows a tree over "
+            "two: name two that hold them, or solve with a sensor budget of 2"
         )
     return pair
 
