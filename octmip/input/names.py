@@ -69,19 +69,16 @@ def shortened(names: Iterable[str], fits: Callable[[str], bool]) -> dict[str, st
         found = {name: name if fits(name) else _cut(name, share, fits) for name in whole}
         if len(set(found.values())) == len(whole):
             return found
-    for k, name in enumerate(whole, 1):
-        if not fits(name):
-            end = f" ({k})"
-            found[name] = _cut(name, 0.5, lambda text, end=end: fits(text + end)) + end
-    return found
+    numbered = {name: f" ({k})" for k, name in enumerate(whole, 1) if not fits(name)}
+    return found | {name: _cut(name, 0.5, fits, end) for name, end in numbered.items()}
 
 
-def _cut(name: str, share: float, fits: Callable[[str], bool]) -> str:
-    """Return as much of a name as fits around dots, a share of it before them."""
+def _cut(name: str, share: float, fits: Callable[[str], bool], end: str = "") -> str:
+    """Return as much of a name as fits around dots, a share of it before them, and an end behind it."""
 
     def around(kept: int) -> str:
         before = round(share * kept)
-        return f"{name[:before]}…{name[len(name) - kept + before :]}"
+        return f"{name[:before]}…{name[len(name) - kept + before :]}{end}"
 
     kept = bisect_left(range(1, len(name)), True, key=lambda kept: not fits(around(kept)))
     return around(kept)

@@ -68,8 +68,9 @@ def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> li
     pair = list(features or (range(2) if problem.n_features == 2 else used))
     if len(pair) != 2 or not set(used) <= set(pair):
         names = [shown(problem.feature_names[feature]) for feature in used]
+        count = f"{len(used)} feature{'s' * (len(used) != 1)}"
         raise ProblemError(
-            f"the tree reads {len(used)} feature{'s' * (len(used) != 1)} ({', '.join(names)}); a plane shows a tree over two: name two that "
+            f"the tree reads {count} ({', '.join(names)}); a plane shows a tree over two: name two that "
             "hold them, or solve with a sensor budget of 2"
         )
     return pair
