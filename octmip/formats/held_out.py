@@ -29,25 +29,6 @@ class HeldOut:
     cost: float
 
 
-@dataclass(frozen=True, slots=True)
-class Readings:
-    """How the numbers that a tree reads are measured.
-
-    Attributes
-    ----------
-    units
-        of the columns, by name.
-    loads
-        the loads at which they are read, by name: the tree takes readings at these as they are.
-    """
-
-    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
-    loads: Mapping[str, float] = dataclasses.field(default_factory=dict)
-
-
-NO_READINGS = Readings()
-
-
 def held_out_of(content: dict[str, Any] | None, loss: Loss) -> HeldOut | None:
     """Return what the entry of a tree file holds whose kinds were checked.
 

@@ -46,6 +46,25 @@ from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
 from octmip.trees.tree_nodes import decode_tree, different, encode_tree
 
 
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """How the numbers that a tree reads are measured.
+
+    Attributes
+    ----------
+    units
+        of the columns, by name.
+    loads
+        the loads at which they are read, by name: the tree takes readings at these as they are.
+    """
+
+    units: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    loads: Mapping[str, float] = dataclasses.field(default_factory=dict)
+
+
+NO_READINGS = Readings()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TreeFile:
     """The content of a tree file.
