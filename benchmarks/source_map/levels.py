@@ -38,6 +38,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.encoding": 4,
         "trees.problem_file": 4,
         "trees.tree_nodes": 4,
+        "formats.held_out": 4,
         "formats.tree_schema": 4,
         "trees.risk": 4,
         "trees.uncertainty": 4,

@@ -31,10 +31,11 @@ from numpy.typing import NDArray
 
 from octmip.errors import OctmipError, TreeError
 from octmip.formats.columns import Columns
+from octmip.formats.held_out import HeldOut, held_out_of
 from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.input.files import PathLike, read_json_object, write_bytes
-from octmip.input.messages import several, shown
+from octmip.input.messages import shown
 from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
 from octmip.trees.parts import address, words_of_rules
 from octmip.trees.problem import Problem
@@ -43,26 +44,6 @@ from octmip.trees.shape import without_predictions
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
 from octmip.trees.tree_nodes import decode_tree, different, encode_tree
-
-
-@dataclass(frozen=True, slots=True)
-class HeldOut:
-    """What the tree loses on samples that it was not trained on.
-
-    Attributes
-    ----------
-    share, seed
-        the rows of the training's table that were held out (`octmip.trees.tradeoff.held_out`); the share is None where
-        the samples are another table's.
-    n_samples, measures, cost
-        their number, what predictions are judged by (`Loss.measures`), and their weighted cost.
-    """
-
-    share: float | None
-    seed: int
-    n_samples: int
-    measures: Mapping[str, float]
-    cost: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,20 +312,9 @@ def _decode(content: dict[str, Any]) -> TreeFile:
         weights_column=training["weights"],
         leaf_counts=_counts(training, n_splits(tree) + 1, len(classes) or 1),
         preparation=_preparation(content["table"], features, classes),
-        held_out=_held_out(content["held_out"], loss_of(content["problem"]["loss"])),
+        held_out=held_out_of(content["held_out"], loss_of(content["problem"]["loss"])),
         readings=Readings(**content["readings"]),
     )
-
-
-def _held_out(content: dict[str, Any] | None, loss: Loss) -> HeldOut | None:
-    if content is None:
-        return None
-    if set(content["measures"]) != set(loss.measured):
-        raise TreeError(
-            f"held_out.measures has the entries {several(content['measures'])}; expected {several(loss.measured)}, by "
-            f"which the loss {loss.name!r} is judged"
-        )
-    return HeldOut(**content)
 
 
 def _preparation(

@@ -8,8 +8,9 @@ import pytest
 from octmip import Problem, solve
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
+from octmip.formats.held_out import HeldOut
 from octmip.formats.table.preparation import Preparation
-from octmip.formats.tree_file import HeldOut, read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.report.text import tree_text
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.tree import splits

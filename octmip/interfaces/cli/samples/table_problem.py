@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from octmip.errors import DataError, ProblemError
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.formats.columns.written import words_of
+from octmip.formats.held_out import HeldOut
 from octmip.formats.table import Table, read_costs, read_sensors, read_table
 from octmip.formats.table.preparation import Preparation, RowsKept, kept_rows
-from octmip.formats.tree_file import HeldOut
 from octmip.input.messages import several, shown
 from octmip.interfaces.cli.samples.classes import class_weight_of, order_of_column
 from octmip.interfaces.cli.samples.mixtures import mixed_columns
