@@ -39,6 +39,7 @@ FAMILIES = {
     "mio_random": "benchmarks.cases.mio.random_problems",
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "exports": "benchmarks.cases.fuzz.exports",
+    "sql_engines": "benchmarks.cases.doors.sql_engines",
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",

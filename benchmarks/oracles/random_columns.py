@@ -53,10 +53,8 @@ def _times(unit: int) -> Values:
 def _iso(rng: Rng, n: int) -> list[str]:
     """Return ISO texts of one column: dates alone, or with a time in several spellings."""
     stamps = pd.to_datetime(_times(1000)(rng, n), unit="us")
-    style = rng.choice(
-        ["%Y-%m-%d", "%Y-%m-%d %H:%M", "%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S.%f", "%Y-%m-%dT%H:%M:%SZ"]
-    )
-    return list(stamps.strftime(str(style)))
+    clock = rng.choice(["", " %H:%M", "T%H:%M:%S", " %H:%M:%S.%f", "T%H:%M:%SZ"])
+    return list(stamps.strftime(f"%Y-%m-%d{clock}"))
 
 
 TYPES: dict[str, tuple[pa.DataType, Values]] = {
@@ -80,7 +78,7 @@ TYPES: dict[str, tuple[pa.DataType, Values]] = {
     "timestamp[ms]": (pa.timestamp("ms"), lambda rng, n: _times(1000)(rng, n) // 1000),
     "timestamp[us]": (pa.timestamp("us"), _times(1)),
     "timestamp[ns]": (pa.timestamp("ns"), lambda rng, n: _times(1)(rng, n) * 1000),
-    "timestamp[us, UTC]": (pa.timestamp("us", "UTC"), _times(1)),
+    "timestamp[us] of UTC": (pa.timestamp("us", "UTC"), _times(1)),
 }
 """Type and values of a column, by its name in the table of docs/howto/export.md."""
 MISSING = {"numbers as text": "?", "ISO text": ""}
@@ -137,15 +135,25 @@ def random_tree(rng: Rng, table: RandomTable, n_classes: int, depth: int) -> Nod
     """Return a random tree over the features of a table: of numbers where there are no classes."""
     has_sides = table.columns.lack_numbers
     values = table.features
+    added = _summands(table)
+
+    def terms() -> tuple[tuple[int, ...], tuple[float, ...]]:
+        chosen = sorted(rng.choice(added, min(2, len(added)), replace=False).tolist())
+        return tuple(chosen), tuple(rng.normal(size=len(chosen)).tolist())
 
     def leaf() -> Leaf:
         if n_classes:
             return Leaf(int(rng.integers(n_classes)))
-        return ValueLeaf(float(rng.normal() * 10.0 ** rng.integers(-5, 6)))
+        number = float(rng.normal() * 10.0 ** rng.integers(-5, 6))
+        return ValueLeaf(number, *(terms() if added and rng.random() < 0.3 else ((), ())))
 
     def grown(levels: int) -> Node:
         if not levels or rng.random() < 0.15:
             return leaf()
+        if added and not has_sides and rng.random() < 0.1:
+            features, coefficients = terms()
+            totals = (values[:, features] * coefficients).sum(axis=1)
+            return HyperplaneSplit(features, coefficients, float(rng.choice(totals)), grown(levels - 1), leaf())
         feature = int(rng.integers(values.shape[1]))
         seen = np.unique(values[:, feature][~np.isnan(values[:, feature])])
         at = int(rng.integers(len(seen)))
@@ -157,20 +165,18 @@ def random_tree(rng: Rng, table: RandomTable, n_classes: int, depth: int) -> Nod
     return grown(depth)
 
 
+def _summands(table: RandomTable) -> list[int]:
+    """Return the features that a sum may add: no dates, which databases count in different ways, none missing."""
+    forms = {column.name: column.form for column in table.columns.columns}
+    return [
+        j
+        for j, feature in enumerate(table.columns.features)
+        if not forms[feature.column] and not np.isnan(table.features[:, j]).any()
+    ]
+
+
 def answers_of(tree: Node, table: RandomTable, classes: tuple[Any, ...]) -> list[Any]:
     """Return what `predict` answers for every row."""
     if not classes:
         return list(predict_values(tree, table.features).tolist())
     return [classes[code] for code in predict(tree, table.features).tolist()]
-
-
-__all__ = [
-    "ANSWERS",
-    "TYPES",
-    "HyperplaneSplit",
-    "RandomTable",
-    "answers_of",
-    "column_of",
-    "random_table",
-    "random_tree",
-]

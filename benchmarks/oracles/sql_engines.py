@@ -27,10 +27,20 @@ Run = Callable[[Path, Sequence[str]], Rows]
 ROW = "row number"
 """The column by which every query is ordered."""
 POSTGRES_TYPES = {
-    "bool": "boolean", "int8": "smallint", "int16": "smallint", "int32": "integer", "int64": "bigint",
-    "uint8": "smallint", "uint16": "integer", "uint32": "bigint", "uint64": "numeric", "float": "real",
-    "double": "double precision", "string": "text", "date32[day]": "date",
-}  # fmt: skip
+    "bool": "boolean",
+    "int8": "smallint",
+    "int16": "smallint",
+    "int32": "integer",
+    "int64": "bigint",
+    "uint8": "smallint",
+    "uint16": "integer",
+    "uint32": "bigint",
+    "uint64": "numeric",
+    "float": "real",
+    "double": "double precision",
+    "string": "text",
+    "date32[day]": "date",
+}
 
 
 def _query(expressions: Sequence[str], source: str) -> str:
@@ -87,9 +97,9 @@ def run_sqlite(path: Path, expressions: Sequence[str]) -> Rows:
 def _for_sqlite(cell: Any) -> Any:
     if isinstance(cell, Decimal):
         return float(cell)
-    if isinstance(cell, datetime) and cell.tzinfo:
-        return cell.isoformat()
-    return cell.isoformat(" ") if isinstance(cell, datetime) else cell.isoformat() if isinstance(cell, date) else cell
+    if isinstance(cell, datetime):
+        return cell.isoformat("T" if cell.tzinfo else " ")
+    return cell.isoformat() if isinstance(cell, date) else cell
 
 
 def run_postgres(path: Path, expressions: Sequence[str]) -> Rows:
@@ -97,9 +107,9 @@ def run_postgres(path: Path, expressions: Sequence[str]) -> Rows:
     table = pq.read_table(path)
     columns = ", ".join(f"{_quoted(field.name)} {_postgres_type(field.type)}" for field in table.schema)
     lines = io.StringIO()
-    csv.writer(lines, lineterminator="\n").writerows(
-        [["\\N" if cell is None else _for_postgres(cell) for cell in r] for r in _rows(table)]
-    )
+    for row in _rows(table):
+        cells = ["\\N" if cell is None else _for_postgres(cell) for cell in row]
+        csv.writer(lines, lineterminator="\n").writerow(cells)
     script = (
         f"SET TimeZone = 'UTC'; CREATE TEMP TABLE t ({columns});\n"
         f"COPY t FROM STDIN WITH (FORMAT csv, NULL '\\N');\n{lines.getvalue()}\\.\n"
@@ -144,11 +154,8 @@ def _has(package: str) -> Callable[[], str]:
 def _postgres() -> str:
     if not (shutil.which("psql") and "PGHOST" in os.environ):
         return ""
-    return (
-        subprocess.run(["psql", "-XAtc", "SHOW server_version"], capture_output=True, text=True)
-        .stdout.split(" ")[0]
-        .strip()
-    )
+    done = subprocess.run(["psql", "-XAtc", "SHOW server_version"], capture_output=True, text=True)
+    return done.stdout.partition(" ")[0].strip()
 
 
 ENGINES: dict[str, tuple[Run, Callable[[], str]]] = {

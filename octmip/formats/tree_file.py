@@ -81,6 +81,9 @@ class Readings:
     loads: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
 
+NO_READINGS = Readings()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TreeFile:
     """The content of a tree file.
@@ -121,7 +124,7 @@ class TreeFile:
     leaf_counts: NDArray[np.int64]
     preparation: Preparation | None = None
     held_out: HeldOut | None = None
-    readings: Readings = Readings()
+    readings: Readings = NO_READINGS
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
@@ -173,7 +176,7 @@ def record_tree(
     weights_column: str | None = None,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
-    readings: Readings = Readings(),
+    readings: Readings = NO_READINGS,
 ) -> TreeFile:
     """Return the tree file of a solution.
 

@@ -90,6 +90,7 @@ def whole_folder(path: PathLike) -> Iterator[Path]:
 
 def _moved(file: Path, place: Path) -> None:
     try:
+        _keep_mode(file, place)
         os.replace(file, place)
     except OSError as error:
         raise WriteError(f"{place} cannot be written ({error.strerror}); choose another place") from error
@@ -118,10 +119,17 @@ def is_same_file(one: PathLike, other: PathLike) -> bool:
     return os.path.samestat(*found) and stat.S_ISREG(found[0].st_mode)
 
 
+def _keep_mode(passing: Path, target: Path) -> None:
+    """Give a file the permissions of the one that it replaces: what its owner alone may read stays so."""
+    with contextlib.suppress(FileNotFoundError):
+        os.chmod(passing, stat.S_IMODE(target.stat().st_mode))
+
+
 def _replace(target: Path, content: bytes) -> None:
     passing = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
         with passing.open("xb") as file:
+            _keep_mode(passing, target)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())

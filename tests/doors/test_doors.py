@@ -13,12 +13,7 @@ from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 from tests.doors.row import Refused, Row
 
-TABLES: tuple[str, ...] = (
-    "class_orders",
-    "frames",
-    "large_integers",
-    "models",
-)
+TABLES: tuple[str, ...] = ("campaigns", "class_orders", "decks", "exports", "frames", "large_integers", "models",)
 ROWS: list[Row] = [row for name in TABLES for row in importlib.import_module(f"tests.doors.{name}").ROWS]
 MOST_CHARACTERS = 600
 """The longest sentence of a refusal: a person reads it in a terminal."""

@@ -25,9 +25,8 @@ ATTACK = "**// FROM readings; DROP TABLE secret; --"
 def test_a_class_name_cannot_end_a_comment_and_drop_a_table():
     text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], ["yes", ATTACK])
     with sqlite3.connect(":memory:") as base:
-        base.executescript(
-            "CREATE TABLE readings (a); CREATE TABLE secret (a); INSERT INTO readings VALUES (0.25), (1)"
-        )
+        base.executescript("CREATE TABLE readings (a); CREATE TABLE secret (a)")
+        base.execute("INSERT INTO readings VALUES (0.25), (1)")
         base.executescript(f"CREATE TABLE answer AS SELECT {text} AS label FROM readings")
         assert base.execute("SELECT label FROM answer").fetchall() == [("yes",), (ATTACK,)]
         assert base.execute("SELECT count(*) FROM secret").fetchall() == [(0,)]
@@ -51,7 +50,8 @@ def cannot_be_text(name):
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 def test_c_compiles_without_a_warning_and_answers_for_any_name():
     names = [*NAMES, "*/ #error /*", "a??/\n", "*/", "*??/\n/"]
-    assert run_c(names) == [REFUSED if cannot_be_text(name) else EXACT for name in names]
+    is_refused = [cannot_be_text(name) or len(name.encode()) > 4095 for name in names]
+    assert run_c(names) == [REFUSED if refused else EXACT for refused in is_refused]
 
 
 def test_onnx_answers_and_keeps_every_name():

@@ -5,7 +5,7 @@ import math
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, quiet_frame, titled
+from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, Picture, quiet_frame, titled
 from octmip.trees.near_sets import Role, SensorRoles
 
 COLOURS = {Role.NEEDED: DISTINCT[1], Role.REPLACEABLE: DISTINCT[0], Role.USELESS: QUIET, Role.UNKNOWN: DISTINCT[5]}
@@ -17,7 +17,7 @@ def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
     The colour is the sensor's role; the shaded band is what counts as near-optimal.
     """
     best = found.solution.objective
-    figure = Figure(figsize=(6.4, 1.1 + 0.24 * len(found.roles)), layout="tight")
+    figure = Picture(figsize=(6.4, 1.1 + 0.24 * len(found.roles)), layout="tight")
     axes = figure.add_subplot()
     lost = [role.without.objective - best for role in found.roles]
     read = [role.forced - best for role in found.roles]

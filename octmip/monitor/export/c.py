@@ -21,7 +21,6 @@ from octmip.monitor.export.legend import Legend, comment, quoted
 from octmip.monitor.export.questions import (
     Answer,
     Asked,
-    NumberAsked,
     OwnTree,
     Part,
     SumAsked,
@@ -32,9 +31,58 @@ from octmip.monitor.export.questions import (
 from octmip.trees.tree import SIDES, Node, Side
 
 KEYWORDS = frozenset(
-    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
-    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while bool true "
-    "false nullptr class new delete this template typename namespace using try catch throw operator".split()
+    [
+        "auto",
+        "break",
+        "case",
+        "char",
+        "const",
+        "continue",
+        "default",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "extern",
+        "float",
+        "for",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "typedef",
+        "union",
+        "unsigned",
+        "void",
+        "volatile",
+        "while",
+        "bool",
+        "true",
+        "false",
+        "nullptr",
+        "class",
+        "new",
+        "delete",
+        "this",
+        "template",
+        "typename",
+        "namespace",
+        "using",
+        "try",
+        "catch",
+        "throw",
+        "operator",
+    ]
 )
 """Of C, and those of C++ that a header would meet."""
 GUARD = """\
@@ -43,6 +91,8 @@ GUARD = """\
 #endif
 #include <math.h>
 """
+LONGEST = 4095
+"""Bytes of a string that every compiler of C99 takes."""
 UNKNOWN = -1.0
 """Code of a text that training had not."""
 
@@ -186,8 +236,8 @@ def _constant(value: Any) -> str:
         return f'"{"".join(_character(byte) for byte in _bytes(value))}"'
     if isinstance(value, int) and abs(value) > EXACT_INTEGERS:
         raise TreeError(
-            f"the class {value} is beyond 2^53, and C answers numbers as double; expected a whole number that double "
-            "holds; make the classes texts"
+            f"the class {value} is beyond 2^53, and C answers numbers as double; expected a smaller one; make the "
+            "classes texts"
         )
     return repr(float(value))
 
@@ -199,7 +249,12 @@ def _bytes(text: str) -> bytes:
             f"the class {shown(text)} holds a character that no string of C can hold; expected text without NUL and "
             "halves of surrogate pairs; rename the class"
         )
-    return text.encode()
+    held = text.encode()
+    if len(held) > LONGEST:
+        raise TreeError(
+            f"the class {shown(text[:60])}... has {len(held)} bytes; expected at most {LONGEST}; shorten it"
+        )
+    return held
 
 
 def _character(byte: int) -> str:

@@ -1,7 +1,7 @@
 """What the readings and the answers of an export are, said in its head: names, units, the load, the values.
 
-A name is text from outside, and in a comment it must not act: it stands there as JSON in ASCII, and what would end or
-begin a comment is broken up by the backslash that JSON allows.
+A name is text from outside, and in a comment it must not act: it stands there as JSON in ASCII, and the star that
+would end or begin a comment as its escape.
 """
 
 import json
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from octmip.formats.columns.column import Column
-from octmip.formats.tree_file import Readings
+from octmip.formats.tree_file import NO_READINGS, Readings
 from octmip.monitor.export.questions import OwnTree
 from octmip.trees.digits import exact
 
@@ -28,7 +28,7 @@ class Legend:
     """
 
     target: str = ""
-    readings: Readings = Readings()
+    readings: Readings = NO_READINGS
 
     def lines(
         self, own: OwnTree, place: Callable[[int], str], cells: Callable[[Column], str], none: str, given: str = ""
@@ -66,7 +66,7 @@ class Legend:
 
 def quoted(value: Any) -> str:
     """Return a name or a value for a comment of C or SQL: JSON in ASCII, which neither ends nor begins one."""
-    return json.dumps(value).replace("*/", "*\\/").replace("/*", "\\/*")
+    return json.dumps(value).replace("*/", "\\u002a/").replace("/*", "/\\u002a")
 
 
 def comment(lines: list[str]) -> str:

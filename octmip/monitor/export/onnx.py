@@ -101,8 +101,8 @@ def _check(own: OwnTree) -> None:
     beyond = [value for value in own.answers if isinstance(value, int) and abs(value) > EXACT_INTEGERS]
     if beyond:
         raise TreeError(
-            f"the class {beyond[0]} is beyond 2^53, and the output is double; expected a whole number that double holds; "
-            "make the classes texts"
+            f"the class {beyond[0]} is beyond 2^53, and the output is double; expected a smaller one; make the classes "
+            "texts"
         )
     texts = [*own.answers, *(column.name for column in own.columns), *(v for c in own.columns for v in c.values)]
     for text in texts:

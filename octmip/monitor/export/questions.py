@@ -20,14 +20,14 @@ import numpy as np
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature
 from octmip.formats.columns.column import Column
-from octmip.input.messages import shown
+from octmip.input.messages import several
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, features_used, leaves
 
 
 @dataclass(frozen=True, slots=True)
 class NumberAsked:
-    """Is the number in `column` at most `threshold`? Without one: is it missing?"""
+    """Whether the number in `column` is at most `threshold`; without one, whether it is missing."""
 
     column: int
     threshold: float | None
@@ -36,7 +36,7 @@ class NumberAsked:
 
 @dataclass(frozen=True, slots=True)
 class TextAsked:
-    """Is the text in `column` one of `left` or of `right`; `others`: where a text goes that training had not."""
+    """Whether the text in `column` is one of `left` or of `right`; `others`: where one goes that training had not."""
 
     column: int
     left: tuple[str, ...]
@@ -74,7 +74,7 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class SumAsked:
-    """Is the sum of `terms`, from the first to the last, at most `offset`? A sum that is no number goes right."""
+    """Whether the sum of `terms`, from the first to the last, is at most `offset`; one that is no number is not."""
 
     terms: tuple[Term, ...]
     offset: float
@@ -177,8 +177,8 @@ def _class_values(tree: Node, class_names: Sequence[Any]) -> tuple[Any, ...]:
     kinds = {"number" if type(value) in (int, float) else type(value).__name__ for value in values}
     if len(kinds) > 1 or not kinds <= {"number", "str", "bool"} or not all(np.isfinite(_numbers(values))):
         raise TreeError(
-            f"the classes are {', '.join(map(shown, values[:3]))}{', ...' * (len(values) > 3)}; expected all texts, all "
-            "finite numbers or all Booleans, which every language can answer; train with such labels"
+            f"the classes are {several(values, 3)}; expected texts, finite numbers or Booleans alone, which every "
+            "language can answer; train with such labels"
         )
     return values
 
@@ -209,9 +209,7 @@ class _Writer:
     def asked(self, split: Split | HyperplaneSplit) -> Asked:
         if isinstance(split, HyperplaneSplit):
             terms = zip(split.coefficients, split.features, strict=True)
-            return SumAsked(
-                tuple(self.term(float(c), j) for c, j in terms), float(split.offset), split.missing
-            )
+            return SumAsked(tuple(self.term(float(c), j) for c, j in terms), float(split.offset), split.missing)
         place, feature = self.places[split.feature]
         column = self.columns[place]
         if column.kind != "number":

@@ -18,7 +18,17 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.input.names import shown
 from octmip.monitor.export.legend import Legend, comment, quoted
-from octmip.monitor.export.questions import Answer, Asked, NumberAsked, OwnTree, Part, SumAsked, Term, TextAsked, own_tree
+from octmip.monitor.export.questions import (
+    Answer,
+    Asked,
+    NumberAsked,
+    OwnTree,
+    Part,
+    SumAsked,
+    Term,
+    TextAsked,
+    own_tree,
+)
 from octmip.monitor.export.sql_cells import Cells, exact, plain, text_literal
 from octmip.trees.tree import SIDES, Node, Side, depth
 
@@ -54,7 +64,8 @@ def sql_expression(
     _check_names(own)
     owner = f"{_column(table)}." if table else ""
     cells = {k: Cells.of(own.columns[k], owner + _column(own.columns[k].name)) for k in own.read}
-    head = (legend or Legend()).lines(own, lambda k: quoted(own.columns[k].name), lambda c: Cells.of(c, "").words, "NULL")
+    named = [quoted(column.name) for column in own.columns]
+    head = (legend or Legend()).lines(own, named.__getitem__, lambda column: Cells.of(column, "").words, "NULL")
     wide = any(isinstance(value, int) and not -INT32 <= value < INT32 for value in own.answers)
     writer = _Expression(cells, wide)
     text = writer.nested(own.root, "") if depth(tree) <= DEEPEST_NEST else writer.flat(own.root)
@@ -165,16 +176,18 @@ class _Expression:
         left = f"({total} <= {exact(asked.offset)} AND LOWER({total} || '') NOT IN ('nan', '-nan'))"
         missing = f"({' OR '.join(f'({self.counted(term)}) IS NULL' for term in asked.terms)})"
         right = f"CASE WHEN {left} THEN 0 ELSE 1 END = 1"
-        sides = [f"({missing} OR {test})" if asked.missing == side else f"(NOT {missing} AND {test})"
-                 for side, test in zip(SIDES, (left, right), strict=True)]
+        sides = [
+            f"({missing} OR {test})" if asked.missing == side else f"(NOT {missing} AND {test})"
+            for side, test in zip(SIDES, (left, right), strict=True)
+        ]
         return sides[0], sides[1]
 
     def total(self, terms: Sequence[Term], first: float | None) -> str:
         """Return a sum, added from the first to the last, as SQL adds without parentheses."""
         if len(terms) > MOST_TERMS:
             raise TreeError(
-                f"a split of the tree adds {len(terms)} features; expected at most {MOST_TERMS}, since databases refuse "
-                "longer sums; export to C or ONNX, or limit the problem's split_size"
+                f"a split of the tree adds {len(terms)} features; expected at most {MOST_TERMS}, since databases "
+                "refuse longer sums; export to C or ONNX, or limit the problem's split_size"
             )
         products = [f"{exact(term.coefficient)} * {self.counted(term)}" for term in terms]
         return f"({' + '.join(([] if first is None else [exact(first)]) + products)})"
@@ -207,5 +220,5 @@ def _constant(value: Any) -> str:
     if isinstance(value, float):
         return exact(value)
     if not -INT64 <= value < INT64:
-        raise TreeError(f"the class {value} has more than 64 bits; expected what databases hold; make the classes texts")
+        raise TreeError(f"the class {value} has more than 64 bits; expected a smaller one; make the classes texts")
     return str(value)

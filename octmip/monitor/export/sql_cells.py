@@ -31,7 +31,8 @@ LARGEST = 62
 """Powers of two up to 2**62 are whole numbers of every database."""
 MOST_DECIMALS = 18
 """Powers of ten up to 10**18 are whole numbers of every database, and of float64."""
-NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}))}
+WORDS = ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}))
+NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": WORDS}
 """Texts of a missing number, by what the cells are; SQLite keeps the empty cells of a CSV file as empty texts."""
 SPELLINGS = {False: "('false', 'f', '0', '0.0')", True: "('true', 't', '1', '1.0')"}
 UTC = ("", "UTC", "Etc/UTC", "Z", "+00:00", "-00:00")
@@ -66,7 +67,8 @@ class Cells:
             _check_date(column)
             return cls(column, quoted, "a date or time of UTC, or its ISO text (2025-03-14, 2025-03-14 15:09:26.5)")
         if column.form:
-            what = "durations, which each database writes in another way" if column.form == DAYS else words_of(column.form)
+            is_duration = column.form == DAYS
+            what = "durations, which each database writes in another way" if is_duration else words_of(column.form)
             raise TreeError(
                 f"column {shown(column.name)} holds {what}; expected plain numbers, dates, Booleans or texts, which an "
                 "expression can ask for in every database; train on a column of plain numbers, or export to C or ONNX"
@@ -94,8 +96,8 @@ class Cells:
         """The cell as a number, where it is not missing."""
         if is_date(self.column.form):
             raise TreeError(
-                f"the tree adds the days of {shown(self.column.name)}; expected dates in splits on one column alone, as "
-                "databases count days in different ways; export to C or ONNX, or train without linear leaves"
+                f"the tree adds the days of {shown(self.column.name)}; expected dates in splits on one column alone, "
+                "as databases count days in different ways; export to C or ONNX, or train without linear leaves"
             )
         if self.column.stored == "truths":
             yes, no = (f"WHEN LOWER({self.text}) IN {SPELLINGS[one]} THEN {exact(float(one))}" for one in (True, False))
@@ -157,8 +159,8 @@ def _check_date(column: Column) -> None:
     """Refuse a date that is written in an order that texts do not have, or a time of another zone than UTC."""
     if column.zone not in UTC:
         raise TreeError(
-            f"the times in column {shown(column.name)} are of the zone {shown(column.zone)}; expected UTC, as databases "
-            "show other zones in different ways; store them in UTC and train again, or export to C or ONNX"
+            f"the times in column {shown(column.name)} are of the zone {shown(column.zone)}; expected UTC, as each "
+            "database shows other zones in its way; store them in UTC and train again, or export to C or ONNX"
         )
     if column.stored == "texts" and column.form != "%Y-%m-%d":
         raise TreeError(

@@ -71,8 +71,10 @@ def test_the_c_function_answers_as_the_tree_does():
     level = ctypes.CDLL("./crack.so").crack_level
     selector = ModelSelector.read("out/monitor.json")
     readings = selector.library.strains + np.random.default_rng(1).normal(0.0, 0.5, (5, 4))
+    level.restype = ctypes.c_double
     answers = [level((ctypes.c_double * 4)(*row)) for row in readings.tolist()]
-    assert answers == selector.select_many(readings, {"truck_1": 20.0, "truck_2": 30.0}).tolist()
+    states = selector.select_many(readings, {"truck_1": 20.0, "truck_2": 30.0})
+    assert answers == selector.library.states[states, 0].tolist()
 
 
 def test_each_load_has_a_folder_and_json_says_what_holds(capsys):
@@ -264,7 +266,7 @@ def test_wrong_words_of_the_loop_are_one_sentence(words, told, capsys):
 
 def test_noise_counts_as_much_less_as_readings_are_divided_by():
     twin = function_twin(lambda p, loads: [p["d"] * loads["f"]], {"a": "mm"}, loads=["f"], states=("d",), linear=True)
-    one, three = (design_monitor(twin, {"f": load}, 0.3, n_draws=12) for load in (1.0, 3.0))
+    one, three = (design_monitor(twin, load, 0.3, n_draws=12) for load in (1.0, 3.0))
     spread = [design.fresh[:, 0] - design.library.strains[design.truth, 0] for design in (one, three)]
     assert spread[1] == pytest.approx(spread[0] / 3.0, abs=1e-12)
     assert (one.load_factor, three.load_factor) == (1.0, 3.0)

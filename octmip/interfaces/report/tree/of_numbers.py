@@ -206,7 +206,7 @@ def value_words(leaf: Leaf, wording: Wording, target: str | None = None) -> str:
     terms = [answered(leaf.value)]
     for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
         sign = MINUS if coefficient < 0 else "+"
-        terms.append(f"{sign} {answered(abs(coefficient))} {short_name(wording.features[feature], 24)}")
+        terms.append(f"{sign} {answered(abs(coefficient))} {wording.short(wording.features[feature])}")
     return " ".join(terms) + (wording.unit(target) if target and not leaf.features else "")
 
 

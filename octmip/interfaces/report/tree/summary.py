@@ -9,7 +9,7 @@ from octmip.interfaces.report.new_rows import choice_of
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
-from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
+from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
 from octmip.trees.tree import depth, features_used
 
@@ -34,12 +34,12 @@ def columns_read(file: TreeFile, wording: Wording) -> list[str]:
 
 
 def _columns_read(file: TreeFile, wording: Wording) -> str:
-    return listed([short_name(name, 40) for name in columns_read(file, wording)], 5)
+    return listed(short_names(columns_read(file, wording)), 5)
 
 
 def trees_meant(file: TreeFile) -> str:
     """Return the trees over which the bound speaks."""
-    scope = narrow_scope(file.solution)
+    scope = narrow_scope(file.solution, file.settings["depth"])
     return (
         f"among {short_name(scope)}, no tree"
         if scope
@@ -134,12 +134,9 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
     solution = file.solution
     if solution.is_optimal:
-        return (
-            "Proven best",
-            "yes",
-            f"among {short_name(scope)}" if (scope := narrow_scope(solution)) else f"of depth {file.settings['depth']}",
-            "good",
-        )
+        scope = narrow_scope(solution, file.settings["depth"])
+        among = f"among {short_name(scope)}" if scope else f"of depth {file.settings['depth']}"
+        return ("Proven best", "yes", among, "good")
     if not math.isfinite(solution.bound):
         return ("Proven best", "no", "no bound is known", "warn")
     return (
@@ -156,5 +153,5 @@ def _reads_card(file: TreeFile, wording: Wording) -> Card:
     return (
         "Columns to read",
         f"{len(read):,}",
-        f"of {of:,}: {listed([short_name(name, 24) for name in read], 3)}" if read else f"of {of:,}",
+        f"of {of:,}: {listed(short_names(read, 24), 3)}" if read else f"of {of:,}",
     )
