@@ -32,6 +32,7 @@ FAMILIES = {
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",
     "verified_logs": "benchmarks.cases.fuzz.verified",
     "fuzz_signals": "benchmarks.cases.command.signals",
+    "printed_rules": "benchmarks.cases.doors.printed_rules",
     "fuzz_files": "benchmarks.cases.fuzz.files",
     "mio_binary": "benchmarks.cases.mio.binary",
     "mio_gaps": "benchmarks.cases.mio.gaps",

@@ -3,6 +3,7 @@
 Each function takes the value and where it stands ("data.csv.json: seed"), and returns it as its kind.
 """
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -56,9 +57,10 @@ def fortran_number(word: str) -> float:
         If it is none; a number that is not finite is none.
     """
     found = _FORTRAN.fullmatch(word.strip())
-    if not found:
+    number = float(f"{found[1]}e{found[2] or found[3] or 0}") if found else math.inf
+    if not math.isfinite(number):
         raise ValueError(f"{shown(word)} is no finite number")
-    return float(f"{found[1]}e{found[2] or found[3] or 0}")
+    return number
 
 
 def whole(value: object, where: str, low: int = 0, high: int = MOST_WHOLE) -> int:

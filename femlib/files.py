@@ -24,6 +24,8 @@ _DEEP = f"nested deeper than {MOST_LEVELS} levels"
 def whole_file(target: Path) -> Iterator[Path]:
     """Give a temporary file beside `target` to fill, then rename it; if that fails, nothing is left.
 
+    It has the permissions of the file that it replaces.
+
     Raises
     ------
     InputError
@@ -32,14 +34,17 @@ def whole_file(target: Path) -> Iterator[Path]:
     if target.is_dir():
         raise InputError(f"{target} cannot be written (it is a folder); expected a file; add a name to it")
     temporary = target.with_name(f".{target.stem}.{secrets.token_hex(4)}{target.suffix}")
+    mode = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
     try:
-        temporary.open("x").close()
+        temporary.touch(mode=0o666 if mode is None else mode | stat.S_IWUSR, exist_ok=False)
     except OSError as error:
         raise InputError(
             f"{target} cannot be written ({error.strerror}); expected a writable folder; create it"
         ) from error
     try:
         yield temporary
+        if mode is not None:
+            temporary.chmod(mode)
         os.replace(temporary, target)
     finally:
         temporary.unlink(missing_ok=True)

@@ -64,7 +64,7 @@ def value_of(text: str, like: Any) -> Any:
 
 def number(text: str) -> float:
     """Return a number as a page or a program writes it: 1,700,000.5, 1e-30, 1 times a power of ten."""
-    return float(text.replace(",", "").replace(" ", "").replace("\u00d710", "e"))
+    return float(text.translate(POWERS).replace(",", "").replace(" ", "").replace("\u00d710", "e"))
 
 
 def _duration(text: str) -> Fraction:

@@ -179,7 +179,7 @@ class Deck:
         modes = buckling_modes(self.shells, self.supports, force.ravel(), 1, self.factor, limit=ANY, is_refined=False)
         if not modes:
             raise InputError(
-                "the load of a buckling deck only pulls, so that nothing buckles; expected one that pushes; turn it"
+                "the load of a buckling deck buckles nothing at any factor; expected one that pushes; turn it"
             )
         return BELOW * modes[0].factor
 

@@ -4,15 +4,26 @@ meshio 5.3.5 turns its shells into other kinds, keeps the last of several *NODE 
 same in capitals or not, as in both programs, and are kept as the deck first writes them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
 from femlib.checked import fortran_number
 from femlib.errors import InputError
-from femlib.structure.abaqus_cards import WIDTHS, Card, cards_of, kind_of
-from femlib.structure.abaqus_part import MOST_GENERATED, Part, counted, element_rows, extend, joined, mesh_of, motion
+from femlib.structure.abaqus_cards import MIDDLE, WIDTHS, Card, cards_of, kind_of
+from femlib.structure.abaqus_part import (
+    FARTHEST,
+    MOST_GENERATED,
+    Part,
+    counted,
+    element_rows,
+    extend,
+    joined,
+    mesh_of,
+    motion,
+)
 from femlib.structure.file_mesh import FileMesh, wrong_kind
 
 MAKERS = ("NCOPY", "NFILL", "NMAP", "ELCOPY", "SYSTEM", "SUBSTRUCTURE GENERATE")
@@ -39,17 +50,24 @@ def read_deck(path: Path) -> FileMesh:
     left_out: dict[str, int] = {}
     deck = Deck(path, left_out)
     for card in cards_of(path):
-        try:
+        with _told(path, card):
             deck.take(card)
-        except (ValueError, IndexError, KeyError, OverflowError) as error:
-            if isinstance(error, InputError):
-                raise
-            reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else str(error)
-            raise InputError(
-                f"{path} could not be read as abaqus (card *{card.keyword}: {reason[:120]}); expected a whole deck; "
-                "write it again"
-            ) from error
     return mesh_of(path, deck.whole(), left_out)
+
+
+@contextmanager
+def _told(path: Path, card: Card) -> Iterator[None]:
+    """Name the card whose data cannot be taken."""
+    try:
+        yield
+    except (ValueError, IndexError, KeyError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = f"{error} is not in the deck before it" if isinstance(error, KeyError) else str(error)
+        raise InputError(
+            f"{path} could not be read as abaqus (card *{card.keyword}: {reason[:120]}); expected a whole deck; write "
+            "it again"
+        ) from error
 
 
 class Deck:
@@ -67,6 +85,7 @@ class Deck:
         self.parts: dict[str, Part] = {}
         self.first: dict[str, int] = {}  # of an instance: what is added to its numbers
         self.instance: Card | None = None
+        self.is_by_meshio = False
         self.waiting: list[Card] = []  # sets of the part, which may name what comes behind them
         self.of_parts: dict[
             tuple[str, str], list[tuple[str, str, list[int]]]
@@ -125,16 +144,19 @@ class Deck:
             later = []
             for card in waiting:
                 try:
-                    self._set(card)
+                    with _told(self.path, card):
+                        self._set(card)
                 except InputError:
                     later.append(card)
             if len(later) == len(waiting):
-                self._set(later[0])
+                with _told(self.path, later[0]):
+                    self._set(later[0])
             waiting = later
 
     def _place(self) -> None:
         """Add the instance that ends here, its own nodes and elements after its part's."""
-        assert self.instance is not None
+        if self.instance is None:
+            raise ValueError("no *INSTANCE is open")
         options = self.instance.options
         name, of = options["NAME"], options.get("PART", "").upper()
         part = joined(self.parts[of] if of else Part(), self.own)
@@ -158,11 +180,16 @@ class Deck:
         if name:
             extend(self.own.sets[kind], self._name(kind, name), members)
 
+    def _heading(self, card: Card) -> None:
+        self.is_by_meshio = any("written by meshio" in word for row in card.rows for word in row)
+
     def _nodes(self, card: Card) -> None:
         if card.options.get("SYSTEM", "R").upper() != "R":
             raise InputError(f"{self.path} has nodes in cylindrical or spherical axes; expected x, y, z; write them so")
         for row in card.rows:
             place = [fortran_number(word) if word else 0.0 for word in (*row[1:4], "", "", "")[:3]]
+            if any(abs(value) > FARTHEST for value in place):
+                raise ValueError(f"{max(place, key=abs)} is no coordinate")
             self.own.nodes[int(row[0])] = tuple(place)
         self._add("NSET", card.options.get("NSET"), [int(row[0]) for row in card.rows])
 
@@ -180,7 +207,7 @@ class Deck:
 
     def _elements(self, card: Card) -> None:
         own = card.options["TYPE"]
-        kind, said = kind_of(own)
+        kind, said = kind_of(own, self.is_by_meshio)
         if said:
             self._left_out(card, said)
             return
@@ -192,7 +219,8 @@ class Deck:
         for number, nodes in element_rows(card.rows, WIDTHS[kind]):
             if number in self.own.elements:
                 raise ValueError(f"element {number} is there twice")
-            self.own.elements[number] = (kind, nodes)
+            own_order = MIDDLE.get(kind) if not self.is_by_meshio else None
+            self.own.elements[number] = (kind, tuple(nodes[k] for k in own_order) if own_order else nodes)
             numbers.append(number)
         self._add("ELSET", card.options.get("ELSET"), numbers)
 
@@ -271,6 +299,7 @@ class Deck:
 
 
 TAKEN: dict[str, Callable[[Deck, Card], None]] = {
+    "HEADING": Deck._heading,
     "NODE": Deck._nodes,
     "NGEN": Deck._nodes_between,
     "ELEMENT": Deck._elements,

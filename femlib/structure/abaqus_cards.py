@@ -21,6 +21,15 @@ KINDS = {
 }
 """Kind of an element, as meshio names it, by Abaqus's and CalculiX's types; sources: Abaqus Keywords Guide (2016),
 Elements index; CalculiX CrunchiX USER'S MANUAL 2.20, section 6.2."""
+BY_MESHIO = {
+    "CAX4P": "quad",
+    "R3D3": "triangle",
+    "S8R5": "quad8",
+    "S9R5": "quad9",
+    "CPE6": "triangle6",
+    "B33H": "line3",
+}
+"""Kind of an element in a deck that meshio 5.3.5 wrote, which names shells after other elements."""
 APART = {
     "MASS": "masses", "ROTARYI": "rotary inertias", "SPRING[12A]": "springs", "DASHPOT[12A]": "dampers",
     "GAPUNI|GAP.*|DCOUP3D|CONN[23]D2|ITT.*": "joints", "R3D[34]|R2D2|RB[23]D2|RAX2": "rigid elements",
@@ -53,9 +62,11 @@ class Card:
     rows: tuple[tuple[str, ...], ...]
 
 
-def kind_of(element_type: str) -> tuple[str, str]:
+def kind_of(element_type: str, is_by_meshio: bool) -> tuple[str, str]:
     """Return the kind of an element type and, where it is left out of a mesh, what it is; "" for the other."""
     own = element_type.upper()
+    if is_by_meshio and own in BY_MESHIO:
+        return BY_MESHIO[own], ""
     kind = next((name for name, types in KINDS.items() if re.fullmatch(types, own)), "")
     return kind, "" if kind else next((words for types, words in APART.items() if re.fullmatch(types, own)), "")
 

@@ -9,9 +9,10 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.checked import fortran_number
 from femlib.errors import InputError
-from femlib.structure.abaqus_cards import MIDDLE
 from femlib.structure.file_mesh import FileMesh, masks
 
+FARTHEST = 1e12
+"""Coordinate in the file's unit, at most."""
 MOST_GENERATED = 10_000_000
 """Nodes, elements or numbers that one card may generate."""
 
@@ -53,6 +54,8 @@ def counted(first: int, last: int, step: int) -> list[int]:
 def motion(rows: Sequence[Sequence[str]]) -> Callable[[tuple[float, ...]], FloatArray]:
     """Return what moves a place as an instance says: a shift, then a turn [deg] about the line through two points."""
     numbers = [[fortran_number(word) if word else 0.0 for word in row] for row in rows]
+    if any(abs(value) > FARTHEST for row in numbers for value in row):
+        raise ValueError(f"it is moved by {numbers}")
     shift = np.array((numbers[0] + [0.0] * 3)[:3] if numbers else [0.0] * 3)
     if len(numbers) < 2:
         return lambda place: np.array(place) + shift
@@ -96,8 +99,7 @@ def mesh_of(path: Path, part: Part, left_out: dict[str, int]) -> FileMesh:
     for kind in kinds:
         own = {number: nodes for number, (its, nodes) in part.elements.items() if its == kind}
         position |= {number: len(position) + k for k, number in enumerate(own)}
-        order = MIDDLE.get(kind)
-        rows = [[place[n] for n in (nodes if order is None else [nodes[k] for k in order])] for nodes in own.values()]
+        rows = [[place[n] for n in nodes] for nodes in own.values()]
         blocks.append((kind, np.array(rows, dtype=np.int64)))
     elements = {}
     for name, members in part.sets["ELSET"].items():

@@ -49,6 +49,8 @@ SILENT = re.compile(
 """Cards that leave the mesh as it is, and its material and sections to `Structure`."""
 REFUSED = re.compile(r"C(HEXA|TETRA|PENTA|PYRAM|IHEX|TRIAX|QUADX|SHEAR|QUAD$|CONEAX|PLST|PLSN|HAC|RAC|AX).*")
 """Elements that are no shells and no lines."""
+FARTHEST = 1e12
+"""Coordinate in the file's unit, at most."""
 DEEPEST = 100
 """Coordinate systems that are defined in each other, at most."""
 
@@ -116,6 +118,8 @@ class Bulk:
         word = card.text(3)
         place = (card.real(4), card.real(5), card.real(6))
         own = (int(word) if word else None, place)
+        if not all(abs(value) < FARTHEST for value in place):
+            raise ValueError(f"{max(place, key=abs)} is no coordinate")
         if self.grids.setdefault(card.whole(2), own) != own:
             raise ValueError("it is there twice, at two places")
         self._held(card)
@@ -125,6 +129,9 @@ class Bulk:
             self.say("PS of GRID (supports)")
 
     def _systems(self, card: Card) -> None:
+        numbers = [card.real(k) for k in (3, 4, 5, 6, 7, 8, 9, 12, 13, 14)]
+        if not all(abs(value) < FARTHEST for value in numbers):
+            raise ValueError(f"{max(numbers, key=abs)} is no coordinate")
         self.systems[card.whole(2)] = card
         if card.name.startswith("CORD1") and card.text(6):  # two of them in one line
             self.systems[card.whole(6)] = Card(card.name, card.fields[4:])

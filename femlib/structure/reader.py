@@ -104,7 +104,7 @@ def read(
 
 def _left_out(name: str, left_out: Mapping[str, int]) -> str:
     every = ", ".join(f"{n} {what}" for what, n in left_out.items())
-    return f"{name}: left out of the mesh: {every}; what of it counts, give to Structure"
+    return f"{name}: left out of the mesh: {every}; give to Structure what of it counts"
 
 
 def _read_file(path: Path) -> FileMesh:

@@ -7,6 +7,7 @@ that keeps them, so there it is checked: that it came, its shape, that it is fin
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -120,6 +121,10 @@ class CachedTwin(TwinAround):
         self._strains: dict[Key, NDArray[np.float64]] = {}
         self._signatures: dict[tuple[int, tuple[str, ...], float, Key], NDArray[np.float64]] = {}
         self._asked: dict[int, Effect] = {}  # by identity; held, so that no other effect takes the number of one
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy in another process has: all but the signatures, which are kept by identity."""
+        return {**self.__dict__, "_signatures": {}, "_asked": {}}
 
     def in_units(self, units: Mapping[str, str]) -> "CachedTwin":
         """Return the twin with the units that somebody states, microstrain for readings that `units` leaves out.

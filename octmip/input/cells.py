@@ -1,7 +1,9 @@
 """Cells of CSV text: the rows with the lines that they come from, and what a cell holds as a number."""
 
 import csv
+import re
 from collections.abc import Iterable, Iterator
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -33,6 +35,8 @@ def beyond_exact(values: Any, numbers: NDArray[np.float64]) -> int | None:
 def is_beyond(cell: object) -> bool:
     """Whether a cell is a whole number, or the text of one, that float64 does not hold."""
     if isinstance(cell, str) and cell.strip().lstrip("+-").isdecimal() and len(cell) < MOST_DIGITS:
+        cell = int(cell)
+    if isinstance(cell, Decimal) and cell.is_finite() and cell == cell.to_integral_value():
         cell = int(cell)
     if not isinstance(cell, int | np.integer) or abs(int(cell)) <= EXACT_INTEGERS:
         return False
@@ -79,6 +83,52 @@ class CsvRows:
         return self._taken[-1]
 
 
+FORTRAN = re.compile(r"\s*([+-]?(?:\d+\.\d*|\.\d+))(?:[dDqQ]([+-]?\d{1,3})|([+-]\d{3}))\s*")
+"""1.5D-03; an exponent of three digits may stand without its letter, as in 1.5-117."""
+MISSING_WORDS = frozenset(
+    {
+        "",
+        "na",
+        "n/a",
+        "n.a.",
+        "nan",
+        "-nan",
+        "+nan",
+        "<na>",
+        "nat",
+        "none",
+        "null",
+        "nil",
+        "?",
+        "-",
+        "--",
+        "---",
+        "missing",
+    }
+    | {
+        "nan(ind)",
+        "-nan(ind)",
+        "nan(snan)",
+        "1.#qnan",
+        "-1.#qnan",
+        "1.#ind",
+        "-1.#ind",
+        "#n/a",
+        "#na",
+        "#null!",
+        "#num!",
+    }
+    | {"#div/0!", "#value!", "#ref!", "#name?"}
+)
+"""What stands among numbers for a missing one: words, NaN as C libraries print it, what Excel writes of an error."""
+
+
+def is_missing_word(cell: str) -> bool:
+    """Whether a cell among numbers says that there is none."""
+    word = cell.strip().lower()
+    return word in MISSING_WORDS or (".#" in word and word.rstrip("0") in MISSING_WORDS)
+
+
 def plain_number(cell: str) -> float | None:
     """Return the number in a cell, infinite and NaN among them, or None; digits of other scripts and 1_000 are text."""
     if not cell.isascii() or "_" in cell:  # Python would take both
@@ -86,4 +136,5 @@ def plain_number(cell: str) -> float | None:
     try:
         return float(cell)
     except ValueError:
-        return None
+        found = FORTRAN.fullmatch(cell)
+        return None if found is None else float(f"{found[1]}e{found[2] or found[3]}")

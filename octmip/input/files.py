@@ -22,6 +22,14 @@ MOST_BYTES = 2**32
 """Size of a file that is read whole: beyond it memory ends before a sentence can be said."""
 MOST_LEVELS = 100
 """Levels of lists and objects in a JSON file; the deepest tree has some thirty."""
+MARKED = {
+    codecs.BOM_UTF8: "utf-8-sig",
+    codecs.BOM_UTF32_LE: "utf-32",  # begins as the mark of UTF-16 does
+    codecs.BOM_UTF32_BE: "utf-32",
+    codecs.BOM_UTF16_LE: "utf-16",
+    codecs.BOM_UTF16_BE: "utf-16",
+}
+"""Encodings by the byte-order mark that begins a text."""
 _DEEP = f"nested deeper than {MOST_LEVELS} levels"
 
 
@@ -90,6 +98,7 @@ def whole_folder(path: PathLike) -> Iterator[Path]:
 
 def _moved(file: Path, place: Path) -> None:
     try:
+        _keep_mode(file, place)
         os.replace(file, place)
     except OSError as error:
         raise WriteError(f"{place} cannot be written ({error.strerror}); choose another place") from error
@@ -118,10 +127,17 @@ def is_same_file(one: PathLike, other: PathLike) -> bool:
     return os.path.samestat(*found) and stat.S_ISREG(found[0].st_mode)
 
 
+def _keep_mode(passing: Path, target: Path) -> None:
+    """Give a file the permissions of the one that it replaces: what its owner alone may read stays so."""
+    with contextlib.suppress(FileNotFoundError):
+        os.chmod(passing, stat.S_IMODE(target.stat().st_mode))
+
+
 def _replace(target: Path, content: bytes) -> None:
     passing = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
         with passing.open("xb") as file:
+            _keep_mode(passing, target)
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
@@ -218,7 +234,7 @@ def read_text(path: PathLike) -> str:
 
 
 def decoded(content: bytes, name: str) -> str:
-    """Return UTF-8 text, without a byte-order mark; `name` is what a sentence calls its source.
+    """Return a text in UTF-8, or in what its byte-order mark says, without that; `name` is its source in a sentence.
 
     Raises
     ------
@@ -226,11 +242,13 @@ def decoded(content: bytes, name: str) -> str:
         a byte is not UTF-8.
     """
     try:
-        return content.decode("utf-8-sig")
+        marked = next((code for mark, code in MARKED.items() if content.startswith(mark)), "utf-8")
+        return content.decode(marked)
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise DataError(
-            f"{name}, line {line}: byte 0x{content[error.start]:02x} is not UTF-8 text; save the file as UTF-8"
+            f"{name}, line {line}: byte 0x{content[error.start]:02x} is not {error.encoding.upper()} text; save the "
+            "file as UTF-8"
         ) from error
 
 

@@ -8,6 +8,8 @@ seen become escapes (``\\x1b``, ``\\u202e``); all others, of any script, stay. W
 
 import re
 import unicodedata
+from bisect import bisect_left
+from collections.abc import Callable, Iterable
 from html import escape
 
 UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
@@ -53,6 +55,36 @@ def shown(name: object) -> str:
     if not text.isascii() and any(unicodedata.bidirectional(character) in RIGHT_TO_LEFT for character in text):
         return f"{ISOLATE}{text}{END_ISOLATE}"
     return text
+
+
+def shortened(names: Iterable[str], fits: Callable[[str], bool]) -> dict[str, str]:
+    """Return names by their whole text, each that does not fit cut in the middle, so that different ones stay so.
+
+    The cut lies in the middle, else near the beginning, else near the end; where no place keeps all of them apart,
+    those that are cut end in their number.
+    """
+    whole = list(dict.fromkeys(names))
+    found: dict[str, str] = {}
+    for share in (0.5, 0.2, 0.8):
+        found = {name: name if fits(name) else _cut(name, share, fits) for name in whole}
+        if len(set(found.values())) == len(whole):
+            return found
+    for k, name in enumerate(whole, 1):
+        if not fits(name):
+            end = f" ({k})"
+            found[name] = _cut(name, 0.5, lambda text, end=end: fits(text + end)) + end
+    return found
+
+
+def _cut(name: str, share: float, fits: Callable[[str], bool]) -> str:
+    """Return as much of a name as fits around dots, a share of it before them."""
+
+    def around(kept: int) -> str:
+        before = round(share * kept)
+        return f"{name[:before]}…{name[len(name) - kept + before :]}"
+
+    kept = bisect_left(range(1, len(name)), True, key=lambda kept: not fits(around(kept)))
+    return around(kept)
 
 
 def html_text(text: object) -> str:

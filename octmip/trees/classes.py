@@ -62,7 +62,7 @@ def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any]
 def ordered_levels(values: Any) -> tuple[Any, ...]:
     """Return the levels from low to high that a column's type names; () where it names none."""
     arrow = getattr(values, "type", None)
-    kind = getattr(values, "dtype", None)
+    kind: Any = getattr(values, "dtype", None)
     if getattr(kind, "pyarrow_dtype", None) is not None:
         values = values.array.__arrow_array__()
         arrow = values.type

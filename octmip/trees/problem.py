@@ -43,6 +43,7 @@ from octmip.trees.tree import (
     with_sides_for_missing,
 )
 
+MANY_ROWS = 64
 LEAST_SAVING = 1e-8
 """Share of the objective of a tree of numbers that another must save to be called better."""
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -144,7 +145,8 @@ class Problem(Shape):
             set_field(self, name, value)
 
     def __repr__(self) -> str:
-        words = [f"{self.n_samples} samples", f"{self.n_features} features"]
+        counts = {"sample": self.n_samples, "feature": self.n_features}
+        words = [f"{count} {noun}{'s' * (count != 1)}" for noun, count in counts.items()]
         words += [f"{self.n_classes} classes"] if self.class_names else [f"loss={self.loss!r}"]
         words += [f"depth={'any' if self.any_depth else self.depth}", f"split={self.split!r}"]
         usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
@@ -269,7 +271,10 @@ class Problem(Shape):
         """Return the cost of predicting each class for all the samples (or those of `rows`), shape (n_classes,)."""
         of_rows = self.cost_rows if rows is None else self.cost_rows[rows]
         weights = self.weights if rows is None else self.weights[rows]
-        return np.bincount(of_rows, weights, len(self.cost_table)) @ self.cost_table
+        table = self.cost_table
+        sums = np.bincount(of_rows, weights, len(table))
+        present = np.flatnonzero(sums) if len(table) > MANY_ROWS else slice(None)  # a node has few of many classes
+        return np.asarray(sums[present] @ table[present])
 
     def best_leaf(self, rows: NDArray[np.int64] | slice = slice(None)) -> Leaf:
         """Return the leaf that predicts these samples (all of them) at the least cost by one value."""

@@ -78,7 +78,7 @@ class Shape:
     split_size
         at most so many features in one split; None: no limit (1 for "axis").
     leaf_size
-        at least so many samples in every leaf.
+        at least so many samples in every leaf. Rows are counted, whatever they weigh.
     leaf_penalty
         price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
     sensor_of_feature

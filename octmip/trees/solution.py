@@ -4,11 +4,11 @@ import enum
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 from octmip.errors import ProblemError, SolverError
 from octmip.trees.methods.interruption import is_heard
-from octmip.trees.tree import Node, condition, depth, n_splits, prediction, tree_lines
+from octmip.trees.tree import Node, depth, first_lines, n_splits
 
 
 class Stop(enum.StrEnum):
@@ -162,14 +162,15 @@ class Solution:
         proof = "proven optimal" if self.is_optimal else f"gap {100 * self.gap:.3g} %"
         if math.isinf(self.bound):
             proof = "no proof"
-        lines = tree_lines(
-            self.tree,
-            lambda split: condition(split, lambda feature: f"x{feature}"),
-            lambda leaf: prediction(leaf, lambda feature: f"x{feature}"),
-        )
         splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
         head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"
-        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *lines])
+        return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *first_lines(self.tree)])
+
+    def __repr__(self) -> str:
+        """Return all on one line, a large tree by its size and the details by their names."""
+        own = {item.name: repr(getattr(self, item.name)) for item in fields(self) if item.name != "details"}
+        own["details"] = f"<{', '.join(self.details) or 'none'}>"
+        return f"Solution({', '.join(f'{name}={text}' for name, text in own.items())})"
 
     @property
     def gap(self) -> float:

@@ -19,7 +19,7 @@ without a threshold asks "is it missing?" alone: every reading goes to the other
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -31,6 +31,8 @@ from octmip.trees.digits import exact, midpoint
 Side = Literal["left", "right"]
 """Where a split sends a missing reading."""
 SIDES: tuple[Side, Side] = ("left", "right")
+MOST_LEAVES, MOST_LINES = 16, 50
+"""Of a tree as Python shows it: leaves that are spelled out, and lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +96,14 @@ class Split:
         """The one feature, as a tuple, so that both kinds of split read alike."""
         return (self.feature,)
 
+    def __repr__(self) -> str:
+        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
+        return _called(self)
+
+    def __str__(self) -> str:
+        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
+        return "\n".join(first_lines(self))
+
 
 @dataclass(frozen=True, slots=True)
 class HyperplaneSplit:
@@ -120,6 +130,14 @@ class HyperplaneSplit:
                 f"hyperplane over features {self.features} has coefficients {self.coefficients} and offset "
                 f"{self.offset}; expected finite numbers, no coefficient zero"
             )
+
+    def __repr__(self) -> str:
+        """Return the call that makes the tree; of a large one how many leaves it has in their place."""
+        return _called(self)
+
+    def __str__(self) -> str:
+        """Return the tree as indented lines, as many as a screen holds; features and classes by their index."""
+        return "\n".join(first_lines(self))
 
 
 Node = Leaf | Split | HyperplaneSplit
@@ -389,3 +407,22 @@ def tree_lines(
         return [decision(tree)]
     left, right = (tree_lines(side, question, decision) for side in (tree.left, tree.right))
     return [f"if {question(tree)}", *(f"    {line}" for line in left), "else", *(f"    {line}" for line in right)]
+
+
+def first_lines(tree: Node) -> list[str]:
+    """Return a tree as indented lines, features and classes by their index; of a large one the first lines alone."""
+    lines = tree_lines(tree, lambda split: condition(split, "x{}".format), lambda leaf: prediction(leaf, "x{}".format))
+    if len(lines) <= MOST_LINES:
+        return lines
+    first = lines[:MOST_LINES]
+    shown = sum(not line.strip().startswith(("if ", "else")) for line in first)
+    more = f"... {len(leaves(tree)) - shown} more leaves; export_text() of an estimator has all, and octmip report"
+    return [*first, more]
+
+
+def _called(split: Split | HyperplaneSplit) -> str:
+    n_leaves = len(leaves(split))
+    names = [item.name for item in fields(split) if n_leaves <= MOST_LEAVES or item.name not in SIDES]
+    own = {name: repr(getattr(split, name)) for name in names}
+    size = {} if n_leaves <= MOST_LEAVES else {"n_leaves": n_leaves}
+    return f"{type(split).__name__}({', '.join(f'{name}={text}' for name, text in (own | size).items())})"

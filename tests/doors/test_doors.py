@@ -14,11 +14,15 @@ from octmip.errors import OctmipError
 from tests.doors.row import Refused, Row
 
 TABLES: tuple[str, ...] = (
+    "campaigns",
     "class_orders",
+    "class_weights",
+    "decks",
     "exports",
     "frames",
     "large_integers",
     "models",
+    "texts",
 )
 ROWS: list[Row] = [row for name in TABLES for row in importlib.import_module(f"tests.doors.{name}").ROWS]
 MOST_CHARACTERS = 600

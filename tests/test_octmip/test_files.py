@@ -4,8 +4,9 @@ import os
 
 import pytest
 
+from femlib.files import whole_file
 from octmip.errors import DataError
-from octmip.input.files import check_writable, read_json_object, read_text, write_bytes
+from octmip.input.files import check_writable, read_json_object, read_text, whole_folder, write_bytes
 
 
 def test_a_file_is_written_as_given(tmp_path):
@@ -47,7 +48,22 @@ def test_a_device_is_written_to_as_it_is():
 def test_a_file_gets_the_permissions_of_the_user(tmp_path):
     write_bytes(tmp_path / "a", b"1")
     (tmp_path / "b").write_bytes(b"1")
-    assert (tmp_path / "a").stat().st_mode == (tmp_path / "b").stat().st_mode
+    with whole_file(tmp_path / "c") as passing:
+        passing.write_bytes(b"1")
+    assert len({(tmp_path / name).stat().st_mode for name in "abc"}) == 1
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o640, 0o444])
+def test_a_file_that_is_written_again_keeps_its_permissions(tmp_path, mode):
+    for name in "abc":
+        (tmp_path / name).write_bytes(b"old")
+        (tmp_path / name).chmod(mode)
+    write_bytes(tmp_path / "a", b"new")
+    with whole_folder(tmp_path) as passing:
+        (passing / "b").write_bytes(b"new")
+    with whole_file(tmp_path / "c") as passing:
+        passing.write_bytes(b"new")
+    assert [(file.read_bytes(), file.stat().st_mode & 0o777) for file in tmp_path.iterdir()] == [(b"new", mode)] * 3
 
 
 @pytest.mark.parametrize(("name", "reason"), [("", "is a folder"), ("none/a.json", "there is no folder")])

@@ -112,7 +112,7 @@ def test_the_offset_of_a_jump_acts_from_its_first_row_on():
     ],
 )
 def test_a_step_is_what_all_readings_are_whole_multiples_of(readings, step):
-    assert step_of(levels_of(np.array(readings))) == pytest.approx(step, abs=1e-4 * step)
+    assert step_of(levels_of(np.array(readings))) == pytest.approx(step, rel=1e-3)
 
 
 def test_variances_are_drawn_to_their_middle_and_equal_ones_become_one():

@@ -124,7 +124,7 @@ def z_of(noise, seed, check=True):
 def test_means_withstand_outliers_to_one_side(name):
     """Plain means are 0.7 to 1.4 standard deviations too high in every gauge."""
     z = np.array([z_of(with_outliers(0.02, OUTLIERS[name]), seed) for seed in range(8)])
-    assert abs(z.mean()) < 0.15
+    assert abs(z.mean()) < 0.18
     assert z.std() < 1.08
 
 

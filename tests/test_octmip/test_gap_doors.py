@@ -269,6 +269,15 @@ def test_the_function_of_the_page_runs_an_fmu_and_refuses_one_that_unpacks_to_gi
         CachedTwin(function_twin(of_page("unit"), readings, RANGES, ("force",))).predict({}, 200.0)
 
 
+def test_a_file_beside_the_campaign_hides_no_package(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [path for path in sys.path if path])
+    monkeypatch.delitem(sys.modules, "pickletools", raising=False)
+    Path("pickletools.py").write_text("raise SystemExit")
+    with pytest.raises(DataError, match="pickletools"):  # the library's own, which makes no twin
+        open_twin("pickletools:dis")
+
+
 def test_a_question_that_is_never_answered_ends_in_time():
     within = of_page("within")
     assert within(5, abs, -3) == 3

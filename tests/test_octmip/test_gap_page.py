@@ -165,3 +165,18 @@ def test_names_in_the_report_run_nothing_even_without_its_policy(browser, hostil
     titles = page.locator("svg.map circle title").all_text_contents()
     assert {title.rpartition(":")[0] for title in titles} == {shown(name) for name in names}
     page.close()
+
+
+def _lines(diagnosis):
+    """The places of every predicted line on the page, gauge by gauge."""
+    found = re.findall(r'<polyline points="([^"]*)" class="before"/>', report_page(diagnosis))
+    return [[tuple(map(float, place.split(","))) for place in points.split()] for points in found]
+
+
+def test_what_is_predicted_is_drawn_where_each_test_has_one_load(diagnoses):
+    """One point was a line of no length."""
+    campaign = measured(3, change=warm)
+    named = dataclasses.replace(campaign, test=tuple(f"at {load:g}" for load in campaign.load_factor))
+    lines = _lines(diagnose(named, TWIN, None, COMMISSIONING))
+    assert {len(line) for line in lines} == {len(set(campaign.load_factor))}
+    assert all(np.ptp([x for x, _ in line]) > 0.0 for line in [*lines, *_lines(diagnoses["one load"])])

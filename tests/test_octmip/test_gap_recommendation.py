@@ -120,6 +120,19 @@ def test_a_sound_asset_needs_nothing():
     assert recommend(sound).startswith("Nothing to do: no effect larger than the detectable sizes below (prob")
 
 
+def test_a_difference_without_a_run_is_not_nothing_to_do():
+    """The twin was 9 mm off at p = 1.8e-5, and nothing was to be done."""
+    alone = diagnose(measured(4), TWIN)
+    assert verdict_of(alone) is Verdict.SOUND
+    off = dataclasses.replace(alone, where=dataclasses.replace(alone.where, p_value=1.8e-5))
+    assert verdict_of(off) is Verdict.UNMEASURED
+    assert recommend(off).startswith("Cannot be told: readings and twin differ by ")
+    assert "(p-value 1.8e-05)" in recommend(off)
+    assert "bring a run of the sound asset" in recommend(off)
+    beside = diagnosed(seed=4)
+    assert verdict_of(dataclasses.replace(beside, where=off.where)) is Verdict.SOUND
+
+
 def test_what_the_library_lacks_stops_and_says_where_to_look():
     odd = 12 * np.sin(9 * np.arange(20))
     unknown = diagnosed(lambda state, load, time: load * odd, seed=2)
@@ -156,7 +169,7 @@ def test_channels_that_say_nothing_are_repaired_first(gain, name):
     sound = diagnosed(seed=4)
     fault = Fault(name, "g03", np.arange(3), "", 1500.0, 0)
     beginning = {
-        "stuck": "Repair the channel of gauge g03, whose readings never change; ",
+        "stuck": "Repair the channel of gauge g03, whose readings do not follow the load; ",
         "clipped": "Widen the range of the channel of gauge g03: g03 ends at 1500 microstrain; ",
     }[name]
     ends = {sound: "nothing else to do: no effect", gain: "recalibrate gauge g05: it reads"}

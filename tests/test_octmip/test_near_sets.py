@@ -1,6 +1,7 @@
 """Sets of near-optimal trees against plain enumeration, which knows no bound and no solver."""
 
 import math
+import pickle
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
@@ -36,6 +37,7 @@ def test_counts_are_those_of_enumeration(seed: int) -> None:
     assert found.stop is Stop.FINISHED
     counted = certify_set(problem, found, found.best(5) + found.sample(3, seed))
     assert counted is not None
+    assert pickle.loads(pickle.dumps(found)).best(5) == found.best(5)  # in another process too
     assert found.predictions == counted.predictions
     assert dict(found.spectrum) == dict(counted.spectrum)
     if found.by_sensors is not None:

@@ -146,8 +146,8 @@ def outcome(command: str, folder: Path, number: signal.Signals, moment: float) -
 
 def judged(command: str, number: signal.Signals, code: int, out: str, err: str) -> str:
     """Return "result", "interrupted" or "loading"; else what is wrong."""
-    if not out and "octmip" not in err and (code == -number or (code == 1 and "KeyboardInterrupt" in err)):
-        return "loading"  # Python itself has not begun with the command
+    if not out and "in main" not in err and (code == -number or (code == 1 and "KeyboardInterrupt" in err)):
+        return "loading"  # Python itself has not come to the command
     if "Traceback" in err:
         return f"traceback: {err.strip().splitlines()[-1]}"
     if code == 128 + number:

@@ -16,21 +16,12 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.instants import zone_of
-from octmip.formats.columns.written import (
-    DAYS,
-    ISO,
-    days_in,
-    form_of,
-    read_texts,
-    read_times,
-    unit_of,
-    words_of,
-    zone_in,
-)
-from octmip.input.cells import BEYOND, beyond_exact, is_beyond, plain_number
+from octmip.formats.columns.spellings import DAYS, ISO
+from octmip.formats.columns.times import days_in, read_times, zone_in
+from octmip.formats.columns.written import form_of, is_date, read_texts, unit_of, words_of
+from octmip.input.cells import BEYOND, beyond_exact, is_beyond, is_missing_word, plain_number
 from octmip.input.messages import MOST_NAME, shown
 
-MISSING_WORDS = frozenset({"", "na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"})
 UNKNOWN = "?"
 """Missing among texts too, as no value is called so; "NA" or "none" may be one."""
 KINDS = (str, int, float, Decimal, np.number, np.bool_)
@@ -217,14 +208,14 @@ def _objects(series: "pd.Series[Any]", is_missing: NDArray[np.bool_], form: str 
 def _written(cells: NDArray[Any], is_missing: NDArray[np.bool_], form: str | None) -> Cells | None:
     """Return the numbers of texts that have a form; None where they have none."""
     different = {str(cell) for cell in cells[~is_missing]}
-    texts = sorted(text for text in different if text.strip().lower() not in MISSING_WORDS)
+    texts = sorted(text for text in different if not is_missing_word(text))
     form = form_of(texts) if form is None else form
-    if not form or form == DAYS or not texts:
+    if not form or not texts:
         return None
     number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
     read = [math.nan if gone else number.get(str(cell), math.nan) for cell, gone in zip(cells, is_missing, strict=True)]
     numbers = np.array(read)
-    return _numbers(numbers, np.isnan(numbers), form, zone_in(texts) if form == ISO else "")
+    return _numbers(numbers, np.isnan(numbers), form, zone_in(texts) if is_date(form) else "")
 
 
 def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArray[np.float64] | None:
@@ -235,7 +226,7 @@ def _numbers_among(cells: NDArray[Any], is_missing: NDArray[np.bool_]) -> NDArra
         cell = cells[row]
         number = _number_of(cell)
         if number is None or math.isnan(number):
-            if str(cell).strip().lower() not in MISSING_WORDS:
+            if not is_missing_word(str(cell)):
                 return None
             continue
         out[row] = number

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns.cells import Cells, Stored, read_cells, stored_as
 from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
+from octmip.formats.columns.times import complaint_of
 from octmip.formats.columns.written import words_of
 from octmip.input.checked import ListOf, Record
 from octmip.input.messages import MOST_NAME, shown
@@ -312,6 +313,8 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing,
         return
     n_values = len(cells.values)
     if n_values > FEW_VALUES and n_values > most_unique * n_rows:
+        if times := complaint_of(cells.values):
+            raise DataError(times)
         raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
     n_levels = n_values + (cells.n_missing > 0)
     if categories == "subsets" and n_levels > MOST_LEVELS:

@@ -35,7 +35,10 @@ MOST_DAYS = 1e11
 
 def days_of(ticks: NDArray[np.integer[Any]], per_day: int) -> NDArray[np.float64]:
     """Return the days of instants (n,) that are counted in ticks since 1970, the same for every length of a tick."""
-    days, rest = np.divmod(ticks, per_day)
+    return _joined(*np.divmod(ticks, per_day), per_day)
+
+
+def _joined(days: NDArray[np.int64], rest: NDArray[np.int64], per_day: int) -> NDArray[np.float64]:
     found = days + rest / per_day
     if per_day < DAY:
         return found
@@ -95,7 +98,8 @@ def cut_between(low: float, high: float, zone: str = "") -> float:
 
 
 def _days(instant: int) -> float:
-    return float(days_of(np.array([instant]), DAY)[0])
+    day, rest = divmod(instant, DAY)  # of Python: no int64 holds the nanoseconds of the year 2263
+    return float(_joined(np.array([day]), np.array([rest]), DAY)[0])
 
 
 def last_instant(days: float) -> int:

@@ -2,8 +2,7 @@
 
 | form | written | read as |
 |---|---|---|
-| `%Y-%m-%d`, other patterns of `strptime` | 2025-03-04, 4 Mar 2025, also with a time | days since 1970-01-01, UTC |
-| `days` | durations of pandas | days |
+| that of a time (`octmip.formats.columns.times`) | 2025-03-04, 4 Mar 2025, also with a time of day; 10:09:26 | days |
 | `1,000.5` | 1,000.50 or 1 000.50 | 1000.5 |
 | `1.000,5` | 1.000,50 or 2,5 | 1000.5, 2.5 |
 | one of these two and a sign, such as `1,000.5$` or `1,000.5%` | $1,000.50, 5 % | 1000.5, 5 |
@@ -22,30 +21,21 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.instants import days_of
+from octmip.formats.columns.spellings import DATES, DAYS, TIMES
+from octmip.formats.columns.times import read_time_texts, time_form_of
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
-ISO, DAYS = "%Y-%m-%d", "days"
-DAY = pd.Timedelta(days=1)
-EPOCH = pd.Timestamp(0, tz="UTC").as_unit("s")
-"""In seconds: in nanoseconds no date beyond 2262 could be counted from it."""
-ORDERS = ("%Y/%m/%d", "%d.%m.%Y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%m-%d-%Y")
-MONTH_NAMES = ("%d %b %Y", "%d %B %Y", "%d-%b-%Y", "%b %d, %Y", "%B %d, %Y")
-TIMES = ("", " %H:%M", " %H:%M:%S")
-DATES = (ISO, *(day + time for day in (*ORDERS, *MONTH_NAMES) for time in TIMES))
-ZONE = re.compile(r":\d\d(?:[.,]\d+)?\s*(Z|[-+]\d\d:?\d\d)$")
-SHORT_YEAR = re.compile(r"\d{1,2}/\d{1,2}/\d{2}")
 NUMBER_PART = re.compile(
     r"(?P<minus>[-+]?)\s*(?P<before>[^\w\s%.,'+-]?)\s*(?P<digits>[0-9][0-9.,' \u00a0\u202f]*?)"
     r"\s*(?P<after>[^\w\s.,'+-]?)"
 )
-DIGITS = {
-    "1,000.5": r"(?:[0-9]{1,3}(?:[,' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:\.[0-9]%s)?",
-    "1.000,5": r"(?:[0-9]{1,3}(?:[.' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:,[0-9]%s)?",
+DIGITS = {  # no group begins with a zero: 0,945 has decimals
+    "1,000.5": r"(?:[1-9][0-9]{0,2}(?:[,' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:\.[0-9]%s)?",
+    "1.000,5": r"(?:[1-9][0-9]{0,2}(?:[.' \u00a0\u202f][0-9]{3})+|[0-9]+)(?:,[0-9]%s)?",
 }
 
-FORMS = rf"^(|{DAYS}|{'|'.join(map(re.escape, DATES))}|({'|'.join(map(re.escape, DIGITS))})[^\w\s]?)$"
+FORMS = rf"^(|{'|'.join(map(re.escape, TIMES))}|({'|'.join(map(re.escape, DIGITS))})[^\w\s]?)$"
 """Every form, and "" for plain numbers, as a pattern."""
 
 
@@ -60,19 +50,9 @@ def form_of(texts: Sequence[str]) -> str | None:
     stripped = [text.strip() for text in texts]
     if not stripped or not all(any(c.isdigit() for c in text) for text in stripped):
         return None
-    if all(SHORT_YEAR.fullmatch(text) for text in stripped):
-        raise DataError(
-            f"holds dates whose years have two digits, such as {shown(stripped[0])}; expected four digits; write "
-            "2025-03-04"
-        )
-    dates = [form for form in DATES if _read(stripped, form) is not None]
-    if any("%d/%m" in form or "%d-%m" in form for form in dates) and any(
-        "%m/%d" in f or "%m-%d" in f for f in dates[1:]
-    ):
-        raise DataError(
-            f"holds dates such as {shown(stripped[0])}, and in every cell either number may be the month; expected one "
-            "that may not; write them as 2025-03-14"
-        )
+    form = time_form_of(stripped)
+    if form is not None:
+        return form
     numbers = {form: read for form in _numeric_forms(stripped) if (read := _read(stripped, form)) is not None}
     if len(numbers) == 2:
         one, other = numbers.values()
@@ -82,7 +62,7 @@ def form_of(texts: Sequence[str]) -> str | None:
                     f"holds {shown(text)}, which may be {grouped:.15g} or {decimal:.15g}, and no cell shows whether "
                     "the comma or the point begins decimals; write the numbers without marks between groups of digits"
                 )
-    return next(iter((*dates, *numbers)), None)
+    return next(iter(numbers), None)
 
 
 def read_texts(texts: Sequence[str], form: str) -> Floats:
@@ -101,20 +81,14 @@ def read_texts(texts: Sequence[str], form: str) -> Floats:
     return read
 
 
-def read_times(series: "pd.Series") -> Floats:
-    """Return the days since 1970-01-01 (UTC) of dates and times that pandas holds, NaN where missing, shape (n,)."""
-    return days_in(pd.to_datetime(series, utc=True))
-
-
-def days_in(spans: "pd.Series") -> Floats:
-    """Return the days of durations, or of dates since 1970-01-01 (UTC), NaN where missing, shape (n,)."""
-    ticks = spans.astype(np.int64).to_numpy()
-    return np.where(spans.isna(), np.nan, days_of(ticks, DAY // pd.Timedelta(1, spans.dt.unit)))
-
-
 def is_date(form: str) -> bool:
     """Whether a form is that of dates."""
-    return form.startswith("%")
+    return form in DATES
+
+
+def is_time(form: str) -> bool:
+    """Whether a form is that of dates, times of day or durations."""
+    return form in TIMES
 
 
 def unit_of(form: str) -> str:
@@ -127,9 +101,9 @@ def words_of(form: str) -> str:
     if not form:
         return "plain numbers or text"
     if form == DAYS:
-        return "durations in days"
+        return "times of day or durations in days (6:00 is 0.25)"
     if is_date(form):
-        example = pd.Timestamp(2025, 3, 14, 15, 9).strftime(form)
+        example = pd.Timestamp(2025, 3, 14).strftime(form)
         return f"dates (14 March 2025: {example}), in days since 1970-01-01"
     style, sign = form[:7], form[7:]
     if sign == "%":
@@ -137,26 +111,9 @@ def words_of(form: str) -> str:
     return f"{f'amounts in {sign}' if sign else 'numbers'} ({style} is 1000.5)"
 
 
-def zone_in(texts: Sequence[str]) -> str:
-    """Return the offset from UTC in dates of ISO 8601; "UTC" where they have several, "" without any."""
-    found = {zone[1] for text in texts if (zone := ZONE.search(text.strip()))}
-    return "" if not found else f"{one[:3]}:{one[-2:]}" if len(found) == 1 and (one := found.pop()) != "Z" else "UTC"
-
-
 def _read(texts: Sequence[str], form: str) -> Floats | None:
     """Return the numbers of texts that all have a form, None where one has not."""
-    return _dates(texts, form) if is_date(form) else _numbers(texts, form[:7], form[7:])
-
-
-def _dates(texts: Sequence[str], form: str) -> Floats | None:
-    if form == ISO and not all(re.match(r"\d{4}-\d{2}-\d{2}(?:$|[T ])", text) for text in texts):
-        return None
-    kind = "ISO8601" if form == ISO else form
-    for some in (texts[:1], texts):  # most columns of text fail at the first cell
-        stamps = pd.to_datetime(pd.Series(list(some)), format=kind, errors="coerce", utc=True)
-        if stamps.isna().any():
-            return None
-    return read_times(stamps)
+    return read_time_texts(texts, form) if is_time(form) else _numbers(texts, form[:7], form[7:])
 
 
 def _numeric_forms(texts: Sequence[str]) -> tuple[str, ...]:

@@ -1,59 +1,44 @@
-"""CSV and TSV: cells separated by commas, tabs or semicolons, one header line, numbers to the last bit."""
+"""Text whose cells stand between separators, as `octmip.formats.table.layout` finds them: numbers to the last bit."""
 
-import contextlib
 import csv
 import io
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import pandas as pd
 
 from octmip.errors import DataError
+from octmip.formats.table.layout import Layout, layout_of
+from octmip.formats.table.lines import Line, is_value, split_rows
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
-from octmip.input.cells import CsvRows
 
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
 EXACT_NUMBERS: dict[str, Any] = {} if IS_EXACT else {"float_precision": "round_trip"}
-QUOTED = re.compile('"[^"]*"')
-# A whole cell that is a number: digits and one comma (or one point) among them, between two separators.
-DECIMAL = r'(?:^|;)"?[+-]?\d+%s\d+(?:[eE][+-]?\d+)?"?(?=\r?$|;)'
-SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars"}
+NO_NUMBERS = (
+    "",
+    "nan",
+    "NaN",
+    "NAN",
+    "-nan",
+    "-nan(ind)",
+    "nan(ind)",
+    "1.#QNAN",
+    "-1.#QNAN",
+    "1.#IND",
+    "-1.#IND",
+    "#N/A",
+)
+"""No class is called so; other words, such as NA, are missing among numbers alone (`octmip.input.cells`)."""
+COUNTED = "Unnamed: 0"
+"""Name of the column in which pandas read the names of the rows that it had written."""
+FEW = 4
+"""Rows whose first cells may count 1, 2, ... by chance."""
 
 
-@dataclass(frozen=True, slots=True)
-class Marks:
-    """What separates the cells of a text, and what begins the decimals of its numbers."""
-
-    separator: str
-    decimal: str
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """A sentence where the decimals begin with a comma."""
-        return ("numbers are read with decimal commas, as the cells stand between semicolons",) * (self.decimal == ",")
-
-
-def marks_of(name: str, text: str, form: str) -> Marks:
-    """Return the marks of a text that begins with its header line; `name` is what a sentence calls its source.
-
-    Tabs separate the cells of a TSV, commas those of a CSV; where its header line has none, semicolons, tabs or bars
-    do. With semicolons a number may have a decimal comma.
-
-    Raises
-    ------
-    DataError
-        decimal commas and points are mixed.
-    """
-    separator = _separator_of(text, form)
-    return Marks(separator, _decimal(name, text, separator))
-
-
-def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return the table of a CSV or TSV text (marks: `marks_of`), and notes on how it was read.
+def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
+    """Return the table of a text, its layout, and notes on how it was read.
 
     The column `as_text`, where there is one, stays as it is written.
 
@@ -64,101 +49,113 @@ def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataF
         has, or decimal commas and points are mixed.
     """
     text, notes = source.text()
-    marks = marks_of(source.name, text, source.format)
-    header = _check_header(source, text, marks.separator)
+    layout = layout_of(source.name, text, source.format)
+    names = [f"\0{k}" for k in range(layout.n_cells)]
+    for k, name in enumerate(layout.header[: layout.n_cells]):
+        names[k] = name if name and len(layout.header) == layout.n_cells else names[k]
+    check_names(source.name, [name for name in layout.header if name])
     try:
         frame: pd.DataFrame = pd.read_csv(
-            io.StringIO(text),
-            sep=marks.separator,
-            decimal=marks.decimal,
+            io.StringIO(layout.rows),
+            sep=r"\s+" if layout.separator == " " else layout.separator,
+            decimal=layout.decimal,
             **EXACT_NUMBERS,
+            header=None,
+            names=names,
             keep_default_na=False,
-            na_values=["", "nan", "NaN"],
+            na_values=list(NO_NUMBERS),
             low_memory=False,
             dtype={} if as_text is None else {as_text: str},
         )
-    except (ValueError, OverflowError) as error:  # pandas' own ParserError and EmptyDataError among them
+    except pd.errors.EmptyDataError:
+        frame = pd.DataFrame(columns=names)
+    except (ValueError, OverflowError) as error:  # pandas' own ParserError among them
+        _refuse_ragged(source, layout, is_refused=True)
         reason = str(error).strip().removeprefix("Error tokenizing data. C error: ")
         raise DataError(
             f"{source.name} is no table: {reason}; give every line as many cells as the header has"
         ) from error
-    if list(frame.columns) != header:
+    if not isinstance(frame.index, pd.RangeIndex) or (len(frame) and frame.iloc[:, -1].isna().any()):
+        _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
+    frame, told = _named(source, frame, layout)
+    return frame, layout, (*notes, *layout.notes, *told)
+
+
+def rows_in(layout: Layout, strict: bool = False) -> Iterator[Line]:
+    """Return the rows of a layout, with their lines."""
+    return split_rows(enumerate(io.StringIO(layout.rows, newline=""), start=1), layout.separator, strict)
+
+
+def _refuse_ragged(source: Source, layout: Layout, is_refused: bool) -> None:
+    """Refuse a row of another length than most, or (where pandas refused it) a quotation mark that is not closed."""
+    n_columns, rows = layout.n_cells, rows_in(layout, strict=True)
+    last = layout.line
+    try:
+        for row in rows:
+            last = row.last
+            if len(row.cells) != n_columns:
+                raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), n_columns)}")
+    except csv.Error as error:  # or a cell that pandas takes and csv does not
+        if not is_refused:
+            return
         raise DataError(
-            f"{source.name}, line 1: the header can be read in two ways; expected plain names; rename the columns"
-        )
-    if frame.iloc[:, -1].isna().any():  # pandas fills a row that is too short
-        _refuse_short(source.name, text, marks.separator, len(header))
-    return frame, (*notes, *marks.notes)
+            f"{source.name}, line {last + 1} or below is not valid CSV ({error}); close its quotation mark or remove it"
+        ) from error
 
 
 def ragged(n_cells: int, n_columns: int) -> str:
     """Return what is wrong with a row of another length than the header, behind its place."""
     return (
         f"{n_cells} cell{'s' * (n_cells != 1)} but the header has {n_columns}; give every row one for each column, an "
-        "empty one where nothing is known"
+        "empty one where nothing is known, or begin the line with # if it is none"
     )
 
 
-def _refuse_short(name: str, text: str, separator: str, n_columns: int) -> None:
-    rows = _rows(text, separator)
-    with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not
-        for cells in rows:
-            if 0 < len(cells) < n_columns:
-                raise DataError(f"{name}, line {rows.last}: {ragged(len(cells), n_columns)}")
+def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the frame under the names of its header, without columns that only end the lines or name the rows."""
+    header, columns = list(layout.header), list(frame.columns)
+    place = f"{source.name}, line {layout.line}"
+    empty = [k for k, name in enumerate(columns) if frame[name].isna().all()]
+    while columns and len(columns) - 1 in empty and (len(header) < len(columns) or not header[len(columns) - 1]):
+        columns.pop()  # a separator at the end of every line
+    header, frame = header[: len(columns)], frame[columns]
+    if len(header) == len(columns):  # an empty column, as before the first bar of a line in bars
+        held = [k for k, name in enumerate(header) if name or k not in empty]
+        header, columns = [header[k] for k in held], [columns[k] for k in held]
+        frame = frame[columns]
+    if len(header) < len(columns) - 1 or len(header) > len(columns):
+        row = next(rows_in(layout), None)
+        if row is not None:
+            raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), len(layout.header))}")
+    if len(header) == len(columns) - 1:
+        return _with_first(source, frame, layout, header)
+    unnamed = [k for k, name in enumerate(header) if not name]
+    if header and header[0].startswith(COUNTED):
+        unnamed = [0, *unnamed]
+    if unnamed == [0] and len(columns) > 1 and frame.iloc[:, 0].is_unique:
+        return frame.iloc[:, 1:], (f"the first column of {source.name} has no name; it names the rows and is left out",)
+    unnamed = [k for k in unnamed if not header[k]]
+    if unnamed:
+        raise DataError(f"{place}: column {unnamed[0] + 1} has no name; name it, or drop it if it only counts the rows")
+    return frame, ()
 
 
-def _separator_of(text: str, form: str) -> str:
-    if form == "tsv":
-        return "\t"
-    header = QUOTED.sub("", text[: text.find("\n") + 1] or text)
-    return next((mark for mark in SEPARATORS if mark in header), ",")
-
-
-def line_of_row(source: Source, row: int) -> int | None:
-    """Return the line of the text (1: header) on which a row ends: blank lines hold no row, quoted cells may span."""
-    text, _ = source.text()
-    rows = _rows(text, _separator_of(text, source.format))
-    rows_before = -1  # the header
-    with contextlib.suppress(csv.Error):  # a cell that pandas takes and csv does not: the row is named by its number
-        for cells in rows:
-            if cells:
-                if rows_before == row:
-                    return rows.last
-                rows_before += 1
-    return None
-
-
-def _check_header(source: Source, text: str, separator: str) -> list[str]:
-    """Return the names of the columns."""
-    rows = _rows(text, separator)
-    try:
-        header: Sequence[str] = next(rows, [])
-        first: Sequence[str] = next((cells for cells in rows if cells), [])
-    except csv.Error as error:
-        cells = f"cells separated by {SEPARATORS[separator]}"
-        raise DataError(f"{source.name}, line {rows.last}: {error}; expected {cells}") from error
-    check_names(source.name, header)
-    if "" in (name.strip() for name in header):
-        place = [name.strip() for name in header].index("") + 1
+def _with_first(
+    source: Source, frame: pd.DataFrame, layout: Layout, header: list[str]
+) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the frame whose rows have a cell before the first name: names of rows, or a day before its time."""
+    first = frame.iloc[:, 0]
+    row = next(rows_in(layout))
+    if layout.separator == " " and is_value(joined := f"{row.cells[0]} {row.cells[1]}") and ":" in joined:
+        both = first.astype(str) + " " + frame.iloc[:, 1].astype(str)
+        out = pd.concat([both, frame.iloc[:, 2:]], axis=1)
+        return out.set_axis(header, axis=1), (f"day and time are read together as the column {header[0]}",)
+    begin = layout.rows.splitlines()[row.number - 1].lstrip()[:1]
+    counts = first.dtype.kind == "i" and first.tolist() == [*range(1, len(first) + 1)]
+    counts = counts and (layout.separator != "," or len(first) > FEW)  # 1,5 may be a number with a decimal comma
+    if not (first.is_unique and (begin == '"' or not is_value(row.cells[0]) or counts)):
         raise DataError(
-            f"{source.name}, line 1: column {place} has no name; name it, or drop it if it only counts the rows"
+            f"{source.name}, line {row.number}: {ragged(len(row.cells), len(header))}, and name every column"
         )
-    if len(first) > len(header):  # pandas would take the first column for an index
-        raise DataError(f"{source.name}, line 2: {ragged(len(first), len(header))}, and name every column")
-    return list(header)
-
-
-def _decimal(name: str, text: str, separator: str) -> str:
-    """Return the decimal mark of the numbers: a comma is one only between semicolons."""
-    if separator != ";" or not (comma := re.search(DECIMAL % ",", text, re.MULTILINE)):
-        return "."
-    if point := re.search(DECIMAL % r"\.", text, re.MULTILINE):
-        raise DataError(
-            f"{name} holds numbers with a decimal comma ({comma[0].strip(';')}) and with a decimal point "
-            f"({point[0].strip(';')}); expected one of the two; save the table with points"
-        )
-    return ","
-
-
-def _rows(text: str, separator: str) -> CsvRows:
-    return CsvRows(enumerate(io.StringIO(text, newline=""), start=1), separator=separator)
+    out = frame.iloc[:, 1:].set_axis(header, axis=1)
+    return out, (f"the rows of {source.name} have names, as R writes them, which are left out",)

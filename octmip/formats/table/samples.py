@@ -14,15 +14,15 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.written import form_of, is_date, read_texts
-from octmip.formats.table.delimited import line_of_row, read_delimited
+from octmip.formats.columns.written import form_of, is_time, read_texts
+from octmip.formats.table.delimited import read_delimited, rows_in
+from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
-from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, plain_number
+from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
 
-MISSING_WORDS = {"na", "n/a", "nan", "none", "null", "nil", "?", "-", "missing"}
 OTHERWISE = {
     "feature": ", or leave the column out with --drop",
     "target": "; if its words are classes, name the column by --label instead of --target",
@@ -43,11 +43,14 @@ class Table:
         the rows; its index is their place in the source, from 0.
     notes
         sentences on how the source was read.
+    units
+        columns and the units that a row under the header gives them.
     """
 
     source: Source
     frame: pd.DataFrame
     notes: tuple[str, ...] = ()
+    units: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
@@ -61,9 +64,17 @@ class Table:
 
     def place(self, row: int, column: str) -> str:
         """Return where a cell stands in the file, for a sentence about it."""
-        row = int(self.frame.index[row])
-        line = None if self.source.format == "parquet" else line_of_row(self.source, row)
-        return f"{self.name}, {f'line {line}' if line else f'row {row + 1}'}, column {shown(column)}"
+        is_text = self.source.format != "parquet"
+        return f"{self.name}, {'line' if is_text else 'row'} {self.numbers_of_rows()[row]}, column {shown(column)}"
+
+    def numbers_of_rows(self) -> tuple[int, ...]:
+        """Return the line of the text on which each row begins; in a file of columns its number, from 1."""
+        places = self.frame.index.tolist()
+        if self.source.format == "parquet":
+            return tuple(row + 1 for row in places)
+        text, _ = self.source.text()
+        lines = [row.number for row in rows_in(layout_of(self.name, text, self.source.format))]
+        return tuple(lines[row] for row in places)
 
     def rows(self, chosen: NDArray[Any]) -> "Table":
         """Return the table of some rows: their positions (n,), or whether each is chosen (n_rows,)."""
@@ -110,7 +121,7 @@ class Table:
         if not all(isinstance(value, Hashable) for value in cells):  # lists and objects are no words
             return is_missing
         words = {value for value in set(cells) if not _is_number(value)}
-        if len(words) < column.nunique() and {str(word).strip().lower() for word in words} <= MISSING_WORDS:
+        if len(words) < column.nunique() and all(is_missing_word(str(word)) for word in words):
             is_missing = is_missing | column.isin(words).to_numpy()
         return is_missing
 
@@ -135,7 +146,10 @@ class Table:
             number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
             return column.map(number).to_numpy(dtype=np.float64)
         if column.dtype.kind not in "biuf":
-            raise DataError(self._complaint(name, column, purpose))
+            read = [plain_number(cell) if isinstance(cell, str) else None for cell in column]
+            if None in read or not np.isfinite(np.array(read, dtype=np.float64)).all():
+                raise DataError(self._complaint(name, column, purpose))
+            column = pd.Series(read, column.index, dtype=np.float64)
         numbers = column.to_numpy(dtype=np.float64)
         row = beyond_exact(column, numbers)
         if row is not None:
@@ -148,7 +162,7 @@ class Table:
     def form(self, name: str, purpose: str) -> str | None:
         """Return the form of a column (`octmip.formats.columns.written`), None where its cells have none in common.
 
-        Dates are a target alone: no weight and no cost is a day.
+        Times are a target alone: no weight and no cost is one.
 
         Raises
         ------
@@ -162,7 +176,7 @@ class Table:
             form = form_of(sorted(set(column)))
         except DataError as error:
             raise DataError(f"{self.name}, column {shown(name)} {error}") from error
-        return form if form and (purpose == "target" or not is_date(form)) else None
+        return form if form and (purpose == "target" or not is_time(form)) else None
 
     def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
         """Return a sentence about the first cell of a column that pandas could not take for numbers."""
@@ -216,7 +230,7 @@ class Table:
             )
         words = {label for label in set(labels) if not _is_number(label)}
         rows = [row for row, label in enumerate(labels) if label in words]
-        if 0 < len(rows) < len(labels) and {word.lower() for word in words} <= MISSING_WORDS:
+        if 0 < len(rows) < len(labels) and all(map(is_missing_word, words)):
             raise DataError(
                 f"{self.place(rows[0], name)}: {shown(labels[rows[0]])} among numbers "
                 f"({len(rows)} such row{'s' * (len(rows) != 1)}); expected a label in every row; "
@@ -258,9 +272,14 @@ def read_table(path: PathLike, as_text: str | None = None) -> Table:
         the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
     source = open_source(path)
-    frame, notes = (read_parquet(source), ()) if source.format == "parquet" else read_delimited(source, as_text)
+    units: tuple[tuple[str, str], ...] = ()
+    if source.format == "parquet":
+        frame, notes = read_parquet(source), ()
+    else:
+        frame, layout, notes = read_delimited(source, as_text)
+        units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)
     if frame.empty:
         raise DataError(
             f"{source.name} has {len(frame.columns)} columns and {len(frame)} rows; expected at least one row"
         )
-    return Table(source, frame, notes)
+    return Table(source, frame, notes, units)

@@ -66,7 +66,7 @@ class Source:
         """
         content = self.content()
         try:
-            return decoded(content, self.name), ()
+            return _with_line_feeds(decoded(content, self.name)), ()
         except DataError:
             try:
                 text = content.decode("cp1252")
@@ -76,9 +76,16 @@ class Source:
                 raise
             first = next(character for character in text if not character.isascii())
             line = text[: text.index(first)].count("\n") + 1
-            return text, (
+            return _with_line_feeds(text), (
                 f"{self.name} is not UTF-8 and was read as latin-1 (Windows-1252): line {line} has {first!r}",
             )
+
+
+def _with_line_feeds(text: str) -> str:
+    """Return a text whose lines end with a line feed: some end with a carriage return alone, as a quoted cell may hold."""
+    is_alone = "\r" in text and ("\n" not in text or (text.count("\r") != text.count("\r\n") and '"' not in text))
+    text = text.lstrip("\ufeff")  # files that were joined have several byte-order marks
+    return text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
 
 
 def open_source(path: PathLike) -> Source:

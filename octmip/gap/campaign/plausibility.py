@@ -38,7 +38,9 @@ FAR_OUT = 15.0
 FEW = 3
 """Repeats that an outlier needs beside it; most outliers that are reported."""
 DISTINCT = 6
-"""Different readings in a column below which two columns may be equal by chance."""
+"""Different readings in a column below which its slope says little."""
+SCATTERED = 12
+"""Readings that differ from the middle of their repeats, below which two columns with coarse steps may be equal."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,8 +222,8 @@ def _refuse_twin_columns(sheet: Sheet) -> None:
     """Two gauges of an analogue chain never agree to the last digit: one column was copied."""
     first: dict[bytes, str] = {}
     for name, one in sheet.gauges():
-        if len(np.unique(one.readings)) < DISTINCT:
-            continue  # stuck, empty or coarse: reported elsewhere
+        if _scattered(one) < SCATTERED:
+            continue  # stuck, empty or coarse: two displays may show the same
         twin = first.setdefault(np.nan_to_num(one.readings, nan=-1e300).tobytes(), name)
         if twin != name:
             rows = sheet.where().partition(",")[0]
@@ -229,6 +231,13 @@ def _refuse_twin_columns(sheet: Sheet) -> None:
                 f"{rows}: columns {twin} and {name} hold the same readings; expected each gauge's own; one was copied "
                 "over the other: export them again"
             )
+
+
+def _scattered(sheet: Sheet) -> int:
+    """Return how many readings of the one gauge differ from the median of their repeats."""
+    cells = (sheet.readings[cell.rows, 0] for cell in sheet.campaign.cells)
+    recorded = (values[np.isfinite(values)] for values in cells)
+    return sum(int((values != np.median(values)).sum()) for values in recorded if values.size)
 
 
 def warnings_on(sheet: Sheet) -> list[str]:

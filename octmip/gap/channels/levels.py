@@ -162,10 +162,10 @@ def _is_rail(channel: _Channel, run: Rows) -> bool:
     if level not in (np.nanmin(channel.values), np.nanmax(channel.values)):
         return False
     is_met = False
-    for rows, past in _past(channel, level, sign, 1.0):
+    for rows, past, doubt in _past(channel, level, sign, 1.0):
         met = int((channel.values[rows] == level).sum())
-        is_met |= met > 0 and past > 0.0
-        if met and binom.sf(met - 1, len(rows), norm.cdf(past / channel.least)) < AS_OFTEN:
+        is_met |= past > 0.0
+        if binom.sf(met - 1, len(rows), norm.cdf((past + 2.0 * doubt) / channel.least)) < AS_OFTEN:
             return False
     return is_met
 
@@ -204,7 +204,7 @@ def _rails(channel: _Channel) -> list[float]:
         is_pile = counts[end] >= LEAST_OF_A_CELL and counts[end] > 2 * counts[inner]
         level = float(levels[end])
         past = _past(channel, level, sign, None) if is_pile else []
-        if any(_is_beyond(channel, rows, level, distance) for rows, distance in past):
+        if any(_is_beyond(channel, rows, level, distance) for rows, distance, _ in past):
             found.append(level)
     return found
 
@@ -224,8 +224,8 @@ def _is_beyond(channel: _Channel, rows: Rows, level: float, past: float) -> bool
     return is_loaded and past > -margin and float(binom.sf(equal - 1, len(rows), channel.chance)) < PILED
 
 
-def _past(channel: _Channel, level: float, sign: float, otherwise: float | None) -> list[tuple[Rows, float]]:
-    """Return for every cell with readings at a level its rows and how far the twin lies beyond that.
+def _past(channel: _Channel, level: float, sign: float, otherwise: float | None) -> list[tuple[Rows, float, float]]:
+    """Return for every cell with readings at a level its rows, how far the twin lies beyond that, and the sd of this.
 
     The twin is multiplied by the factor of the cells that are not at an end of the range, `otherwise` where the twin
     says 0 of these; nothing is known where there is none.
@@ -235,10 +235,13 @@ def _past(channel: _Channel, level: float, sign: float, otherwise: float | None)
     inside = [rows for rows, is_met in met if not is_met and (channel.values[rows] != other).mean() > 0.5]
     free = np.concatenate([np.zeros(0, dtype=np.int64), *inside])
     x, y = channel.predicted[free], channel.values[free]
-    factor = float(x @ y) / float(x @ x) if x.any() else otherwise
+    factor, doubt = (
+        (float(x @ y) / float(x @ x), channel.sd / float(np.linalg.norm(x))) if x.any() else (otherwise, 0.0)
+    )
     if factor is None or not free.size:
         return []
-    return [(rows, sign * (factor * float(channel.predicted[rows[0]]) - level)) for rows, is_met in met if is_met]
+    at = [(rows, float(channel.predicted[rows[0]])) for rows, is_met in met if is_met]
+    return [(rows, sign * (factor * twin - level), doubt * abs(twin)) for rows, twin in at]
 
 
 def counted_once(campaign: Campaign) -> Campaign:

@@ -15,6 +15,7 @@ Each question is put to the function once; its answer is kept.
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -165,6 +166,20 @@ def function_twin(
     return FunctionTwin(function, card)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Moved:
+    """The readings with a parameter at another value than the nominal one."""
+
+    name: str
+    nominal: float
+    sign: float
+    ask: Ask
+
+    def __call__(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
+        moved = self.ask(state, load, {self.name: self.nominal + self.sign * size} if size else {})
+        return readings + moved - self.ask(state, load, {})
+
+
 def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
     """Return the effect that the asset's value of a parameter with a range is another than the model's.
 
@@ -174,16 +189,11 @@ def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
     is_at_end, below = own.nominal in (own.low, own.high), own.nominal == own.high
     unit = "" if own.unit in PURE else f" {own.unit}"
     of, way = f"the model's {own.nominal:g}{unit}", "below" if below else "above"
-
-    def apply(readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
-        moved = ask(state, load, {name: own.nominal + (-size if below else size)} if size else {})
-        return readings + moved - ask(state, load, {})
-
     return SimpleEffect(
         name=name,
         unit=own.unit,
         prior_sd=(2 * SHARE if is_at_end else SHARE) * width,
-        apply=apply,
+        apply=_Moved(name, own.nominal, -1.0 if below else 1.0, ask),
         bounds=(0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
         parameter=f"{called} {way} {of}",
         words=called,

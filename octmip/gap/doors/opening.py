@@ -175,7 +175,8 @@ def _attribute(name: str) -> Any:
             f"--twin is {name!r}; expected MODULE:NAME, such as femlib.wing:uav_twin, or {TABLE}, a colon, and the file"
         )
     if "" not in sys.path:
-        sys.path.insert(0, "")  # a twin beside the campaign, in the working directory
+        # A twin beside the campaign, in the working directory; last, so that no folder there hides a package.
+        sys.path.append("")
     try:
         return getattr(importlib.import_module(module), attribute)
     except ImportError as error:

@@ -227,6 +227,10 @@ def _exchanged(moment: Moment, places: Sequence[str]) -> Floats:
     return found
 
 
+def _exchanged_here(moment: Moment) -> Floats:
+    return _exchanged(moment, (moment.place,))[0]
+
+
 def _more_load(moment: Moment) -> Floats:
     """Return what a per cent of the load changes; a twin that refuses more, as a table does, is asked for less."""
     here, twin, state = moment.readings, moment.twin, moment.state
@@ -314,7 +318,7 @@ SWAPPED_PAIR = ChainEffect(
     prior_mean=1.0,
     prior_sd=0.02,  # two channels are exchanged or they are not
     separated_by="tapping or heating one gauge shows which channel answers",
-    change=lambda moment: _exchanged(moment, (moment.place,))[0],
+    change=_exchanged_here,
     change_at=_exchanged,
     places_in=_all_pairs,
     separator="/",

@@ -199,6 +199,10 @@ class Cell:
             return tuple(_batches(twin))
         return ("",) if sum(own) > 1 or not self.unit else ()
 
+    def change_here(self, moment: Moment) -> Floats:
+        """Return the change of the readings (n_gauges,) at the moment's own place."""
+        return self.change(moment, (moment.place,))[0]
+
     def change(self, moment: Moment, places: Sequence[str]) -> Floats:
         """Return the change of the readings (n_places, n_gauges) per unit of size."""
         return np.asarray(self._weights(moment.twin, places) * self._course(moment.time) * self._law(moment))
@@ -315,7 +319,7 @@ def _family(
     own = Cell(*cell, unit, typical, history)
     return ChainEffect(
         unit=size_unit,
-        change=lambda moment: own.change(moment, (moment.place,))[0],
+        change=own.change_here,
         change_at=own.change,
         places_in=own.places,
         load_power=0 if law == "constant" else None,

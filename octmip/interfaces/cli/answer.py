@@ -129,7 +129,7 @@ def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> s
 
 def _trees(problem: Problem, solution: Solution) -> str:
     """Return the trees that a bound holds for, in words that follow "no" and "every"."""
-    if scope := narrow_scope(solution):
+    if scope := narrow_scope(solution, problem.depth):
         return f"tree among {scope}"
     kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
     kind += "" if problem.loss.predicts == "class" else " with one number in each leaf"

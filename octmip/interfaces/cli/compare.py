@@ -162,7 +162,8 @@ def _row(arguments: argparse.Namespace, asked: TableProblem, method: Any, limits
         by = solution.details.get("tree_by", method)
         times.end(solution)
         reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}
-        return row | reached | {"method": method, "scope": narrow_scope(solution), "held_out": held, "tree_by": by}
+        scope = narrow_scope(solution, problem.depth)
+        return row | reached | {"method": method, "scope": scope, "held_out": held, "tree_by": by}
     except (ProblemError, SolverError) as error:
         return {"method": method, "error": " ".join(str(error).split())}
 

@@ -39,7 +39,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
     split_size
         at most so many features in one split; None: no limit.
     min_samples_leaf
-        at least so many samples in every leaf; a number below 1 is a share of all samples.
+        at least so many samples in every leaf, whatever they weigh; a number below 1 is a share of all samples.
     max_leaf_nodes
         at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst
@@ -80,7 +80,8 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         of the probabilities in each leaf. "out-of-fold" corrects the shares of the training rows, which are too high
         for fresh ones, by rows held out of ten quick refits; they run when a probability is first asked for, and take
         `seconds` at most (`octmip.trees.tradeoff.leaf_shares`). A number instead: so much training weight is added, in
-        equal parts to every class; 0 leaves the shares of the training rows.
+        equal parts to every class; 0 leaves the shares of the training rows. Shares alone are the same for rows of
+        weight 2 and for rows that come twice.
     method
         of `octmip.solve`, where `max_depth` is not "auto": "auto" proves for splits on one feature, and searches
         without a proof for hyperplanes.

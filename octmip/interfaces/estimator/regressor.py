@@ -34,7 +34,7 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
     leaf_model, ridge
         "constant", or "linear": a ridge regression in each leaf, by search.
     min_samples_leaf
-        at least so many samples in every leaf; a number below 1 is a share of all samples.
+        at least so many samples in every leaf, whatever they weigh; a number below 1 is a share of all samples.
     max_leaf_nodes
         at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.interfaces.plot.names import name_entries
-from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame, titled
+from octmip.interfaces.plot.style import DISTINCT, INK, Picture, quiet_frame, titled
 from octmip.trees.tradeoff import Choice, Step
 
 
@@ -26,7 +26,7 @@ def frontier_figure(
     """
     if not values:
         raise ProblemError("the frontier has no points; give it at least one value")
-    figure = Figure(figsize=(5.6, 3.2), layout="tight")
+    figure = Picture(figsize=(5.6, 3.2), layout="tight")
     axes = figure.add_subplot()
     proven = np.where(np.isfinite(bounds), bounds, np.nan)
     axes.vlines(values, proven, objectives, color=DISTINCT[0], alpha=0.35, linewidth=5)
@@ -58,7 +58,7 @@ def benchmark_figure(
 
     Source: Dolan & More (2002), Benchmarking optimization software with performance profiles.
     """
-    figure = Figure(figsize=(8.4, 3.4), layout="tight")
+    figure = Picture(figsize=(8.4, 3.4), layout="tight")
     left, right = figure.subplots(1, 2)
     finite = [ratio for of_method in ratios.values() for ratio in of_method if np.isfinite(ratio)]
     most = 1.5 * max(finite, default=1.0)
@@ -92,7 +92,7 @@ def _gap_at(seconds: NDArray[np.float64], run: Sequence[tuple[float, float]]) ->
 
 def choice_figure(choice: Choice, title: str | None = None) -> Figure:
     """Return cross-validated cost against alpha, one line per depth, the choice and its standard error marked."""
-    figure = Figure(figsize=(5.6, 3.4), layout="tight")
+    figure = Picture(figsize=(5.6, 3.4), layout="tight")
     axes = figure.add_subplot()
     ends = [step.alpha_low for step in choice.steps if step.alpha_low > 0]
     last = 1.25 * max(ends, default=1.0)

@@ -1,5 +1,6 @@
 """The drawing of a tree as a figure: boxes, lines and bars of `octmip.interfaces.report.tree.drawing`."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.formats.tree_file import leaf_counts
 from octmip.interfaces.plot.names import in_font, plain
-from octmip.interfaces.plot.style import DARK, LIGHT, Ground, check_names, class_colours
+from octmip.interfaces.plot.style import DARK, LIGHT, Ground, Picture, check_names, class_colours
 from octmip.interfaces.report.tree.drawing import Answer, Box, draw_tree
 from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.seen import Seen
@@ -95,13 +96,13 @@ def counted_tree_figure(
     dark: bool = False,
 ) -> Figure:
     """Return the figure of a tree whose samples are known as `counts`; arguments as those of `draw_tree`."""
-    drawing = draw_tree(tree, wording, counts, answer, seen, way, in_font)
+    drawing = draw_tree(tree, replace(wording, written=in_font), counts, answer, seen, way)
     ground, height = DARK if dark else LIGHT, drawing.height + (TITLE if title else 0)
     beside = max(0.0, TITLE_LETTERS * text_width(title or "") - drawing.width) / 2
     width = drawing.width + 2 * beside
     scale = min(1.0, WIDEST * PIXELS_PER_INCH / width)
     size = (width * scale / PIXELS_PER_INCH, height * scale / PIXELS_PER_INCH)
-    figure = Figure(figsize=size, facecolor=ground.paper)
+    figure = Picture(figsize=size, facecolor=ground.paper)
     axes = figure.add_axes((0.0, 0.0, 1.0, drawing.height / height))
     axes.set(xlim=(-beside, drawing.width + beside), ylim=(drawing.height, 0))
     axes.set_axis_off()

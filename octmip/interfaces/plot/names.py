@@ -8,26 +8,27 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
-from octmip.input.names import END_ISOLATE, ISOLATE, shown
+from octmip.input.names import END_ISOLATE, ISOLATE, shortened, shown, visible_lines
 
 LONGEST = 60
 """Characters of a name in a drawing: a longer one keeps its beginning and its end."""
 
 
-def drawn(name: object) -> str:
-    """Return a name on one line, shortened in the middle; characters that no font of the drawing has become escapes.
+def drawn(name: object, among: Iterable[object] = ()) -> str:
+    """Return a name on one line; a long one is cut so that it is none of the others `among` it.
 
-    The fonts are those of ``rcParams["font.family"]``: with one of them that has the script, names stay as they are.
+    Characters that no font of the drawing has become escapes. The fonts are those of ``rcParams["font.family"]``: with
+    one of them that has the script, names stay as they are.
     """
-    text = shown(name).strip(ISOLATE + END_ISOLATE)
+    text = str(name)
     if len(text) > LONGEST:
-        half = (LONGEST - 1) // 2
-        text = f"{text[:half]}…{text[-half:]}"
-    return in_font(text)
+        text = shortened([*map(str, among), text], lambda part: len(part) <= LONGEST)[text]
+    return in_font(shown(text).strip(ISOLATE + END_ISOLATE))
 
 
 def in_font(text: str) -> str:
-    """Return a text without isolates, with characters that no font of the drawing has as escapes."""
+    """Return a text without isolates; characters that no font of the drawing has, or that act, become escapes."""
+    text = visible_lines(text)
     if text.isascii():
         return text
     families = tuple(matplotlib.rcParams["font.family"])
@@ -45,8 +46,9 @@ def plain(text: Text) -> Text:
 
 def name_entries(legend: Legend, names: Iterable[object]) -> None:
     """Write names into a legend made with other labels: one that begins with ``_`` would have been left out of it."""
+    names = list(names)
     for text, name in zip(legend.get_texts(), names, strict=True):
-        plain(text).set_text(drawn(name))
+        plain(text).set_text(drawn(name, names))
 
 
 @lru_cache(maxsize=4096)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.input.names import shown
 from octmip.interfaces.plot.names import drawn, name_entries, plain
-from octmip.interfaces.plot.style import INK, PAPER, check_names, class_colours, quiet_frame, titled
+from octmip.interfaces.plot.style import INK, PAPER, Picture, check_names, class_colours, quiet_frame, titled
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used
 
@@ -43,7 +43,7 @@ def partition_figure(
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.04 * np.where(high > low, high - low, 1.0)
     low, high = low - margin, high + margin
-    figure = Figure(figsize=(5.6, 4.4), layout="tight")
+    figure = Picture(figsize=(5.6, 4.4), layout="tight")
     axes = figure.add_subplot()
     colours = class_colours(problem.class_names)
     corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
@@ -57,8 +57,8 @@ def partition_figure(
     name_entries(legend, problem.class_names)
     axes.set_xlim(low[0], high[0])
     axes.set_ylim(low[1], high[1])
-    plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]]), color=INK))
-    plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]]), color=INK))
+    plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]], problem.feature_names), color=INK))
+    plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]], problem.feature_names), color=INK))
     quiet_frame(axes)
     return titled(figure, axes, title)
 
@@ -69,7 +69,7 @@ def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> li
     if len(pair) != 2 or not set(used) <= set(pair):
         names = [shown(problem.feature_names[feature]) for feature in used]
         raise ProblemError(
-            f"the tree reads {len(used)} features ({', '.join(names)}); a plane shows a tree over two: name two that "
+            f"the tree reads {len(used)} feature{'s' * (len(used) != 1)} ({', '.join(names)}); a plane shows a tree over two: name two that "
             "hold them, or solve with a sensor budget of 2"
         )
     return pair

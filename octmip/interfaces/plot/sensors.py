@@ -5,7 +5,8 @@ import math
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, quiet_frame, titled
+from octmip.interfaces.plot.names import drawn, plain
+from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, Picture, quiet_frame, titled
 from octmip.trees.near_sets import Role, SensorRoles
 
 COLOURS = {Role.NEEDED: DISTINCT[1], Role.REPLACEABLE: DISTINCT[0], Role.USELESS: QUIET, Role.UNKNOWN: DISTINCT[5]}
@@ -17,7 +18,7 @@ def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
     The colour is the sensor's role; the shaded band is what counts as near-optimal.
     """
     best = found.solution.objective
-    figure = Figure(figsize=(6.4, 1.1 + 0.24 * len(found.roles)), layout="tight")
+    figure = Picture(figsize=(6.4, 1.1 + 0.24 * len(found.roles)), layout="tight")
     axes = figure.add_subplot()
     lost = [role.without.objective - best for role in found.roles]
     read = [role.forced - best for role in found.roles]
@@ -31,7 +32,10 @@ def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
         _note(axes, f"{read[k]:.4g}" if math.isfinite(read[k]) else "no tree", (left, k), -3)
     axes.axvline(0, color=INK, linewidth=0.8)
     axes.set_xlim(-1.18 * widest, 1.18 * widest)
-    axes.set_yticks(range(len(found.roles)), [role.sensor for role in found.roles])
+    names = [role.sensor for role in found.roles]
+    axes.set_yticks(range(len(names)), [drawn(name, names) for name in names])
+    for label in axes.get_yticklabels():
+        plain(label)
     axes.invert_yaxis()
     axes.xaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
     axes.set_xlabel("above the optimum: when it must be read (left), without it (right)", color=INK)

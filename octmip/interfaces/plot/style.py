@@ -1,5 +1,6 @@
 """Colours and frames that all figures share."""
 
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,9 +12,12 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
+from octmip.interfaces.plot.names import in_font, plain
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
 
+DOTS_PER_INCH = 96
+"""Of a picture in a notebook."""
 INK, QUIET, PAPER = "#1f2933", "#7b8794", "#ffffff"
 
 
@@ -32,6 +36,15 @@ LIGHT = Ground(INK, QUIET, PAPER, "#1c5cab", 0.0)
 DARK = Ground("#e6e9ed", "#8b96a1", "#14171b", "#82b4f5", 0.3)
 # Okabe & Ito (2008), yellow last: distinct for all common kinds of colour blindness.
 DISTINCT = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "#f0e442")
+
+
+class Picture(Figure):
+    """A figure that a notebook shows, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+        return buffer.getvalue()
 
 
 def class_colours(class_names: Sequence[Any]) -> list[tuple[float, float, float]]:
@@ -56,7 +69,7 @@ def quiet_frame(axes: Axes) -> None:
 def titled(figure: Figure, axes: Axes, title: str | None) -> Figure:
     """Return a figure whose axes bear a title, where there is one."""
     if title:
-        axes.set_title(title, fontsize=10, color=INK)
+        plain(axes.set_title(in_font(title), fontsize=10, color=INK))
     return figure
 
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from octmip.input.names import visible
+from octmip.input.names import shown, visible
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.tradeoff import Comparison
-from octmip.trees.tree import Node, leaf_index, leaves
+from octmip.trees.tree import Node, ValueLeaf, leaf_index, leaves
 
 FEW_SAMPLES = 5
 """A leaf of fewer training samples says little about new rows."""
@@ -98,11 +98,26 @@ def _interval(problem: Problem, found: Mapping[str, float], *, is_difference: bo
     return f"{mean} ({found['low']:.4g} to {found['high']:.4g})"
 
 
+def _one_answer(problem: Problem, tree: Node) -> tuple[str, str] | None:
+    """Return what a tree answers for every row, and what may tell rows apart; None where it answers several things."""
+    answers = {leaf.value if isinstance(leaf, ValueLeaf) else leaf.label for leaf in leaves(tree)}
+    if len(answers) > 1 or any(isinstance(leaf, ValueLeaf) and leaf.features for leaf in leaves(tree)):
+        return None
+    if problem.loss.predicts == "class":
+        cure = "where another class is rare or matters more, --class-weight balanced (or CLASS=WEIGHT) lets it count"
+        return shown(problem.class_names[int(answers.pop())]), cure
+    other = "absolute" if problem.loss.name == "squared" else "squared"
+    why = "a few far numbers may hide what splits are worth: " if other == "absolute" else ""
+    return f"{answers.pop():.6g}", f"{why}try --loss {other}, or a --depth"
+
+
 def warning_text(problem: Problem, tree: Node) -> str:
-    """Return what makes a tree doubtful on new rows, a line each: small leaves, and rows learned by heart."""
+    """Return what makes a tree doubtful on new rows, a line each: one answer, small leaves, rows learned by heart."""
+    if (answer := _one_answer(problem, tree)) is not None:
+        return f"warning: the tree answers {answer[0]} for every row; {answer[1]}"
     sizes = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree)))
     small = int((sizes < FEW_SAMPLES).sum())
-    if len(sizes) == 1 or not small:
+    if not small:
         return ""
     lines = [f"warning: {small} of {len(sizes)} leaves hold fewer than {FEW_SAMPLES} training samples"]
     if 2 * small >= len(sizes) and len(sizes) > 4:

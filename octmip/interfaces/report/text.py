@@ -75,10 +75,15 @@ def percent(share: float) -> str:
     return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
 
 
-def narrow_scope(solution: Solution) -> str:
-    """Return the trees for which the bound holds where these are not all trees of the problem, else nothing."""
+def narrow_scope(solution: Solution, depth: int | None) -> str:
+    """Return the trees for which the bound holds where these are not all trees of the problem, else nothing.
+
+    The depth of the problem (None: any) belongs to it: a proof is over no deeper trees.
+    """
     scope = str(solution.details.get("scope", "all"))
-    return "" if scope.startswith("all") else visible(scope)
+    if scope.startswith("all"):
+        return ""
+    return visible(scope if "depth" in scope or depth is None else f"{scope}, of depth {depth} or less")
 
 
 def solution_text(problem: Problem, solution: Solution, certificate: Certificate) -> str:
@@ -87,7 +92,7 @@ def solution_text(problem: Problem, solution: Solution, certificate: Certificate
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
-    elif scope := narrow_scope(solution):
+    elif scope := narrow_scope(solution, problem.depth):
         proof += f" among {scope}"
     elif is_number and solution.tolerance > 0:
         proof += f" within {solution.tolerance:.1g}"

@@ -18,11 +18,12 @@ from decimal import Decimal
 import numpy as np
 
 from octmip.errors import TreeError
-from octmip.formats.columns.cells import MISSING_WORDS, UNKNOWN
+from octmip.formats.columns.cells import UNKNOWN
 from octmip.formats.columns.column import Column
 from octmip.formats.columns.instants import DAY, SECOND, last_instant
-from octmip.formats.columns.written import DAYS, is_date, words_of
-from octmip.input.cells import EXACT_INTEGERS, plain_number
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.written import is_date, words_of
+from octmip.input.cells import EXACT_INTEGERS, MISSING_WORDS, plain_number
 from octmip.input.names import shown
 from octmip.trees.tree import Side
 

@@ -32,6 +32,9 @@ from octmip.trees.tree import SIDES, Leaf, Node, Split, complexity
 if TYPE_CHECKING:
     import sklearn
 
+MEASURED_WORK = 1e7
+"""Samples times columns times classes from which on the time of a level is measured: some tenths of a second."""
+
 
 def greedy_tree(
     problem: Problem,
@@ -48,8 +51,9 @@ def greedy_tree(
     Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
     budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
     addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits `seconds` is looked at
-    between the sensors of that choice, and `nodes` are the most splits: where there are more samples, the tree grows
-    best first, up to them. `incumbent`, `n_jobs`, `progress` and `options` are there because every solver has them.
+    between the sensors of that choice, and gives a large table fewer levels; `nodes` are the most splits: where there
+    are more samples, the tree grows best first, up to them. `incumbent`, `n_jobs`, `progress` and `options` are there
+    because every solver has them.
 
     Raises
     ------
@@ -57,8 +61,11 @@ def greedy_tree(
         from the limits only; every Problem has a greedy tree, in the worst case a single leaf.
     """
     start = time.perf_counter()
-    builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes)
-    tree, stop = builder.build(builder.usable_features()), Stop.FINISHED
+    builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes, problem.depth)
+    levels = _levels_in_time(builder, start + limits.seconds)
+    stop = Stop.FINISHED if levels == problem.depth else Stop.TIME
+    builder = replace(builder, levels=levels)
+    tree = builder.build(builder.usable_features())
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
     return greedy_solution(problem, problem.with_sides(tree), seed, stop, time.perf_counter() - start)
@@ -89,6 +96,7 @@ class _GreedyBuilder:
     ranks: Ranks
     seed: int
     most_splits: float
+    levels: int
 
     def usable_features(self) -> NDArray[np.int64]:
         """Return the features that may be split on at all: allowed, and not constant."""
@@ -114,7 +122,7 @@ class _GreedyBuilder:
         problem = self.problem
         if len(features) == 0:
             return problem.best_leaf()
-        limits = {"max_depth": problem.depth, "min_samples_leaf": problem.leaf_size, "random_state": self.seed}
+        limits = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size, "random_state": self.seed}
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
@@ -167,6 +175,20 @@ class _GreedyBuilder:
             return Split(feature, None, Leaf(0), Leaf(0), missing=missing), left
         threshold = midpoint(float(values[below.max()]), float(values[above.min()]))
         return Split(feature, threshold, Leaf(0), Leaf(0), missing=missing), left
+
+
+def _levels_in_time(builder: _GreedyBuilder, deadline: float) -> int:
+    """Return the levels that can be grown by a deadline: all of them, or as many as the first one's time lets expect.
+
+    scikit-learn looks at no clock, and at each level goes through all samples, columns and classes.
+    """
+    problem, start = builder.problem, time.perf_counter()
+    work = problem.features.size * max(1, problem.n_classes)
+    if math.isinf(deadline) or work < MEASURED_WORK or problem.depth == 1:
+        return problem.depth
+    replace(builder, levels=1).build(builder.usable_features())
+    now = time.perf_counter()
+    return max(1, min(problem.depth, int((deadline - now) / max(now - start, 1e-9))))
 
 
 def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop]:

@@ -30,9 +30,10 @@ with needed_by("a Pyomo model"):
 
 ROUNDING = 1e-9
 """Share of a row of whole variables by which float64 may miss it."""
-KNOWN = (pyo.Constraint, pyo.SOSConstraint, pyo.LogicalConstraint, pyo.Objective, pyo.Var, pyo.BooleanVar, pyo.Param)
-KNOWN += (pyo.Set, pyo.RangeSet, pyo.Expression, pyo.Block, pyo.Suffix, pyo.BuildAction, pyo.BuildCheck)
-"""The kinds of components that `changes_of` compares, or that neither forbid nor allow anything."""
+COMPARED = (pyo.Constraint, pyo.SOSConstraint, pyo.LogicalConstraint, pyo.Objective, pyo.Var, pyo.BooleanVar)
+"""The kinds of components that `changes_of` reads."""
+IDLE = (pyo.Param, pyo.Set, pyo.RangeSet, pyo.Expression, pyo.Block, pyo.Suffix, pyo.BuildAction, pyo.BuildCheck)
+"""The kinds of components that neither forbid nor allow anything by themselves."""
 Breach = Callable[[Callable[[Any], float]], float]
 """By how much the values of variables break one thing, in units of its tolerance: above 1 it is broken."""
 
@@ -88,7 +89,7 @@ def changes_of(model: Any, rows: Rows, variables: list[Any]) -> Changes:
         it has another objective, or a component that nothing here can evaluate.
     """
     root = model.model()
-    _, unknown = categorize_valid_components(root, active=True, valid=set(KNOWN))
+    _, unknown = categorize_valid_components(root, active=True, valid={*COMPARED, *IDLE})
     if unknown:
         kind, found = next(iter(unknown.items()))
         raise ProblemError(
@@ -253,7 +254,7 @@ def _row(row: Any, least: float, most: float) -> Added:
     scale = max((abs(c) for c, _ in terms), default=1.0)
 
     def breach(value_of: Callable[[Any], float]) -> float:
-        parts = [c * (round(value_of(v)) if is_whole else value_of(v)) for c, v in terms]
+        parts = [c * (np.rint(value_of(v)) if is_whole else value_of(v)) for c, v in terms]
         size = abs(constant) + sum(abs(part) for part in parts)
         slack = ROUNDING * max(scale, size) if is_whole else MOST_VIOLATION * scale
         return _excess(constant + math.fsum(parts), least, most) / slack

@@ -6,6 +6,7 @@ counted are whole numbers of one power of two, of 64 bits where every sum fits, 
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -33,12 +34,18 @@ class WholeProblem:
         of the unit.
     most
         no tree costs more, in units.
+    made_of
+        the arguments of `whole_problem`, by which another process makes it again: the core's problem stays in its own.
     """
 
     native: _native.NearProblem
     ranks: Ranks
     exponent: int
     most: int
+    made_of: tuple[Problem, Node, bool]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return whole_problem, self.made_of
 
     def units(self, cost: Fraction) -> int:
         """Return the units in a cost, rounded down; at most `most`."""
@@ -87,4 +94,4 @@ def whole_problem(problem: Problem, tree: Node, by_sets: bool) -> WholeProblem:
         raise ProblemError(
             f"trees cannot be told apart by the sensors that they read: {error}; use fewer features, or no budget"
         ) from error
-    return WholeProblem(native, ranks, exponent, most)
+    return WholeProblem(native, ranks, exponent, most, (problem, tree, by_sets))

@@ -93,6 +93,12 @@ class Choice:
     expectation: Expectation | None
     n_left_out: int
 
+    def __repr__(self) -> str:
+        """Return what was chosen, and from how much, on one line."""
+        found = {"kind": self.chosen.kind, "depth": self.problem.depth, "leaf_penalty": self.problem.leaf_penalty}
+        found |= {"rule": self.rule, "n_steps": len(self.steps), "n_paths": len(self.paths)}
+        return f"Choice({', '.join(f'{name}={value!r}' for name, value in found.items())})"
+
     @property
     def tree(self) -> Node:
         """The tree."""

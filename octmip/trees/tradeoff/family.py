@@ -128,7 +128,8 @@ def trace_families(
             limits = replace(limits, nodes=SPLITS_OF_CART * limits.nodes)
         limited = family.run(replace(run, limits=limits))
         if family.method == "cart" and grown is None:
-            grown = solve_run(cut, limited)
+            within = replace(limits, seconds=max(0.0, min(limits.seconds, left)))
+            grown = solve_run(cut, replace(limited, limits=within))
         own = [tree for tree in known.get(n_cuts, ()) if depth(tree) <= family.depth]
         path = (
             trace_impurity(cut, limited, grown)

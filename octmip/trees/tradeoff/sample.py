@@ -18,6 +18,7 @@ import numpy as np
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Run
 from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.solution import Limits
 from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 from octmip.trees.tradeoff.path import trace_run
 
@@ -41,8 +42,10 @@ def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
     if n <= FEWEST_ROWS or math.isinf(seconds):
         return None
     few = _drawn(problem, FEWEST_ROWS / n, seed)
-    # Twice: the first tree of a process also waits for what it imports.
-    by_work = min(_seconds_of_path(few) for _ in range(2)) / _work(FEWEST_ROWS)
+    took = _seconds_of_path(few, seconds)
+    if took > seconds / 4:  # again: the first tree of a process also waits for what it imports
+        took = min(took, _seconds_of_path(few, seconds))
+    by_work = took / _work(FEWEST_ROWS)
     halvings = 0
     while n / 2**halvings > FEWEST_ROWS and by_work * _work(n / 2**halvings) > seconds:
         halvings += 1
@@ -51,9 +54,9 @@ def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
     return few if n / 2**halvings <= FEWEST_ROWS else _drawn(problem, 1 / 2**halvings, seed)
 
 
-def _seconds_of_path(problem: Problem) -> float:
+def _seconds_of_path(problem: Problem, seconds: float) -> float:
     start = time.perf_counter()
-    trace_run(replace(problem, depth=MAX_DEPTH), Run("cart"))
+    trace_run(replace(problem, depth=MAX_DEPTH), Run("cart", Limits(seconds=seconds)))
     return time.perf_counter() - start
 
 

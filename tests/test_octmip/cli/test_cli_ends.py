@@ -26,7 +26,6 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "benchmark": ("tables", "--depth", "1", "--methods", "exact", *OUT),
     "near-optimal": (DATA, *DEPTH),
     "sensors": (DATA, *DEPTH, "--out", "new/made.svg"),
-    "worst-case": (DATA, *DEPTH, "--off", "0.1", *OUT),
     "frontier": (DATA, *DEPTH, "--over", "depth", "--out", "new/made.svg"),
     "diagnose": ("campaign.csv", "--twin", "asset:Asset", *OUT),
     "monitor": ("--twin", "asset:Cracked", "--noise", "2", "--depth", "1", *OUT),

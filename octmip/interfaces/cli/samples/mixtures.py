@@ -11,8 +11,7 @@ import numpy as np
 from octmip.errors import DataError
 from octmip.formats.columns.written import form_of
 from octmip.formats.table import Table
-from octmip.formats.table.samples import MISSING_WORDS
-from octmip.input.cells import plain_number
+from octmip.input.cells import is_missing_word, plain_number
 from octmip.input.messages import shown
 
 MANY_NUMBERS, FEW_WORDS = 20, 0.1
@@ -28,7 +27,7 @@ def mixed_columns(table: Table, names: Sequence[str]) -> dict[str, str]:
         if column.dtype.kind in "biufmM" or not all(isinstance(cell, str) for cell in cells):
             continue
         numbers = {cell for cell in set(cells) if plain_number(cell.strip()) is not None}
-        words = {cell for cell in set(cells) - numbers if cell.strip().lower() not in MISSING_WORDS}
+        words = {cell for cell in set(cells) - numbers if not is_missing_word(cell)}
         if words and _has_form(words):
             continue
         at = [row for row, cell in zip(rows.tolist(), cells, strict=True) if cell in words]

@@ -4,6 +4,7 @@ import argparse
 from typing import Any
 
 from octmip.errors import DataError
+from octmip.formats.columns import Columns
 from octmip.input.names import shown
 from octmip.interfaces.cli.answer import ProgressLine, print_json, print_notes, printable
 from octmip.interfaces.cli.arguments import limits_of
@@ -104,7 +105,7 @@ def _show(
     print_notes(asked.notes)
     print(_summary(found))
     print(f"predictions: {_predictions(found)}\n")
-    print(printable(_roots(found)))
+    print(printable(_roots(found, asked.preparation.columns)))
     if found.by_sensors is not None:
         print(printable(f"\n{_sets(found)}"))
     for title, trees in (("best", best), ("sample", samples)):
@@ -127,7 +128,7 @@ def _summary(found: NearOptimalSet) -> str:
     return f"{of_it}: {found.trees:,}" if found.trees is not None else f"{of_it}: at least {found.trees_at_least:,}"
 
 
-def _roots(found: NearOptimalSet) -> str:
+def _roots(found: NearOptimalSet, columns: Columns) -> str:
     rows: list[dict[str, Any]] = []
     names = found.problem.feature_names
     total = max(1, found.trees_at_least)
@@ -143,7 +144,7 @@ def _roots(found: NearOptimalSet) -> str:
         rows.append(
             {
                 "root": shown(names[interval.feature]),
-                "thresholds": _thresholds(interval),
+                "thresholds": _thresholds(interval, columns),
                 "cuts": interval.n_cuts,
                 "trees": "not counted" if interval.trees is None else f"{interval.trees:,}",
                 "share": None if interval.trees is None else percent(interval.trees / total),
@@ -152,10 +153,12 @@ def _roots(found: NearOptimalSet) -> str:
     return markdown_table(rows, ("root", "thresholds", "cuts", "trees", "share"))
 
 
-def _thresholds(interval: RootInterval) -> str:
+def _thresholds(interval: RootInterval, columns: Columns) -> str:
     if interval.first is None or interval.last is None:
         return "missing?"
-    span = f"{interval.first:.6g}" if interval.n_cuts == 1 else f"{interval.first:.6g} to {interval.last:.6g}"
+    column = columns.column_of(columns.features[interval.feature])
+    first, last = column.number_text(interval.first), column.number_text(interval.last)
+    span = first if interval.n_cuts == 1 else f"{first} to {last}"
     return span if interval.missing is None else f"{span}, missing {interval.missing}"
 
 

@@ -90,7 +90,7 @@ def _channels(diagnosis: Diagnosis) -> list[str]:
     noise = diagnosis.noise
     parts = []
     if noise.stuck:
-        parts.append(f"repair the {_channel(list(noise.stuck))}, whose readings never change")
+        parts.append(f"repair the {_channel(list(noise.stuck))}, whose readings do not follow the load")
     if noise.clipped:
         unit_of = diagnosis.posterior.model.inputs.campaign.unit_of
         ends = [f"{name} ends at {with_unit(f'{end:g}', unit_of(name))}" for name, end in noise.clipped.items()]

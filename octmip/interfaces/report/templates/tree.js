@@ -207,8 +207,30 @@
       label.append(make("select", { id }, ...options));
       return label;
     }
-    label.append(make("input", { id, type: "text", inputmode: "decimal", autocomplete: "off" }));
+    label.append(make("input", { id, type: "text", inputmode: asked.time ? "text" : "decimal", autocomplete: "off" }));
     return label;
+  }
+
+  const DAY = 864e11;  // nanoseconds, a whole number for float64
+
+  function clock(hours, minutes, seconds, part) {
+    return (Number(hours || 0) * 3600 + Number(minutes || 0) * 60 + Number(seconds || 0)) * 1e9 + Number((part || "").padEnd(9, "0"));
+  }
+
+  // The days since 1970 (UTC) of 2024-03-01, 2024-03-01 10:00:00.33 or 2024-03-01 10:00+01:00; NaN of another text.
+  function dayOf(text, hasZone) {
+    const found = /^(\d{4})-(\d\d)-(\d\d)(?:[ T](\d\d):(\d\d)(?::(\d\d)(?:\.(\d{1,9}))?)?)?\s*(?:(Z)|([-+])(\d\d):?(\d\d))?$/.exec(text);
+    if (!found || (hasZone && !found[8] && !found[9])) return NaN;
+    const ahead = found[9] ? Number(found[9] + "1") * clock(found[10], found[11]) : 0;
+    const rest = clock(found[4], found[5], found[6], found[7]) - ahead;
+    return Date.UTC(found[1], found[2] - 1, found[3]) / 864e5 + Math.floor(rest / DAY) + (rest - Math.floor(rest / DAY) * DAY) / DAY;
+  }
+
+  // The days of 3 days, 3 days 02:00:00, -00:05:12.3 or a number of days.
+  function daysOf(text) {
+    const found = /^(-?)(?:(\d+) days?)?\s*(?:(\d\d):(\d\d):(\d\d)(?:\.(\d{1,9}))?)?$/.exec(text);
+    if (!found || text === "") return text === "" ? NaN : Number(text);
+    return Number(found[1] + "1") * (Number(found[2] || 0) + clock(found[3], found[4], found[5], found[6]) / DAY);
   }
 
   function valueOf(asked, control) {
@@ -217,6 +239,7 @@
       return text === "missing" ? null : text === "other" ? undefined : asked.values[Number(text)];
     }
     if (asked.hasMissing && (text === "" || text.toLowerCase() === "missing")) return null;
+    if (asked.time) return asked.time === "date" ? dayOf(text, asked.hasZone) : daysOf(text);
     const number = Number(text.replace(/,(?=\d{3}(\D|$))/g, "").replace("\u2212", "-"));
     return text === "" || !Number.isFinite(number) ? NaN : number;
   }
@@ -238,7 +261,8 @@
       for (const [k, asked] of open.entries()) {
         const value = valueOf(asked, document.getElementById(`case-${at}-${k}`));
         if (Number.isNaN(value)) {
-          complaint.textContent = `Give a number for ${asked.column}${asked.hasMissing ? ", or leave it empty if it is missing" : ""}.`;
+          const wanted = asked.time ? `a ${asked.time} such as ${asked.example}` : "a number";
+          complaint.textContent = `Give ${wanted} for ${asked.column}${asked.hasMissing ? ", or leave it empty if it is missing" : ""}.`;
           complaint.hidden = false;
           document.getElementById(`case-${at}-${k}`).focus();
           return;

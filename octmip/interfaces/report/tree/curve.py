@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from octmip.interfaces.report.tree.evidence import DepthPoint
-from octmip.interfaces.report.tree.words import figure
+from octmip.interfaces.report.tree.words import compact, figure
 
 WIDTH, HEIGHT = 340.0, 260.0
 """Narrow enough for a telephone at full size, so that no text shrinks."""
@@ -47,6 +47,10 @@ class Curve:
     bottom: float = BOTTOM
 
 
+WIDEST = 1e6
+"""Numbers on the axis from which on a power of ten is shorter."""
+
+
 def depth_curve(points: Sequence[DepthPoint], what: str) -> Curve:
     """Return the curve of at least one depth; `what` is what the vertical axis counts."""
     most = max(max(point.objective, point.greedy_objective or 0.0) for point in points)
@@ -67,7 +71,7 @@ def depth_curve(points: Sequence[DepthPoint], what: str) -> Curve:
     ]
     is_open = [p for p in points if not p.is_proven and math.isfinite(p.bound)]
     return Curve(
-        rows=tuple((y_of(value), figure(value, 4)) for value in ticks),
+        rows=tuple((y_of(value), figure(value, 4) if value < WIDEST else compact(value, WIDEST)) for value in ticks),
         columns=tuple((x_of(p.depth), str(p.depth)) for p in points),
         best=tuple(best),
         greedy=tuple(greedy),

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from octmip.interfaces.report.tree.bars import BAR, HISTOGRAM, Bar, histogram_bars, leaf_bars
 from octmip.interfaces.report.tree.letters import text_width
-from octmip.interfaces.report.tree.node_text import ROOM, NodeText, leaf_text, split_text
+from octmip.interfaces.report.tree.node_text import NodeText, leaf_text, split_text
 from octmip.interfaces.report.tree.seen import Histogram, Seen
-from octmip.interfaces.report.tree.words import Wording, answered, question, short_name
+from octmip.interfaces.report.tree.words import ROOM, Wording, answered, question
 from octmip.trees.tree import Leaf, Node, ValueLeaf, leaves
 
 Answer = Callable[[Leaf, Wording], str]
@@ -119,7 +119,6 @@ def draw_tree(
     answer: Answer | None = None,
     seen: Seen | None = None,
     way: int | None = None,
-    written: Callable[[str], str] = str,
 ) -> Drawing:
     """Return the drawing of a tree.
 
@@ -135,11 +134,9 @@ def draw_tree(
         the samples, for the spread of numbers in the leaves and for histograms; None: without them.
     way
         the leaf, counted from the left, whose way from the root is lit; None: no way.
-    written
-        a line as the target can write it.
     """
     values = [leaf.value for leaf in leaves(tree) if isinstance(leaf, ValueLeaf)] or [0.0]
-    known = _Known(wording, answer or _answer, written, counts, seen, way, min(values), max(values))
+    known = _Known(wording, answer or _answer, counts, seen, way, min(values), max(values))
     root = _sized(tree, known, 0)
     _spread(root, max(_leaf_widths(root)))
     heights = _level_heights(root, 0, {})
@@ -149,7 +146,7 @@ def draw_tree(
 
 
 def _answer(leaf: Leaf, wording: Wording) -> str:
-    return answered(leaf.value) if isinstance(leaf, ValueLeaf) else short_name(wording.classes[leaf.label])
+    return answered(leaf.value) if isinstance(leaf, ValueLeaf) else wording.short(wording.classes[leaf.label])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,7 +155,6 @@ class _Known:
 
     wording: Wording
     answer: Answer
-    written: Callable[[str], str]
     counts: NDArray[np.int64]
     seen: Seen | None
     way: int | None
@@ -198,7 +194,7 @@ def _sized(node: Node, known: _Known, first: int) -> _Sized:
     middle = first + len(leaves(node.left))
     end = middle + len(leaves(node.right))
     asked = question(node, known.wording)
-    text = split_text(node, asked, known.wording, int(known.counts[first:end].sum()), known.written)
+    text = split_text(node, asked, known.wording, int(known.counts[first:end].sum()))
     out = _Sized(node, text, known.is_lit(first, end), yes_is_left=asked.yes_is_left)
     out.sides = [_sized(node.left, known, first), _sized(node.right, known, middle)]
     histogram = known.seen.histogram(node, first, middle, end) if known.seen else None
@@ -213,7 +209,7 @@ def _sized_leaf(node: Leaf, known: _Known, index: int) -> _Sized:
     counts = known.counts[index]
     spread = known.seen.spread(index) if known.seen else None
     name, total = known.answer(node, known.wording), int(known.counts.sum())
-    text = leaf_text(node, name, counts, total, spread, known.written)
+    text = leaf_text(node, name, known.wording, counts, total, spread)
     pieces = (counts / max(1, counts.sum())).tolist()
     if isinstance(node, ValueLeaf):
         pieces = [] if node.features else [known.height_of(node)]

@@ -7,9 +7,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.written import is_date
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
-from octmip.interfaces.report.tree.words import Wording, figure, question, short_name
+from octmip.interfaces.report.tree.words import LONGEST_NAME, Wording, figure, question, short_name, short_names
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaf_index, leaves
 
@@ -69,7 +71,7 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
         "feature": index,
         "coefficient": coefficient,
         "key": next(j for j in range(index + 1) if wording.feature(j).column == item.column),
-        "column": short_name(item.column),
+        "column": wording.short(item.column),
         "unit": wording.unit(item.column).strip(),
         "kind": item.kind,
         "value": item.value,
@@ -78,8 +80,15 @@ def _asked(index: int, coefficient: float, wording: Wording, node: Split | Hyper
     }
     if wording.columns is None:
         return asked
-    column = next(column for column in wording.columns.columns if column.name == item.column)
-    asked |= {"values": list(column.values), "shown": [short_name(value) for value in column.values]}
+    column = wording.columns.column_of(item)
+    if column.form == DAYS or is_date(column.form):
+        example = column.number_text(column.least)
+        asked |= {
+            "time": "duration" if column.form == DAYS else "date",
+            "hasZone": bool(column.zone),
+            "example": example,
+        }
+    asked |= {"values": list(column.values), "shown": short_names(column.values, LONGEST_NAME)}
     ends = (column.least, column.most) if column.kind == "number" else (0.0, len(column.values) - 1.0)
     return asked | {
         "hasMissing": column.has_missing or (node.missing is not None and not column.asks_texts),
@@ -103,7 +112,7 @@ def sample_data(evidence: Evidence, measure: Measure, wording: Wording) -> dict[
         samples = zip(rows.tolist(), measure.script_samples(evidence, rows.tolist(), k), strict=True)
         found.append([[place[row] + 1, *judged, *cells(row)] for row, judged in samples])
     total = problem.n_features if table is None else table.shape[1]
-    return {"columns": [short_name(name, 40) for name in names], "isNumber": is_number, "leaves": found, "of": total}
+    return {"columns": short_names(names), "isNumber": is_number, "leaves": found, "of": total}
 
 
 def _columns(problem: Problem, tree: Node, wording: Wording, table: pd.DataFrame | None) -> tuple[Any, ...]:

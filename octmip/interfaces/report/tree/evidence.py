@@ -144,7 +144,7 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
     shallower = range(1, _levels(file, problem))
     points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
-    bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
+    bound = -math.inf if narrow_scope(file.solution, file.settings["depth"]) else file.solution.bound
     found = []
     for one, solution in solved:
         other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None

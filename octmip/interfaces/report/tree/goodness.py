@@ -5,7 +5,7 @@ from typing import Any
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
 from octmip.interfaces.report.tree.measure import Measure, differs
-from octmip.interfaces.report.tree.summary import expected_errors
+from octmip.interfaces.report.tree.summary import expected_errors, way_on
 from octmip.interfaces.report.tree.words import Wording, counted, figure
 from octmip.trees.tree import Node, depth, features_used, n_splits
 
@@ -92,7 +92,7 @@ def _depth_sentence(evidence: Evidence, measure: Measure) -> str:
     if better is not None:
         return (
             f"A tree of depth {better.depth} that was found for this page is better than this one of depth "
-            f"{last.depth}: let the solver run for longer."
+            f"{last.depth}: {way_on(measure.file.solution)}."
         )
     same = next(p for p in points if p.objective == last.objective)
     if same.depth < last.depth:

@@ -29,13 +29,19 @@ def _character_width(character: str) -> float:
     return BROAD if character.isupper() or unicodedata.category(character) == "Sm" else CHARACTER
 
 
-def wrapped(text: str, room: float) -> tuple[str, ...]:
-    """Return a text on one line, or on two that fit into a room [px]; what is longer ends in dots."""
-    if text_width(text) <= room or text.startswith(ISOLATE):
+def wrapped(text: str, room: float, most: int = 2) -> tuple[str, ...]:
+    """Return a text on as many lines as it needs in a room [px], or on the `most`; what is longer ends in dots."""
+    if most == 1 or text_width(text) <= room or text.startswith(ISOLATE):
         return (fitting(text, room),)
-    most = max(k for k in range(len(text)) if text_width(text[:k]) <= room)
-    at = max((k + 1 for k in range(most // 3, most) if text[k] in BREAKS), default=most)
-    return text[:at].rstrip(), fitting(text[at:], room)
+    first = text[: MOST_CHARACTERS + 1]
+    end = max(k for k in range(len(first)) if text_width(first[:k]) <= room)
+    at = max((k + 1 for k in range(end // 3, end) if text[k] in BREAKS), default=end)
+    return text[:at].rstrip(), *wrapped(text[at:].lstrip(), room, most - 1)
+
+
+def is_whole(text: str, room: float) -> bool:
+    """Return whether `wrapped` leaves nothing of a text out on two lines."""
+    return len(text) <= 2 * MOST_CHARACTERS and (text.endswith("…") or not wrapped(text, room)[-1].endswith("…"))
 
 
 def fitting(text: str, room: float) -> str:

@@ -12,6 +12,8 @@ from typing import Any, ClassVar
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.words import Wording, figure
+from octmip.trees.problem import Problem
+from octmip.trees.tradeoff import score
 from octmip.trees.tree import Leaf, Node
 
 Card = tuple[Any, ...]
@@ -155,6 +157,11 @@ class Measure(ABC):
         """Return for samples of a leaf what is true, and how the answer misses it."""
 
     # Words on the command line
+
+    def on_new_samples(self, held: HeldOut, tree: Node, problem: Problem) -> str:
+        """Return what a tree loses on samples held out, in the page's figures."""
+        found = score(problem, tree, held.samples)
+        return problem.loss.words_of(found.measures, found.n_samples)
 
     @abstractmethod
     def line(self, evidence: Evidence, tree: Node, held: HeldOut | None = None) -> str:

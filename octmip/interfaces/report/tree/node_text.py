@@ -1,21 +1,19 @@
 """The lines in a node's box, and all about it in one sentence."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.interfaces.report.tree.letters import fitting, wrapped
-from octmip.interfaces.report.tree.words import Question, Wording, answered, counted, figure, number, percent
+from octmip.interfaces.report.tree.letters import wrapped
+from octmip.interfaces.report.tree.words import ROOM, Question, Wording, answered, counted, figure, number, percent
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 
-ROOM = 208
-"""Longest line of a box [px]."""
 MOST_TERMS = 4
 """Lines of a split over several features; further ones are counted."""
 SPREAD_DIGITS = 3
-Written = Callable[[str], str]
+MOST_LINES = 8
+"""Of a question for a set of texts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,44 +25,35 @@ class NodeText:
     n_answer: int = 0
 
 
-def split_text(
-    node: Split | HyperplaneSplit, asked: Question, wording: Wording, n_samples: int, written: Written
-) -> NodeText:
+def split_text(node: Split | HyperplaneSplit, asked: Question, wording: Wording, n_samples: int) -> NodeText:
     """Return the text of a split."""
+    lines, written = asked.lines, wording.written
+    if len(lines) > MOST_TERMS + 1:
+        lines = (*lines[: MOST_TERMS - 1], f"+ {len(lines) - MOST_TERMS} more", lines[-1])
+    most = [2] * (len(lines) - 1) + [MOST_LINES]
+    parts = [part for line, most in zip(lines, most, strict=True) for part in wrapped(written(line), ROOM, most)]
     come = f"{counted(n_samples, 'sample')} come here"
-    return NodeText(
-        _few(asked.lines, written) if isinstance(node, HyperplaneSplit) else _two_each(asked.lines, written),
-        f"{asked.text}? {_missing(node, wording)}{come}",
-    )
+    return NodeText(tuple(parts), f"{asked.text}? {_missing(node, wording)}{come}")
 
 
 def leaf_text(
-    node: Leaf, name: str, counts: NDArray[np.int64], total: int, spread: float | None, written: Written
+    node: Leaf, name: str, wording: Wording, counts: NDArray[np.int64], total: int, spread: float | None
 ) -> NodeText:
-    """Return the text of a leaf; `spread` is the standard deviation about its number."""
+    """Return the text of a leaf, whose answer is `name`; `spread` is the standard deviation about its number."""
     here = int(counts.sum())
     share = percent(round(here / max(1, total), 3))
-    answer, size = wrapped(written(name), ROOM), f"{here:,}, {share}"
-    title = f"Answer: {name}. {counted(here, 'sample')} ({share} of all)"
-    if isinstance(node, ValueLeaf) and not node.features:
-        title = title.replace(answered(node.value), number(node.value))
+    size, end = f"{here:,}, {share}", f"{counted(here, 'sample')} ({share} of all)"
     if not isinstance(node, ValueLeaf):
-        wrong = here - int(counts[node.label])
-        return NodeText((*answer, size, f"{wrong:,} wrong"), f"{title}, {wrong:,} of them wrong", len(answer))
+        wrong, name_in_box = here - int(counts[node.label]), wording.boxed(wording.classes[node.label])
+        answer = wrapped(wording.written(name_in_box), ROOM)
+        title = f"Answer: {name}. {end}, {wrong:,} of them wrong"
+        return NodeText((*answer, size, f"{wrong:,} wrong"), title, len(answer))
+    answer = wrapped(wording.written(name), ROOM, MOST_LINES if node.features else 2)
+    title = f"Answer: {name if node.features else name.replace(answered(node.value), number(node.value))}. {end}"
     if spread is None:
         return NodeText((*answer, size), title, len(answer))
     off = figure(spread, SPREAD_DIGITS)
     return NodeText((*answer, f"± {off}", size), f"{title}, standard deviation {off}", len(answer))
-
-
-def _two_each(lines: Sequence[str], written: Written) -> tuple[str, ...]:
-    return tuple(part for line in lines for part in wrapped(written(line), ROOM))
-
-
-def _few(lines: Sequence[str], written: Written) -> tuple[str, ...]:
-    if len(lines) > MOST_TERMS + 1:
-        lines = [*lines[: MOST_TERMS - 1], f"+ {len(lines) - MOST_TERMS} more", lines[-1]]
-    return tuple(fitting(written(line), ROOM) for line in lines)
 
 
 def _missing(node: Split | HyperplaneSplit, wording: Wording) -> str:

@@ -11,7 +11,16 @@ from numpy.typing import NDArray
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
-from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
+from octmip.interfaces.report.tree.words import (
+    Wording,
+    compact,
+    counted,
+    figure,
+    listed,
+    percent,
+    short_name,
+    short_names,
+)
 from octmip.trees.tradeoff.held_out import score
 from octmip.trees.tree import Leaf, Node, leaves, predict
 
@@ -78,7 +87,7 @@ class OfClasses(Measure):
     def answers(self) -> str:
         """Return how many classes there are, and which."""
         names = self.file.class_names
-        return f"One of {len(names)} classes ({listed([short_name(name, 40) for name in names], 6)})"
+        return f"One of {len(names)} classes ({listed(short_names(names), 6)})"
 
     def training_sentence(self, evidence: Evidence | None) -> str:
         """Return how many samples are right, and what the tree costs."""
@@ -90,7 +99,7 @@ class OfClasses(Measure):
         """Return errors, and the cost where that is something else."""
         wrong, n = errors_of(self.file), self.file.n_samples
         cards: list[Card] = [("Wrong in training", f"{wrong:,}", f"of {n:,} ({percent(wrong / n)})")]
-        cost = ("Cost", figure(self.file.solution.objective), "errors weighed, splits charged")
+        cost = ("Cost", compact(self.file.solution.objective), "errors weighed, splits charged")
         return cards if self.is_errors else [*cards, cost]
 
     def held_card(self, evidence: Evidence) -> Card:
@@ -143,7 +152,7 @@ class OfClasses(Measure):
 
     def legend(self) -> list[str]:
         """Return the classes."""
-        return [short_name(name, 40) for name in self.file.class_names]
+        return short_names(self.file.class_names)
 
     @property
     def leaf_note(self) -> str:
@@ -170,7 +179,7 @@ class OfClasses(Measure):
 
     def answer(self, leaf: Leaf, wording: Wording) -> str:
         """Return the name of the class."""
-        return short_name(wording.classes[leaf.label])
+        return wording.short(wording.classes[leaf.label])
 
     def risk(self) -> dict[str, Any]:
         """Return what the errors cost where they do not cost the same."""
@@ -200,7 +209,7 @@ class OfClasses(Measure):
         counts = self.file.leaf_counts[index]
         wrong = int(counts.sum()) - int(counts[leaf.label])
         return {
-            "answer": short_name(self.file.class_names[leaf.label], 40),
+            "answer": short_names(self.file.class_names)[leaf.label],
             "miss": f"{wrong:,} of them wrong" if wrong else "none of them wrong",
         }
 
@@ -249,7 +258,7 @@ def confusion_of(file: TreeFile) -> NDArray[np.int64]:
 
 
 def _confusion(what: str, counts: NDArray[np.int64], wording: Wording) -> dict[str, Any]:
-    names = [short_name(name, 40) for name in wording.classes]
+    names = short_names(wording.classes)
     caption = f"{what}: true class in rows, answer of the tree in columns"
     if len(names) <= MOST_CLASSES:
         rows = [[name, *row, sum(row)] for name, row in zip(names, counts.tolist(), strict=True)]

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
-from octmip.interfaces.report.tree.words import MINUS, Wording, answered, counted, figure, short_name
+from octmip.interfaces.report.tree.words import MINUS, Wording, answered, compact, counted, figure, short_name
+from octmip.trees.problem import Problem
 from octmip.trees.tradeoff.held_out import Score, score
 from octmip.trees.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
 
@@ -77,11 +78,11 @@ class OfNumbers(Measure):
 
     def cards(self, evidence: Evidence | None) -> list[Card]:
         """Return how far off the tree is, and what that costs."""
-        cost = (self.noun.capitalize(), figure(self.file.solution.objective), f"{self.file.n_samples:,} samples")
+        cost = (self.noun.capitalize(), compact(self.file.solution.objective), f"{self.file.n_samples:,} samples")
         if evidence is None:
             return [cost]
         found = score(evidence.problem, self.file.tree)
-        return [("Off by, in training", figure(found.measures["mae"], DIGITS), "mean absolute error"), cost]
+        return [("Off by, in training", compact(found.measures["mae"]), "mean absolute error"), cost]
 
     def held_card(self, evidence: Evidence) -> Card:
         """Return how far off the tree is on samples held out."""
@@ -89,7 +90,7 @@ class OfNumbers(Measure):
         if held is None:
             return ("Off by, on new samples", "unknown", "none were held out")
         found = score(evidence.problem, held.tree, held.samples)
-        return ("Off by, on new samples", figure(found.measures["mae"], DIGITS), f"{held.n_samples:,} held out")
+        return ("Off by, on new samples", compact(found.measures["mae"]), f"{held.n_samples:,} held out")
 
     def held_caution(self, held: HeldOut) -> list[str]:
         """Return the interval of the mean absolute error, by the spread of its samples."""
@@ -192,6 +193,12 @@ class OfNumbers(Measure):
         pairs = zip(problem.codes[chosen].tolist(), off.tolist(), strict=True)
         return [[f"{figure(true)} ({_signed(miss)})", 0] for true, miss in pairs]
 
+    def on_new_samples(self, held: HeldOut, tree: Node, problem: Problem) -> str:
+        """Return the measures of the loss on samples held out."""
+        found = score(problem, tree, held.samples)
+        measured = (f"{MEASURES.get(name, name)} {figure(value, DIGITS)}" for name, value in found.measures.items())
+        return ", ".join([counted(found.n_samples, "sample"), *measured])
+
     def line(self, evidence: Evidence, tree: Node, held: HeldOut | None = None) -> str:
         """Return the measures of the loss, and of the training the objective."""
         problem = evidence.problem
@@ -206,7 +213,7 @@ def value_words(leaf: Leaf, wording: Wording, target: str | None = None) -> str:
     terms = [answered(leaf.value)]
     for feature, coefficient in zip(leaf.features, leaf.coefficients, strict=True):
         sign = MINUS if coefficient < 0 else "+"
-        terms.append(f"{sign} {answered(abs(coefficient))} {short_name(wording.features[feature], 24)}")
+        terms.append(f"{sign} {answered(abs(coefficient))} {wording.short(wording.features[feature])}")
     return " ".join(terms) + (wording.unit(target) if target and not leaf.features else "")
 
 

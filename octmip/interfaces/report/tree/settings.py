@@ -119,7 +119,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("objective", figure(solution.objective)),
         ("bound", figure(solution.bound)),
         ("gap", percent(solution.gap)),
-        ("bound holds for", short_name(narrow_scope(solution)) if narrow_scope(solution) else None),
+        ("bound holds for", short_name(scope) if (scope := narrow_scope(solution, asked["depth"])) else None),
         ("solver", f"{shown(solution.solver)}, version {shown(solution.version)}, seed {solution.seed}"),
         ("ended because", STOPS[solution.stop]),
         ("time", f"{figure(solution.seconds, 3)} s"),

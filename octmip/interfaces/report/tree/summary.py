@@ -9,8 +9,9 @@ from octmip.interfaces.report.new_rows import choice_of
 from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
-from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
+from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
+from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import depth, features_used
 
 
@@ -34,12 +35,12 @@ def columns_read(file: TreeFile, wording: Wording) -> list[str]:
 
 
 def _columns_read(file: TreeFile, wording: Wording) -> str:
-    return listed([short_name(name, 40) for name in columns_read(file, wording)], 5)
+    return listed(short_names(columns_read(file, wording)), 5)
 
 
 def trees_meant(file: TreeFile) -> str:
     """Return the trees over which the bound speaks."""
-    scope = narrow_scope(file.solution)
+    scope = narrow_scope(file.solution, file.settings["depth"])
     return (
         f"among {short_name(scope)}, no tree"
         if scope
@@ -54,10 +55,19 @@ def verdict(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
     return " ".join(filter(None, [_new_samples(file, evidence, measure), good, proof, greedy]))
 
 
+MORE = "let the solver run for longer"
+WAYS_ON = {
+    Stop.FINISHED: "the search has ended, so ask a method that proves (exact) or another seed",
+    Stop.GAP: "ask for a smaller gap",
+    Stop.MEMORY: "give the solver more memory",
+    Stop.NUMERICS: "scale the columns, as arithmetic allows no more",
+}
+
+
 def _new_samples(file: TreeFile, evidence: Evidence | None, measure: Measure) -> str:
     """Return what holds on new samples: counted on samples held out, or expected by cross-validation."""
     if evidence is not None and (held := evidence.held_out) is not None:
-        own, greedy = (measure.line(evidence, one, held) for one in (held.tree, held.greedy))
+        own, greedy = (measure.on_new_samples(held, one, evidence.problem) for one in (held.tree, held.greedy))
         return f"On new samples: {own}; the greedy tree: {greedy}."
     expected = expected_errors(file)
     if expected is None:
@@ -85,11 +95,18 @@ def _proof_sentence(file: TreeFile, measure: Measure) -> str:
         return "Whether a better tree exists is not known: the method that found it gives no proof."
     least = measure.least(solution.bound)
     if least <= 0:
-        return "Not proven to be the best: nothing is ruled out yet, so let the solver run for longer."
+        return f"Not proven to be the best: nothing is ruled out yet, so {way_on(solution)}."
     return (
         f"Not proven to be the best: {trees_meant(file)} {measure.below(least)}, "
         f"so a gap of {percent(solution.gap)} stays open."
     )
+
+
+def way_on(solution: Solution) -> str:
+    """Return what finds a better tree, by what the solver ended with."""
+    if solution.is_optimal and (scope := narrow_scope(solution)):
+        return f"it is the best among {short_name(scope)} only"
+    return WAYS_ON.get(solution.stop, MORE)
 
 
 def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile) -> str:
@@ -99,7 +116,7 @@ def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile
     if loss > 0:
         return f"The usual greedy tree (CART) {measure.is_worse(loss)}."
     if loss < 0:
-        return "The usual greedy tree (CART) is better than this one: let the solver run for longer."
+        return f"The usual greedy tree (CART) is better than this one: {way_on(file.solution)}."
     return f"The usual greedy tree (CART) happens to be as good: {measure.amount(evidence.greedy.objective)} too."
 
 
@@ -134,12 +151,9 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
     solution = file.solution
     if solution.is_optimal:
-        return (
-            "Proven best",
-            "yes",
-            f"among {short_name(scope)}" if (scope := narrow_scope(solution)) else f"of depth {file.settings['depth']}",
-            "good",
-        )
+        scope = narrow_scope(solution, file.settings["depth"])
+        among = f"among {short_name(scope)}" if scope else f"of depth {file.settings['depth']}"
+        return ("Proven best", "yes", among, "good")
     if not math.isfinite(solution.bound):
         return ("Proven best", "no", "no bound is known", "warn")
     return (
@@ -156,5 +170,5 @@ def _reads_card(file: TreeFile, wording: Wording) -> Card:
     return (
         "Columns to read",
         f"{len(read):,}",
-        f"of {of:,}: {listed([short_name(name, 24) for name in read], 3)}" if read else f"of {of:,}",
+        f"of {of:,}: {listed(short_names(read, 24), 3)}" if read else f"of {of:,}",
     )

@@ -1,12 +1,14 @@
 """The words of a tree for readers: numbers, names, and each split as a question that is answered by yes or no."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from octmip.formats.columns import Columns, Feature
-from octmip.input.names import shown
+from octmip.input.names import shortened, shown
+from octmip.interfaces.report.tree.letters import is_whole
 from octmip.trees.digits import grouped
 from octmip.trees.tree import HyperplaneSplit, Split
 
@@ -15,6 +17,8 @@ MINUS, TIMES, DASH = "\u2212", "\u00d7", "\u2013"
 DIGITS, MOST_DIGITS = 6, 12
 LONGEST_NAME = 80
 """Characters of a name on the page; the tree in words has it whole."""
+ROOM = 208
+"""Longest line of a box [px]."""
 
 
 def figure(value: float | None, digits: int = DIGITS) -> str:
@@ -29,6 +33,17 @@ def figure(value: float | None, digits: int = DIGITS) -> str:
         is_whole = value == whole or size >= 10**digits
         text = f"{whole:,}" if is_whole else _without_exponent(value, digits)
         return text.replace("-", MINUS)
+    return _power(value, digits)
+
+
+def compact(value: float, largest: float = 1e9) -> str:
+    """Return a number for a narrow place: of the `largest` or more four digits and a power of ten."""
+    return (
+        figure(value) if not math.isfinite(value) or abs(value) < largest else _power(value, 4).replace(" ", "\u00a0")
+    )
+
+
+def _power(value: float, digits: int) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     short = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
     return f"{short} {TIMES} 10{str(int(exponent)).translate(SUPERSCRIPT)}".replace("-", MINUS)
@@ -72,10 +87,28 @@ def listed(words: Sequence[str], most: int = 8) -> str:
     return kept[0] if len(kept) == 1 else f"{', '.join(kept[:-1])} and {kept[-1]}" if kept else "nothing"
 
 
-def short_name(name: object, longest: int = LONGEST_NAME) -> str:
-    """Return a name as it stands in a sentence, its end left out where it is very long."""
+def short_name(name: object, longest: int = LONGEST_NAME, among: Iterable[object] = ()) -> str:
+    """Return a name as it stands in a sentence; a very long one is cut so that it is none of the others `among` it."""
     text = str(name)
-    return shown(text if len(text) <= longest else f"{text[: longest - 1]}…")
+    if len(text) <= longest:
+        return shown(text)
+    return shown(shortened([*map(str, among), text], lambda part: len(part) <= longest)[text])
+
+
+def short_names(names: Iterable[object], longest: int = 40) -> list[str]:
+    """Return names for the cells of one table, very long ones cut so that they stay different."""
+    texts = [str(name) for name in names]
+    found = shortened(texts, lambda text: len(text) <= longest)
+    return [shown(found[text]) for text in texts]
+
+
+def _fits(text: str, line: str, written: Callable[[str], str]) -> bool:
+    return len(text) <= LONGEST_NAME and is_whole(written(line.format(shown(text))), ROOM)
+
+
+@lru_cache(maxsize=64)
+def _boxed_names(names: tuple[str, ...], line: str, written: Callable[[str], str]) -> dict[str, str]:
+    return shortened(names, lambda text: _fits(text, line, written))
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,12 +123,31 @@ class Wording:
         how columns of the table became the features; None where every feature is its column.
     units
         of the columns' values, by column.
+    written
+        a line of a drawing as its target can write it.
     """
 
     features: Sequence[str]
     classes: Sequence[Any]
     columns: Columns | None = None
     units: Mapping[str, str] = field(default_factory=dict)
+    written: Callable[[str], str] = str
+
+    def short(self, name: object) -> str:
+        """Return a name of a column, class or text in a sentence, apart from all others."""
+        return shown(name) if len(str(name)) <= LONGEST_NAME else short_name(name, LONGEST_NAME, self._names())
+
+    def boxed(self, name: object, line: str = "{}") -> str:
+        """Return a line of a box about a name of a column, class or text, which is cut where it is too long for two."""
+        text = str(name)
+        if not _fits(text, line, self.written):
+            text = _boxed_names((*self._names(), text), line, self.written)[text]
+        return line.format(shown(text))
+
+    def _names(self) -> list[str]:
+        columns = () if self.columns is None else self.columns.columns
+        texts = [text for column in columns for text in (column.name, *column.values)]
+        return [*texts, *map(str, self.features), *map(str, self.classes)]
 
     def feature(self, index: int) -> Feature:
         """Return a feature: what it reads of which column."""
@@ -142,25 +194,25 @@ def question(split: Split | HyperplaneSplit, wording: Wording) -> Question:
     if isinstance(split, HyperplaneSplit):
         return _weighted(split, wording)
     item = wording.feature(split.feature)
+    name, short = wording.boxed(item.column), wording.short(item.column)
     if wording.columns is None or item.kind == "number":
-        name = shown(item.column)
         if split.threshold is None:
             words = f"is {'' if split.missing == 'left' else 'not '}missing"
-            return Question((name, f"{words}?"), f"{short_name(item.column)} {words}")
+            return Question((name, f"{words}?"), f"{short} {words}")
         or_missing = " or missing" if split.missing == "left" else ""
         cut = f"≤ {wording.number(item, split.threshold)}{or_missing}"
-        return Question((name, f"{cut}?"), f"{short_name(item.column)} {cut}")
-    if item.kind in ("is", "is-missing"):
-        value = shown(item.value) if item.kind == "is" else "missing"
-        return Question(
-            (shown(item.column), f"is {value}?"), f"{short_name(item.column)} is {short_name(value)}", False
-        )
+        return Question((name, f"{cut}?"), f"{short} {cut}")
+    if item.kind == "is-missing":
+        return Question((name, "is missing?"), f"{short} is missing", False)
+    if item.kind == "is":
+        asked = (name, wording.boxed(item.value, "is {}?"))
+        return Question(asked, f"{short} is {wording.short(item.value)}", False)
     words = wording.columns.left_words(split, number)
     rest = words.removeprefix(item.column).strip().replace("<=", "≤")
     if wording.unit(item.column) and "≤" in rest:
         cut, _, missing = rest.partition(" or missing")
         rest = f"{cut}{wording.unit(item.column)}{' or missing' if ' or missing' in rest and not missing else ''}"
-    return Question((shown(item.column), f"{shown(rest)}?"), f"{short_name(item.column)} {shown(rest)}")
+    return Question((name, f"{shown(rest)}?"), f"{short} {shown(rest)}")
 
 
 def _weighted(split: HyperplaneSplit, wording: Wording) -> Question:
@@ -170,6 +222,6 @@ def _weighted(split: HyperplaneSplit, wording: Wording) -> Question:
         size = "" if abs(coefficient) == 1 else f"{number(abs(coefficient))} "
         terms.append((sign, size, wording.features[feature]))
     cut = f"≤ {number(split.offset)}"
-    lines = [f"{sign}{size}{shown(name)}" for sign, size, name in terms]
-    words = " ".join(f"{sign}{size}{short_name(name, 24)}" for sign, size, name in terms)
+    lines = [wording.boxed(name, f"{sign}{size}{{}}") for sign, size, name in terms]
+    words = " ".join(f"{sign}{size}{wording.short(name)}" for sign, size, name in terms)
     return Question((*lines, f"{cut}?"), f"{words} {cut}")

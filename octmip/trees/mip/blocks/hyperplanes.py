@@ -224,6 +224,10 @@ class Hyperplanes:
         return found
 
 
+DIGITS = (6, 9, 12, 17)
+"""Digits of coefficients, the fewest first; 17 are all that float64 has."""
+
+
 def split_at(problem: Problem, space: Space, normal: NDArray[np.float64], middle: float) -> HyperplaneSplit | None:
     """Return a split of the problem's own features, its offset midway between the nearest samples.
 
@@ -238,14 +242,17 @@ def split_at(problem: Problem, space: Space, normal: NDArray[np.float64], middle
     on_own = space.coefficients_of(normal)
     if on_own is None:
         return None
-    coefficients = on_own[features]
-    totals = np.zeros(problem.n_samples)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
-            totals += coefficient * problem.features[:, j]
+    is_left = space.x @ normal < middle
+    for digits in DIGITS:  # as few as part the samples alike: people read them
+        coefficients = np.array([float(f"{coefficient:.{digits}g}") for coefficient in on_own[features]])
+        totals = np.zeros(problem.n_samples)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for j, coefficient in zip(features, coefficients, strict=True):  # in the order of `tree.goes_left`
+                totals += coefficient * problem.features[:, j]
+        if is_left.all() or not is_left.any() or totals[is_left].max() < totals[~is_left].min():
+            break
     if not np.isfinite(totals).all():
         return None
-    is_left = space.x @ normal < middle
     if is_left.all() or not is_left.any():
         offset = float(totals.max()) if is_left.all() else math.nextafter(float(totals.min()), -math.inf)
         if not math.isfinite(offset):

@@ -1,0 +1,216 @@
+"""The top of a table in a text: which line is the header, what stands around it, and where the rows begin."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from octmip.errors import DataError
+from octmip.formats.table.lines import (
+    SEPARATORS,
+    TAIL,
+    Line,
+    comment_text,
+    is_comment,
+    is_value,
+    plain_rows,
+    split_rows,
+    width_of,
+)
+from octmip.formats.table.units import is_unit
+
+END_OF_HEADER = "***End_of_Header***"
+"""Ends what stands before the header in a LabVIEW measurement file."""
+CAMPBELL = ("TOA5", "TOACI1")
+"""First cell of a table of a Campbell logger, whose next line is the header."""
+RATE = re.compile(r"\d+(?:[.,]\d+)? ?[kM]?Hz")
+
+
+@dataclass(frozen=True, slots=True)
+class Top:
+    """The header of a table, and where its rows begin.
+
+    Attributes
+    ----------
+    header
+        (n_columns,) names, "" for a column without one.
+    units
+        a unit for each name, "" where there is none; none without a row of units.
+    line
+        number of the header's line.
+    first
+        number of the line of the first row.
+    n_cells
+        of a row.
+    before, between
+        lines without a row before the header, and between it and the first row.
+    again
+        texts of the header and of the lines around it, which stand again wherever files were joined.
+    """
+
+    header: tuple[str, ...]
+    units: tuple[str, ...]
+    line: int
+    first: int
+    n_cells: int
+    before: tuple[int, ...]
+    between: tuple[int, ...]
+    again: tuple[str, ...]
+    comments: tuple[int, ...]
+
+
+def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
+    """Return the top of a table in its first lines; `name` is what a sentence calls its source.
+
+    Raises
+    ------
+    DataError
+        no header stands above the rows, or lines before it look like rows of another table.
+    """
+    rows = plain_rows(name, lines, separator)
+    if len(rows) < 2 and sum(is_comment(line, separator) for _, line in lines) > 1 - len(rows):
+        rows = _marked_rows(rows, lines, separator)
+    if not rows:
+        raise DataError(f"{name} is empty: it holds no line but comments; expected a header line and rows; add them")
+    start = max((k + 1 for k, row in enumerate(rows) if row.cells[0] == END_OF_HEADER), default=0)
+    n_cells = width_of(rows[start:])
+    first, numeric = _first_row(rows, start, n_cells)
+    number, names, first = _header(name, lines, rows, start, first, n_cells, separator)
+    between, first = _between(rows, number, first, len(names), numeric, lines)
+    before = [row for row in rows if row.number < number]
+    if not start:
+        _refuse_tables(name, [line for line in lines if line[0] < number])
+    units = next((row.cells for row in between if len(row.cells) == len(names) and is_units(row.cells)), ())
+    begin = rows[first].number if first < len(rows) else rows[-1].last + 1
+    text_of, used = dict(lines), {row.number for row in rows} | {number}
+    return Top(
+        header=_without_comment(names, n_cells),
+        units=tuple(cell.strip("[]()") for cell in units)[:n_cells],
+        line=number,
+        first=begin,
+        n_cells=n_cells,
+        before=tuple(row.number for row in before),
+        between=tuple(row.number for row in between),
+        again=tuple(text_of[k].strip() for k in (number, *(row.number for row in (*before, *between))) if k in text_of),
+        comments=tuple(k for k, line in lines if k < begin and k not in used and line.strip()),
+    )
+
+
+def _marked_rows(rows: list[Line], lines: Sequence[tuple[int, str]], separator: str) -> list[Line]:
+    """Return the rows where all of them begin with the mark of a comment: those of the header's width."""
+    top = rows[0].number if rows else 0
+    found = list(split_rows([(k, line) for k, line in lines if k >= top], separator))
+    return found if rows and all(len(row.cells) == len(rows[0].cells) for row in found) else rows
+
+
+def is_units(cells: Sequence[str]) -> bool:
+    """Whether a row holds units, or nothing, in every cell."""
+    return any(cells) and all(not cell or is_unit(cell) or RATE.fullmatch(cell) for cell in cells)
+
+
+def _first_row(rows: Sequence[Line], start: int, n_cells: int) -> tuple[int, list[int]]:
+    """Return the place of the first row that holds values where most rows do, and the columns of these values."""
+    wide = [k for k in range(start, len(rows)) if len(rows[k].cells) == n_cells]
+    last = [rows[k].cells for k in wide[-min(TAIL, (len(wide) + 1) // 2) :]]
+    numeric = [j for j in range(n_cells) if _holds_values([cells[j] for cells in last])]
+    for k in wide if numeric else ():
+        cells = [rows[k].cells[j] for j in numeric]
+        if 2 * sum(bool(cell) and is_value(cell) for cell in cells) >= len(cells):
+            return k, numeric
+    return (wide[0] + 1 if wide else start + 1), numeric
+
+
+def _holds_values(cells: Sequence[str]) -> bool:
+    present = [cell for cell in cells if cell]
+    return bool(present) and sum(map(is_value, present)) >= 0.8 * len(present)
+
+
+def _header(
+    name: str,
+    lines: Sequence[tuple[int, str]],
+    rows: Sequence[Line],
+    start: int,
+    first: int,
+    n_cells: int,
+    separator: str,
+) -> tuple[int, tuple[str, ...], int]:
+    """Return the line of the header, its names, and the place of the first row behind it."""
+    if rows[0].cells[0] in CAMPBELL and len(rows) > 1:
+        return rows[1].number, rows[1].cells, max(first, 2)
+    block = [row for row in rows[start:first] if len(row.cells) == n_cells]
+    used = [j for j in range(n_cells) if any(len(row.cells) == n_cells and row.cells[j] for row in rows[first:])]
+    whole = [row for row in block if _is_whole([row.cells[j] for j in used])]
+    if block:
+        chosen = (whole or block)[0]
+        return chosen.number, chosen.cells, first
+    above = rows[first - 1] if first > start else None
+    if above is not None and abs(len(above.cells) - n_cells) == 1 and not all(map(is_value, above.cells)):
+        return above.number, above.cells, first
+    number = rows[first].number if first < len(rows) else 1
+    for k, line in reversed(lines):
+        if k < number and is_comment(line, separator):
+            found = next(split_rows([(k, comment_text(line))], separator), None)
+            if found is not None and len(found.cells) == n_cells and not any(map(is_value, found.cells)):
+                return k, found.cells, first
+    if above is None:  # the names are numbers
+        return rows[start].number, rows[start].cells, first + 1
+    raise DataError(
+        f"{name}, line {number}: rows of {n_cells} cells between {SEPARATORS[separator]} begin here, and the line "
+        f"above has {len(above.cells)} cell{'s' * (len(above.cells) != 1)}; expected a header line with a name for "
+        "each column above them, and one separator; add it, or give every row as many cells"
+    )
+
+
+def _is_whole(names: Sequence[str]) -> bool:
+    """Whether a row may be a header: a name for each column, none twice, no units."""
+    return all(names) and len(set(names)) == len(names) and not is_units(names)
+
+
+def _between(
+    rows: Sequence[Line],
+    number: int,
+    first: int,
+    n_names: int,
+    numeric: Sequence[int],
+    lines: Sequence[tuple[int, str]],
+) -> tuple[list[Line], int]:
+    """Return the rows between header and first row that hold none, and the place of the first that may be one.
+
+    These are units, a word alone, what a Campbell logger made of each column, and whatever words stand above an empty
+    line, as HBM's catman writes them.
+    """
+    begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
+    if rows[0].cells[0] in CAMPBELL:
+        return list(rows[begin:first]), first
+    number_first = rows[first].number if first < len(rows) else 0
+    blank = {k for k, line in lines if not line.strip()}
+    is_apart = number_first - 1 in blank and first - begin > 1
+    for k in range(begin, first):
+        cells = rows[k].cells
+        is_word = len(cells) == 1 and n_names > 1 and not is_value(cells[0])
+        holds_values = any(cells[j] and is_value(cells[j]) for j in numeric if j < len(cells))
+        if not (is_units(cells) or is_word or (is_apart and not holds_values)):
+            return list(rows[begin:k]), k
+    return list(rows[begin:first]), first
+
+
+def _without_comment(names: tuple[str, ...], n_cells: int) -> tuple[str, ...]:
+    """Return the names without those that no row has a cell for: LabVIEW's comment, or nothing."""
+    while len(names) > n_cells and (not names[-1] or names[-1].lower() == "comment"):
+        names = names[:-1]
+    return names
+
+
+def _refuse_tables(name: str, lines: Sequence[tuple[int, str]]) -> None:
+    """Refuse lines before a header that look like rows of another table: three of one width, most cells values."""
+    for separator in SEPARATORS:
+        rows = [row for row in plain_rows(name, lines, separator) if row.cells]
+        for some in zip(rows, rows[1:], rows[2:], strict=False):
+            widths = {len(row.cells) for row in some}
+            shares = [sum(bool(c) and is_value(c) for c in row.cells) / len(row.cells) for row in some]
+            are_names = len({row.cells[0] for row in some}) == 3 and not any(is_value(row.cells[0]) for row in some)
+            if len(widths) == 1 and widths.pop() > 2 and min(shares) > 0.5 and not are_names:
+                raise DataError(
+                    f"{name}, line {some[0].number}: rows of {len(some[0].cells)} cells between "
+                    f"{SEPARATORS[separator]} stand above the header of others; expected one table with one separator; "
+                    "give each its own file"
+                )

@@ -1,0 +1,87 @@
+"""Units as loggers write them, in a row under the header or behind a name: `g1 [mm]`, `g1 (mm)`, `Force/N`.
+
+A unit is a quantity and its size in the SI unit of that quantity. Temperatures begin at zeros of their own, so no
+factor converts one to another.
+"""
+
+import re
+import unicodedata
+
+_QUANTITIES = {
+    "length": {
+        "m": 1.0,
+        "mm": 1e-3,
+        "cm": 1e-2,
+        "dm": 0.1,
+        "km": 1e3,
+        "um": 1e-6,
+        "nm": 1e-9,
+        "in": 0.0254,
+        "ft": 0.3048,
+    },
+    "strain": {"strain": 1.0, "m/m": 1.0, "mm/m": 1e-3, "millistrain": 1e-3, "um/m": 1e-6, "ue": 1e-6, "nm/m": 1e-9}
+    | dict.fromkeys(("microstrain", "ustrain", "ustr", "umm/mm", "uε", "uepsilon"), 1e-6),
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
+    "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
+    "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
+    "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
+    | {"psi": 6894.757293168},
+    "time": {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, "d": 86400.0}
+    | {"seconds": 1.0, "minutes": 60.0, "hours": 3600.0, "days": 86400.0},
+    "speed": {"m/s": 1.0, "mm/s": 1e-3, "km/h": 1 / 3.6, "kn": 1852 / 3600},
+    "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "m/s**2": 1.0, "mm/s2": 1e-3, "g": 9.80665, "mg": 9.80665e-3},
+    "mass": {"kg": 1.0, "t": 1e3},
+    "voltage": {"V": 1.0, "Volts": 1.0, "mV": 1e-3, "uV": 1e-6, "kV": 1e3},
+    "ratio of voltages": {"V/V": 1.0, "mV/V": 1e-3, "uV/V": 1e-6},
+    "current": {"A": 1.0, "mA": 1e-3, "kA": 1e3},
+    "resistance": {"Ohm": 1.0, "Ω": 1.0, "kOhm": 1e3},
+    "power": {"W": 1.0, "mW": 1e-3, "kW": 1e3},
+    "angle": {"rad": 1.0, "mrad": 1e-3, "deg": 0.017453292519943295, "°": 0.017453292519943295},
+    "rate of turn": {"rad/s": 1.0, "deg/s": 0.017453292519943295, "°/s": 0.017453292519943295},
+    "share": {"-": 1.0, "1": 1.0, "%": 1e-2, "pct": 1e-2},
+    "temperature in degrees Celsius": dict.fromkeys(("degC", "deg C", "°C", "C", "Deg C", "celsius"), 1.0),
+    "temperature in kelvin": {"K": 1.0, "kelvin": 1.0},
+    "temperature in degrees Fahrenheit": dict.fromkeys(("degF", "°F", "deg F", "F"), 1.0),
+}
+_LOGGER = frozenset({"TS", "RN", "unitless", "bool", "text", "date", "none", "string"})
+"""What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
+_BEHIND = re.compile(
+    r"(?P<name>.*?[^\s_,;/])[\s_,;/]*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>|\{(?P<d>[^}]*)\})"
+)
+_OVER = re.compile(r"(?P<name>\S.*?)\s*(?:/| in )\s*(?P<unit>\S+(?:/\S+)?)")
+
+
+def plain_unit(text: str) -> str:
+    """Return a unit without brackets and with the letters of ASCII where these do: µm/m is um/m, mm² is mm2."""
+    text = unicodedata.normalize("NFKC", text.strip()).strip("[](){}<> ")
+    return text.replace("μ", "u").replace("·", "*").strip()
+
+
+_UNITS = {plain_unit(unit): (quantity, size) for quantity, units in _QUANTITIES.items() for unit, size in units.items()}
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is the name of a unit, in brackets or without."""
+    plain = plain_unit(text)
+    return plain in _UNITS or plain in _LOGGER
+
+
+def unit_behind(name: str) -> tuple[str, str]:
+    """Return a column's name without the unit behind it, and that unit, "" where there is none."""
+    for pattern in (_BEHIND, _OVER):
+        found = pattern.fullmatch(name.strip())
+        if found is not None:
+            base, *units = found.groups()
+            return base.strip(), next((unit.strip() for unit in units if unit), "")
+    return name, ""
+
+
+def factor_between(given: str, wanted: str) -> float | None:
+    """Return what numbers in the `given` unit are multiplied by to be in the `wanted` one; None where nothing does."""
+    one, other = plain_unit(given), plain_unit(wanted)
+    if one == other:
+        return 1.0
+    (a, size), (b, wanted_size) = _UNITS.get(one, ("", 0.0)), _UNITS.get(other, (" ", 1.0))
+    if {a, b} == {"strain", "share"} and "%" in (one, other):  # 0.1 % of strain is 1000 microstrain
+        b = a
+    return size / wanted_size if a == b else None

@@ -1,0 +1,283 @@
+"""The columns of a campaign's table: matched with what the twin names, in its units, as numbers, times and tests.
+
+A name may have a unit behind it (`g1 [mm]`, `g1 (mm)`, `Force/N`), or a row of units below the header. Numbers in
+another unit of the same quantity are converted, and a note says so; others are refused.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.times import days_in, instants_of, time_form_of
+from octmip.formats.columns.written import words_of
+from octmip.formats.table import Table, read_table
+from octmip.formats.table.units import factor_between, unit_behind
+from octmip.input.cells import is_missing_word, plain_number
+from octmip.input.files import PathLike
+from octmip.input.messages import several, shown
+
+Floats = NDArray[np.float64]
+TIME, TEMPERATURE, TEST = "time", "temperature", "test"
+OWN = {TEST: (TEST,), TIME: (TIME, "timestamp", "datetime"), TEMPERATURE: (TEMPERATURE,)}
+"""What a campaign has beside what the twin names, and how files call it, in any case."""
+DAY_NAMES = ("date", "day", "datum")
+"""Names of a column with the day of a time of day."""
+SECONDS = 86_400
+MILLISECONDS = 1e11
+"""Seconds since 1970 end below it (the year 5138), and milliseconds begin (March 1973)."""
+SERIAL = (2e4, 8e4)
+"""Days of spreadsheets, from 1954 to 2119."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CampaignColumns:
+    """The cells of a campaign's file, by the names that the twin has for them.
+
+    Attributes
+    ----------
+    table
+        the file.
+    numbers
+        (n_rows,) line of each row.
+    place
+        name in the file by the twin's name.
+    units
+        unit that the file gives, by the twin's name.
+    notes
+        sentences on how the file was read, and on columns that are not used.
+    """
+
+    table: Table
+    numbers: tuple[int, ...]
+    place: Mapping[str, str]
+    units: Mapping[str, str]
+    notes: tuple[str, ...]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.place
+
+    def texts(self, name: str) -> tuple[str, ...]:
+        """Return the cells (n_rows,) of a column as text, spaces stripped, "" where empty."""
+        cells = self.table.frame[self.place[name]]
+        return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
+
+    def floats(self, name: str, words: bool = False) -> Floats:
+        """Return the numbers (n_rows,) of a column in the file's unit, NaN where the cell is empty.
+
+        Parameters
+        ----------
+        name
+            of the column.
+        words
+            whether a word such as NA is an empty cell too.
+
+        Raises
+        ------
+        DataError
+            a cell is no finite number.
+        """
+        column = self.table.frame[self.place[name]]
+        if column.dtype.kind in "iuf":
+            values = column.to_numpy(dtype=np.float64, na_value=np.nan)
+        else:
+            values = np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
+        infinite = np.flatnonzero(np.isinf(values))
+        if infinite.size:
+            raise DataError(
+                f"row {self.numbers[infinite[0]]}, column {name} is {values[infinite[0]]}; expected a finite number; "
+                "leave it empty if missing"
+            )
+        return values
+
+    def _number(self, text: str, row: int, name: str, words: bool) -> float:
+        if not text or (words and is_missing_word(text)):
+            return float("nan")
+        value = plain_number(text)
+        if value is None:
+            cure = "clear the cell if nothing is known"
+            if re.fullmatch(r"[-+]?\d[\d., '\u00a0\u202f]*", text):
+                cure = "write decimal points and no thousands separators"
+            elif row == 0:
+                cure = "begin the row with # if it holds no readings, but remarks"
+            raise DataError(
+                f"row {self.numbers[row]}, column {name} is {shown(text)}; expected a number or nothing; {cure}"
+            )
+        return value
+
+    def in_unit(self, name: str, unit: str, values: Floats) -> tuple[Floats, tuple[str, ...]]:
+        """Return numbers (n_rows,) of a column in the twin's unit, and a note where they were converted.
+
+        Raises
+        ------
+        DataError
+            the file gives a unit of another quantity, or one that is not known.
+        """
+        given = self.units.get(name, "")
+        if not given:
+            return values, ()
+        factor = factor_between(given, unit)
+        if factor is None:
+            raise DataError(
+                f"{self.table.name}: column {name} is in {shown(given)}; expected {unit or 'a plain number'}, and the "
+                "one is not known to be a multiple of the other; convert the column, or correct its unit"
+            )
+        return values * factor, (f"Column {name} was converted from {given} to {unit}.",) * (factor != 1.0)
+
+    def time(self) -> tuple[Floats, tuple[str, ...]]:
+        """Return the seconds (n_rows,) of each reading, NaN where there is none, and notes on how they were read.
+
+        Raises
+        ------
+        DataError
+            a text is no time, or one that can be read in two ways.
+        """
+        if TIME not in self:
+            return np.full(len(self.numbers), np.nan), ()
+        column = self.table.frame[self.place[TIME]]
+        if column.dtype.kind == "M":
+            return self._from_first(_seconds_of(column - column.min()))
+        if column.dtype.kind == "m":
+            return _seconds_of(column), ()
+        texts = self.texts(TIME)
+        present = [text for text in dict.fromkeys(texts) if text and not is_missing_word(text)]
+        if column.dtype.kind in "iuf" or all(plain_number(text) is not None for text in present):
+            return self._counted(self.floats(TIME, words=True))
+        try:
+            return self._written(texts, present)
+        except DataError as error:
+            raise DataError(f"{self.table.name}, column {self.place[TIME]} {error}") from error
+
+    def _counted(self, values: Floats) -> tuple[Floats, tuple[str, ...]]:
+        """Return times that are numbers; what may be days of a spreadsheet or milliseconds is said."""
+        if self.units.get(TIME):
+            return self.in_unit(TIME, "s", values)
+        known = values[np.isfinite(values)]
+        notes: tuple[str, ...] = ()
+        if known.size and np.abs(known).max() > MILLISECONDS:
+            notes = ("Column time is read as seconds; it may count milliseconds: write time [ms] then.",)
+        elif known.size and SERIAL[0] < known.min() and known.max() < SERIAL[1] and 0.0 < np.ptp(known) < 30.0:
+            notes = ("Column time is read as seconds; it may count days, as spreadsheets do: write time [d] then.",)
+        return values, notes
+
+    def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
+        form = time_form_of(present)
+        if form == DAYS and (day := self._day()) is not None:
+            joined = [f"{d} {t}" if d and t else "" for d, t in zip(day, texts, strict=True)]
+            return self._written(joined, [text for text in dict.fromkeys(joined) if text])
+        parts = instants_of(present, form) if form else None
+        if form is None or parts is None:
+            odd = next((text for text in present if time_form_of([text]) is None), present[0])
+            row = self.numbers[texts.index(odd)] if odd in texts else self.numbers[0]
+            raise DataError(
+                f"holds {shown(odd)} (row {row}); expected seconds, or times in one form such as 2025-03-14 "
+                "15:09:26.5; write it so, or clear the cell"
+            )
+        days, rest = parts
+        days = days - (0 if form == DAYS else days.min())
+        at = dict(zip(present, (days * SECONDS + rest / 1e9).tolist(), strict=True))
+        seconds = np.array([at.get(text, np.nan) for text in texts])
+        if form == DAYS:
+            return seconds, (
+                f"Column time is read as {words_of(form).replace('in days (6:00 is 0.25)', 'in seconds')}.",
+            )
+        return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0])
+
+    def _day(self) -> tuple[str, ...] | None:
+        """Return the days (n_rows,) of times of day, None where no column has them."""
+        name = next((one for one in self.table.columns if one.strip().lower() in DAY_NAMES), None)
+        if name is None:
+            return None
+        cells = self.table.frame[name]
+        return tuple("" if gone else str(cell).strip() for cell, gone in zip(cells, cells.isna(), strict=True))
+
+    def _from_first(self, seconds: Floats, form: str = "dates") -> tuple[Floats, tuple[str, ...]]:
+        return seconds, (f"Column {self.place[TIME]} is read as {form}; time counts in seconds from the first.",)
+
+
+def _seconds_of(spans: "pd.Series[pd.Timedelta]") -> Floats:
+    return days_in(spans) * SECONDS
+
+
+def read_columns(
+    path: PathLike, gauges: Sequence[str], loads: Sequence[str], parameters: Sequence[str]
+) -> CampaignColumns:
+    """Return the columns of a campaign's file.
+
+    Raises
+    ------
+    DataError
+        the file is no table, a column is missing, two columns have one meaning, or a name is nearly one of the twin's.
+    """
+    table = read_table(path, as_text=TEST)
+    is_empty = table.frame.isna().all(axis=1).to_numpy()
+    if 0 < is_empty.sum() < len(is_empty):
+        n_empty = int(is_empty.sum())
+        left_out = f"{n_empty} row{'s' * (n_empty != 1)} without any cell left out."
+        table = replace(table.rows(~is_empty), notes=(*table.notes, left_out))
+    known = (TEST, *loads, TIME, TEMPERATURE, *gauges, *parameters)
+    units = dict(table.units)
+    place: dict[str, str] = {}
+    given: dict[str, str] = {}
+    unused = []
+    for column in table.columns:
+        name, unit = _known(column, known)
+        if not name or (name in place and name in OWN):
+            unused.append(column)
+            continue
+        if name in place:
+            raise DataError(f"{table.name}: columns {place[name]!r} and {column!r} are both {name!r}; name it once")
+        place[name], given[name] = column, unit or units.get(column, "")
+    _refuse_absent(table, place, gauges, loads)
+    for column in unused:
+        meant = next(
+            (name for name in known if name not in place and _plain(name) == _plain(unit_behind(column)[0])), ""
+        )
+        if meant:
+            raise DataError(
+                f"{table.name}: column {column!r} is no gauge, load or state of the twin, which has {meant!r}; "
+                f"expected its name; write {meant!r}"
+            )
+    notes = table.notes
+    unused = [column for column in unused if column.strip().lower() not in DAY_NAMES]
+    if unused:
+        many = len(unused) != 1
+        notes += (f"Column{'s' * many} {several(unused, 6)}: the twin has no such reading; not used.",)
+    unchecked = [name for name in loads if given.get(name)] + [name for name in parameters if given.get(name)]
+    if unchecked:
+        named = ", ".join(f"{name} in {given[name]}" for name in unchecked)
+        notes += (f"The twin says no unit of its loads and states, so that of the file is not checked: {named}.",)
+    return CampaignColumns(table, table.numbers_of_rows(), MappingProxyType(place), MappingProxyType(given), notes)
+
+
+def _known(column: str, known: Sequence[str]) -> tuple[str, str]:
+    """Return the twin's name of a column and the unit behind it, "" where it has none."""
+    for name, unit in ((column, ""), unit_behind(column)):
+        if name in known:
+            return name, unit
+        own = next((own for own, names in OWN.items() if name.lower() in names), "")
+        if own:
+            return own, unit
+    return "", ""
+
+
+def _refuse_absent(table: Table, place: Mapping[str, str], gauges: Sequence[str], loads: Sequence[str]) -> None:
+    for name in (TEST, *loads):
+        if name not in place:
+            raise DataError(
+                f"{table.name}: column {name!r} is missing; got {several(table.columns, 6)}; add it to every row"
+            )
+    if not any(name in place for name in gauges):
+        raise DataError(f"{table.name}: no gauge column; expected names such as {several(gauges, 3)}; add the gauges")
+
+
+def _plain(name: str) -> str:
+    """Return a name without case, marks and leading zeros: G-1 is g01."""
+    letters = re.sub(r"[^a-z0-9]", "", name.lower())
+    return re.sub(r"(?<!\d)0+(?=\d)", "", letters)

@@ -1,0 +1,51 @@
+"""Campaigns drawn over displays, repeats and noise: the smoke version of `python -m benchmarks.run campaigns`."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from benchmarks.cases.doors.campaigns import DISPLAYS, FAULTS, answered, drawn
+from octmip.gap import CachedTwin, Campaign, Recorded, diagnose, gathered
+from octmip.gap.campaign.noise_estimate import estimate_noise
+from tests.doors.campaigns import FORCES, TWIN, shown
+
+
+@pytest.mark.parametrize("seed", range(2 * len(DISPLAYS)))
+def test_a_sound_machine_is_neither_accused_nor_told_to_repair(seed: int) -> None:
+    outcome, told = answered(drawn(seed))
+    assert outcome in ("sound", "refused"), told
+
+
+@pytest.mark.parametrize("seed", range(8, 8 + len(FAULTS)))
+def test_a_faulty_channel_is_found(seed: int) -> None:
+    assert answered(drawn(seed, faulty=True))[0] == "found"
+
+
+def noise_of(seed: int, rho: float, repeats: int = 12) -> bool:
+    """Return whether the noise of four gauges in four cells is said to remember."""
+    rng = np.random.default_rng([seed, int(100 * rho)])
+    series = rng.standard_normal((4 * repeats, 4))
+    for k in range(1, len(series)):
+        series[k] = rho * series[k - 1] + np.sqrt(1.0 - rho**2) * series[k]
+    n, nan = len(series), np.full(len(series), np.nan)
+    loads = np.repeat(np.arange(4.0), repeats)
+    return estimate_noise(
+        Campaign(("a", "b", "c", "d"), (), ("test",) * n, loads, np.zeros((n, 0)), series, nan, nan)
+    ).remembers
+
+
+def test_white_noise_is_not_called_correlated_and_correlated_noise_is() -> None:
+    assert sum(noise_of(seed, 0.0) for seed in range(40)) <= 2
+    assert sum(noise_of(seed, 0.6) for seed in range(10)) >= 9
+
+
+def test_a_diagnosis_goes_to_another_process_and_back() -> None:
+    blocks = shown(1e-4, FORCES, 6)
+    campaign = gathered(TWIN, [Recorded(1.25 * rows, {"force": force}) for force, rows in blocks.items()])
+    found = diagnose(campaign, CachedTwin(TWIN))
+    assert [part.effect for part in found.which[0].parameters] == ["stiffness"]
+    copied = pickle.loads(pickle.dumps(found))
+    assert copied.which[0].probability == found.which[0].probability
+    twins = [one.augmented(twin) for one, twin in ((found, TWIN), (copied, pickle.loads(pickle.dumps(TWIN))))]
+    assert twins[0].predict({}, 50.0).tolist() == twins[1].predict({}, 50.0).tolist()
