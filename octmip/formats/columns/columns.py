@@ -170,7 +170,9 @@ class Columns:
                     blocks.append(np.zeros((len(frame), 1), dtype=np.float32))
                     continue
                 block = _encoded(column, read_cells(given, column.form), takes_missing)
-                blocks.append(block.astype(np.float32) if given.dtype == np.float32 else block)
+                # What stands for a missing cell is no float32, and a sum that adds it must not depend on the table.
+                is_single = given.dtype == np.float32 and not column.is_doubled
+                blocks.append(block.astype(np.float32) if is_single else block)
             except DataError as error:
                 reasons[column.name] = str(error)
         if reasons:

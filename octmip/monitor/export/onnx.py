@@ -56,7 +56,7 @@ def onnx_model(
     _check(own)
     with needed_by("export to ONNX"):
         import onnx
-    has_texts = any(column.kind != "number" for column in own.columns)
+    has_texts = any(column.kind not in ("number", "empty") for column in own.columns)
     graph = _Graph(onnx, own, has_texts)
     graph.build()
     helper, kinds = onnx.helper, onnx.TensorProto
@@ -92,7 +92,7 @@ def _told(own: OwnTree, legend: Legend) -> dict[str, Any]:
 
 def _cells(column: Column) -> str:
     if column.kind != "number":
-        return "texts"
+        return "none" if column.kind == "empty" else "texts"
     return words_of(column.form) if column.form else "Booleans, 1 or 0" if column.stored == "truths" else "numbers"
 
 
