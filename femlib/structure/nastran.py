@@ -44,7 +44,7 @@ SILENT = re.compile(
     r"MAT.*|P(SHELL|COMP.*|BAR.*|BEAM.*|ROD|TUBE|BEND|BUSH.*|ELAST?|MASS|SOLID|LSOLID|SHEAR|DAMP.*|GAP|FAST|WELD|VISC|PLANE)"
     r"|PARAM|MDLPRM|CORD.*|GRID|GRDSET|EIG.*|SET\d|D(ESVAR|V[PCM]REL\d|RESP\d|CONSTR|CONADD|OPTPRM|EQATN|TABLE|LINK|VGRID)"
     r"|TABLE.*|TABD.*|FREQ\d?|TSTEP.*|NLPARM.*|PLOTEL|[SE]POINT|[AOQCBU]SET\d?|AE.*|CAERO.*|PAERO.*|SPLINE.*|FLFACT|FLUTTER"
-    r"|MK?AERO\d|TRIM|DOPTPRM|ECHO.*|BEGIN|ENDDATA"
+    r"|MK?AERO\d|TRIM|DOPTPRM|ECHO.*"
 )
 """Cards that leave the mesh as it is, and its material and sections to `Structure`."""
 REFUSED = re.compile(r"C(HEXA|TETRA|PENTA|PYRAM|IHEX|TRIAX|QUADX|SHEAR|QUAD$|CONEAX|PLST|PLSN|HAC|RAC|AX).*")
@@ -109,6 +109,11 @@ class Bulk:
             self._shell(card)
         elif card.name in LINES:
             self._line(card)
+        elif card.name.startswith(("=", "BEGIN")):
+            what = "fields that repeat the line before" if card.name[0] == "=" else "superelements"
+            raise InputError(
+                f"{self.path} has {what} ({card.name[:12]}); expected one plain model; write all its cards"
+            )
         elif REFUSED.fullmatch(card.name):
             raise wrong_kind(str(self.path), 1, card.name)
         elif not SILENT.fullmatch(card.name):

@@ -272,6 +272,10 @@ ROWS = [
         answer((4, 1, 0, 0), 1.0, ONE | {"skin": 1})),
     Row(DOOR, "Nastran's guide", "a solid", written("a.bdf", GRIDS + "CTETRA,1,5,1,2,3,4\n"), read,
         Refused(("kind CTETRA", "mesh the middle surfaces"))),
+    Row(DOOR, "Nastran's guide", "lines that repeat", written("a.bdf", f"{GRIDS}=,*1,=,*1.,==\n=2\n{QUAD}\n"), read,
+        Refused(("fields that repeat", "write all its cards"))),
+    Row(DOOR, "Nastran's guide", "superelements", written("a.bdf", f"BEGIN BULK\n{GRIDS}{QUAD}\nBEGIN SUPER=1\n"), read,
+        Refused(("superelements", "one plain model"))),
     Row(DOOR, "Nastran's guide", "a node that is not there", written("a.bdf", f"{GRIDS}{QUAD[:-1]}9\n"), read,
         Refused(("[9]", "write the whole file"))),
     *(
