@@ -113,6 +113,11 @@ NASTRAN = {
         f"{GRIDS}{QUAD}\nCELAS2,9,1.+3,1,3\nXYZ,1\n",
         "1 CELAS2 (springs), 1 XYZ (not read)",
     ),
+    "a stack in the middle": (f"{GRIDS}{QUAD}\nPCOMP,5,-.002,,,,,,SYM\n,2,.001,0.,,2,,90.\n", ""),
+    "a stack above its nodes": (
+        f"{GRIDS}{QUAD}\nPCOMP,5,0.0\n,2,.001,0.,,2,.001,90.\n",
+        "1 Z0 of PCOMP (plies beside their nodes)",
+    ),
     "a node held by its GRID": (f"{GRIDS}GRID,5,,0.,2.,0.,,123\n{QUAD}\n", "1 PS of GRID (supports)"),
 }
 NODES = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,1,0\n5,1,1,0\n6,2,1,0\n"
