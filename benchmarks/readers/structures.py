@@ -94,7 +94,7 @@ PARTS = """*Part, name=P
 *Elset, elset=both
 A.1, A.own
 """
-WRITTEN: dict[str, Callable[[Path], None]] = {
+WRITTEN: dict[str, Callable[[Path], object]] = {
     "mesh.inp": lambda path: meshio.write(path, _plate()),
     "mesh.msh": lambda path: meshio.write(path, _tagged(_plate()), "gmsh22", binary=False),
     "mesh4.msh": lambda path: meshio.write(path, _tagged(_plate()), "gmsh", binary=True),
@@ -115,7 +115,11 @@ def mangled_text(rng: Generator, content: bytes) -> bytes:
 
 def make_mesh(name: str) -> Callable[[int, Path], None]:
     """Return what writes the plate in the format of a file's name."""
-    return lambda number, folder: WRITTEN[name](folder / name)
+
+    def write(number: int, folder: Path) -> None:
+        WRITTEN[name](folder / name)
+
+    return write
 
 
 def read_mesh(name: str) -> Callable[[Generator, Path], None]:

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.checked import fortran_number
 from femlib.errors import InputError
 from femlib.structure.file_mesh import FileMesh, masks, wrong_kind
 from femlib.structure.nastran_cards import Card, cards_of
@@ -44,7 +45,7 @@ SILENT = re.compile(
     r"MAT.*|P(SHELL|COMP.*|BAR.*|BEAM.*|ROD|TUBE|BEND|BUSH.*|ELAST?|MASS|SOLID|LSOLID|SHEAR|DAMP.*|GAP|FAST|WELD|VISC|PLANE)"
     r"|PARAM|MDLPRM|CORD.*|GRID|GRDSET|EIG.*|SET\d|D(ESVAR|V[PCM]REL\d|RESP\d|CONSTR|CONADD|OPTPRM|EQATN|TABLE|LINK|VGRID)"
     r"|TABLE.*|TABD.*|FREQ\d?|TSTEP.*|NLPARM.*|PLOTEL|[SE]POINT|[AOQCBU]SET\d?|AE.*|CAERO.*|PAERO.*|SPLINE.*|FLFACT|FLUTTER"
-    r"|MK?AERO\d|TRIM|DOPTPRM|ECHO.*|BEGIN|ENDDATA"
+    r"|MK?AERO\d|TRIM|DOPTPRM|ECHO.*"
 )
 """Cards that leave the mesh as it is, and its material and sections to `Structure`."""
 REFUSED = re.compile(r"C(HEXA|TETRA|PENTA|PYRAM|IHEX|TRIAX|QUADX|SHEAR|QUAD$|CONEAX|PLST|PLSN|HAC|RAC|AX).*")
@@ -109,6 +110,13 @@ class Bulk:
             self._shell(card)
         elif card.name in LINES:
             self._line(card)
+        elif card.name in ("PCOMP", "PCOMPG"):
+            self._stack(card)
+        elif card.name.startswith(("=", "BEGIN")):
+            what = "fields that repeat the line before" if card.name[0] == "=" else "superelements"
+            raise InputError(
+                f"{self.path} has {what} ({card.name[:12]}); expected one plain model; write all its cards"
+            )
         elif REFUSED.fullmatch(card.name):
             raise wrong_kind(str(self.path), 1, card.name)
         elif not SILENT.fullmatch(card.name):
@@ -151,6 +159,21 @@ class Bulk:
             self.say("ZOFFS (shells beside their nodes)")
         if any(card.text(k) for k in thick):
             self.say("T1 to T4 (thickness at corners)")
+
+    def _stack(self, card: Card) -> None:
+        """Say that plies lie beside their nodes: their bottom Z0 is not half the thickness below them."""
+        if not card.text(3):
+            return
+        first = 1 if card.name == "PCOMP" else 2  # material, thickness, ...; a number of the ply before them
+        last, total = 0.0, 0.0
+        for start in range(8, len(card.fields), 4 if first == 1 else 8):
+            if any(card.fields[start : start + first + 1]):
+                word = card.fields[start + first]
+                last = fortran_number(word) if word else last
+                total += last
+        total *= 2.0 if card.text(9).upper() in ("SYM", "SYMEM") and first == 1 else 1.0
+        if abs(card.real(3) + total / 2.0) > 1e-6 * total:
+            self.say(f"Z0 of {card.name} (plies beside their nodes)")
 
     def _line(self, card: Card) -> None:
         kind, fields = LINES[card.name]

@@ -113,6 +113,11 @@ NASTRAN = {
         f"{GRIDS}{QUAD}\nCELAS2,9,1.+3,1,3\nXYZ,1\n",
         "1 CELAS2 (springs), 1 XYZ (not read)",
     ),
+    "a stack in the middle": (f"{GRIDS}{QUAD}\nPCOMP,5,-.002,,,,,,SYM\n,2,.001,0.,,2,,90.\n", ""),
+    "a stack above its nodes": (
+        f"{GRIDS}{QUAD}\nPCOMP,5,0.0\n,2,.001,0.,,2,.001,90.\n",
+        "1 Z0 of PCOMP (plies beside their nodes)",
+    ),
     "a node held by its GRID": (f"{GRIDS}GRID,5,,0.,2.,0.,,123\n{QUAD}\n", "1 PS of GRID (supports)"),
 }
 NODES = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,1,0\n5,1,1,0\n6,2,1,0\n"
@@ -272,6 +277,10 @@ ROWS = [
         answer((4, 1, 0, 0), 1.0, ONE | {"skin": 1})),
     Row(DOOR, "Nastran's guide", "a solid", written("a.bdf", GRIDS + "CTETRA,1,5,1,2,3,4\n"), read,
         Refused(("kind CTETRA", "mesh the middle surfaces"))),
+    Row(DOOR, "Nastran's guide", "lines that repeat", written("a.bdf", f"{GRIDS}=,*1,=,*1.,==\n=2\n{QUAD}\n"), read,
+        Refused(("fields that repeat", "write all its cards"))),
+    Row(DOOR, "Nastran's guide", "superelements", written("a.bdf", f"BEGIN BULK\n{GRIDS}{QUAD}\nBEGIN SUPER=1\n"), read,
+        Refused(("superelements", "one plain model"))),
     Row(DOOR, "Nastran's guide", "a node that is not there", written("a.bdf", f"{GRIDS}{QUAD[:-1]}9\n"), read,
         Refused(("[9]", "write the whole file"))),
     *(

@@ -163,14 +163,6 @@ def test_the_sets_of_a_deck_are_its_own(tmp_path):
     assert found.nodes_of("RIB").tolist() == [1, 2]
 
 
-def test_nastran_properties_are_sets(tmp_path):
-    mesh = plate_mesh()
-    mesh.cell_data["nastran:ref"] = [np.where(np.arange(24) < 6, 1, 2), np.full(2, 7)]
-    meshio.write(tmp_path / "plate.bdf", meshio.Mesh(mesh.points, mesh.cells, cell_data=mesh.cell_data))
-    found = read(tmp_path / "plate.bdf")
-    assert [int(found.elements_of(f"property:{k}").sum()) for k in (1, 2, 7)] == [6, 18, 2]
-
-
 @pytest.mark.parametrize("ending", ["vtu", "vtk"])
 def test_whole_numbers_of_vtk_are_sets(ending, tmp_path):
     mesh = plate_mesh()

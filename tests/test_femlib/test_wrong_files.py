@@ -163,8 +163,8 @@ def test_a_packed_or_incomplete_model_is_refused(tmp_path: Path, members: dict[s
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        (" 1 1 0. 1e999 0. 0. 0. 0. S", "line 2: '1e999' is no strain; expected six"),
-        (" 1 1 0. x 0. 0. 0. 0. S", "line 2: could not convert string to float: 'x'"),
+        (" 1 1 0. 1e999 0. 0. 0. 0. S", "line 2: '1e999' is no finite number; expected six"),
+        (" 1 1 0. x 0. 0. 0. 0. S", "line 2: 'x' is no finite number"),
     ],
 )
 def test_a_hostile_result_is_refused(tmp_path: Path, line: str, sentence: str) -> None:
