@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns.cells import Cells
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
-from octmip.formats.columns.written import DAYS, FORMS, is_date
+from octmip.formats.columns.spellings import DAYS
+from octmip.formats.columns.written import FORMS, is_date
 from octmip.input.cells import plain_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
