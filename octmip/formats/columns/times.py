@@ -174,11 +174,9 @@ def _plain_iso(texts: Sequence[str]) -> tuple[Integers, Integers] | None:
     stamps = pd.to_datetime(pd.Series(list(texts)), format="ISO8601", errors="coerce", utc=True)
     if stamps.isna().any():
         return None
-    counts = stamps.dt.tz_localize(None).to_numpy()
-    days = counts.astype("datetime64[D]")
-    rest = counts - days
-    step = NANOSECONDS // int(np.timedelta64(1, "D") // np.timedelta64(1, np.datetime_data(counts.dtype)[0]))
-    return days.astype(np.int64), rest.astype(np.int64) * step
+    per_day = DAY // pd.Timedelta(1, stamps.dt.unit)
+    days, rest = np.divmod(stamps.astype(np.int64).to_numpy(), per_day)
+    return days, rest * (NANOSECONDS // per_day)
 
 
 def _parsed(text: str, form: str) -> tuple[int, int] | None:

@@ -272,9 +272,10 @@ def read_table(path: PathLike, as_text: str | None = None) -> Table:
         the table cannot be read, is empty, has no rows, names a column twice, or rows of unequal length.
     """
     source = open_source(path)
+    notes: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
-        frame, notes = read_parquet(source), ()
+        frame = read_parquet(source)
     else:
         frame, layout, notes = read_delimited(source, as_text)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)

@@ -82,7 +82,7 @@ class Source:
 
 
 def _with_line_feeds(text: str) -> str:
-    """Return a text whose lines end with a line feed: some end with a carriage return alone, as a quoted cell may hold."""
+    """Return a text whose lines end with a line feed; some end with a carriage return, which a quoted cell may hold."""
     is_alone = "\r" in text and ("\n" not in text or (text.count("\r") != text.count("\r\n") and '"' not in text))
     text = text.lstrip("\ufeff")  # files that were joined have several byte-order marks
     return text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
