@@ -21,7 +21,18 @@ from numpy.typing import NDArray
 from octmip.trees.order import disorder, n_disorders, ordered_pairs
 from octmip.trees.problem import Problem
 from octmip.trees.shape import with_leaves
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, goes_left, leaf_index, leaves, simplify, splits
+from octmip.trees.tree import (
+    HyperplaneSplit,
+    Leaf,
+    Node,
+    Split,
+    ValueLeaf,
+    goes_left,
+    leaf_index,
+    leaves,
+    simplify,
+    splits,
+)
 
 MOST_SPLITS = 15
 """Of trees with more splits no threshold moves: each place is tried beside all pairs of leaves."""
