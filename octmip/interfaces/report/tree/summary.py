@@ -11,7 +11,7 @@ from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.solution import Stop
 from octmip.trees.tree import depth, features_used
 
 
