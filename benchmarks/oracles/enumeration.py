@@ -70,6 +70,11 @@ def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
 
 
 def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Best:
+    exact, least = [Fraction(weight) for weight in problem.weights.tolist()], Fraction(problem.least_leaf_weight)
+
+    def weight(samples: int) -> Fraction:
+        return sum((one for i, one in enumerate(exact) if samples >> i & 1), Fraction(0)) if least else least
+
     @cache
     def best(samples: int, depth: int) -> Best:
         costs = zip(*(row for i, row in enumerate(prices[:-1]) if samples >> i & 1), strict=True)
@@ -77,7 +82,7 @@ def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Be
         found: Best = (cost, 0, Leaf(label))
         for feature, threshold, missing, mask in cuts if depth else ():
             sides = samples & mask, samples & ~mask
-            if min(side.bit_count() for side in sides) >= problem.leaf_size:
+            if min(side.bit_count() for side in sides) >= problem.leaf_size and min(map(weight, sides)) >= least:
                 left, right = (best(side, depth - 1) for side in sides)
                 cost, n_splits = left[0] + right[0] + prices[-1][0], left[1] + right[1] + 1
                 if (cost, n_splits) < found[:2]:

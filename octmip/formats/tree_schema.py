@@ -100,6 +100,7 @@ SETTINGS: dict[str, Kind] = {
     "split": Choice(("axis", "hyperplane")),
     "split_size": maybe(COUNT),
     "leaf_size": COUNT,
+    "leaf_weight": maybe(COST),
     "leaf_penalty": COST,
     "leaf_model": Choice(("constant", "linear")),
     "ridge": COST,

@@ -226,6 +226,7 @@ def _thinned(problem: Problem, rows: int | None, seed: int) -> Problem:
         targets=problem.targets[kept],
         weights=problem.weights[kept],
         leaf_size=1,
+        leaf_weight=None,
     )
 
 

@@ -138,6 +138,8 @@ def checked_leaf_index(problem: Problem, tree: Node) -> NDArray[np.int64]:
     _check_tree(problem, tree)
     leaf = leaf_index(tree, problem.features)
     _check_leaf_sizes(problem, tree, np.bincount(leaf, minlength=len(leaves(tree))))
+    if problem.leaf_weight is not None:
+        _check_leaf_weights(problem, tree, leaf)
     return leaf
 
 
@@ -223,6 +225,16 @@ def _check_leaf_sizes(problem: Problem, tree: Node, sizes: NDArray[np.int64]) ->
     if not isinstance(tree, Leaf) and sizes[smallest] < problem.leaf_size:
         raise CertificateError(
             f"leaf {smallest} (from the left) holds {sizes[smallest]} samples but leaf_size is {problem.leaf_size}"
+        )
+
+
+def _check_leaf_weights(problem: Problem, tree: Node, leaf: NDArray[np.int64]) -> None:
+    weights = [math.fsum(problem.weights[leaf == k]) for k in range(len(leaves(tree)))]
+    lightest = int(np.argmin(weights))
+    if not isinstance(tree, Leaf) and weights[lightest] < problem.least_leaf_weight:
+        raise CertificateError(
+            f"leaf {lightest} (from the left) holds samples of weight {weights[lightest]:g} but leaf_weight is "
+            f"{problem.leaf_weight:g}"
         )
 
 

@@ -1,8 +1,8 @@
 """Problem: everything that says which tree is wanted, checked once, here.
 
 minimise   sum_i weights_i * loss(target_i, predicted_i) + leaf_penalty * complexity(tree)
-over       trees of at most `depth` levels of splits (or of any), every leaf with at least `leaf_size` samples,
-           at most `split_size` features per split, total sensor cost at most `sensor_budget`;
+over       trees of at most `depth` levels of splits (or of any), every leaf with at least `leaf_size` samples
+           (or `leaf_weight`), at most `split_size` features per split, total sensor cost at most `sensor_budget`;
            where readings are missing, each split sends them to one side, of its own choice
 """
 
@@ -28,7 +28,7 @@ from octmip.trees.problem_values import (
     numbers_to_predict,
     weights_of,
 )
-from octmip.trees.shape import AnyDepth, Shape, set_field, with_leaves
+from octmip.trees.shape import Shape, set_field, with_leaves
 from octmip.trees.tree import (
     Leaf,
     Node,
@@ -108,6 +108,7 @@ class Problem(Shape):
             self._set_numbers()
         set_field(self, "weights", weights_of(self.weights, self.n_samples))
         self._settle(self.feature_names, self.n_samples)
+        self._check_leaf_weight(math.fsum(self.weights), self.has_sample_costs)
         if self.any_depth:
             self._end_depth(self.baseline + self.most_asked_splits * self.leaf_penalty, self.n_samples)
         if self.leaf_model == "linear" and self.loss.predicts == "class":
@@ -149,8 +150,9 @@ class Problem(Shape):
         words = [f"{count} {noun}{'s' * (count != 1)}" for noun, count in counts.items()]
         words += [f"{self.n_classes} classes"] if self.class_names else [f"loss={self.loss!r}"]
         words += [f"depth={'any' if self.any_depth else self.depth}", f"split={self.split!r}"]
-        usual = {"split_size": None, "leaf_size": 1, "leaf_penalty": 0.0, "max_splits": None, "sensor_budget": None}
-        words += [f"{name}={getattr(self, name):g}" for name, value in usual.items() if getattr(self, name) != value]
+        usual = {"leaf_size": 1, "leaf_penalty": 0.0}
+        sizes = "split_size", "leaf_size", "leaf_weight", "leaf_penalty", "max_splits", "sensor_budget"
+        words += [f"{name}={getattr(self, name):g}" for name in sizes if getattr(self, name) != usual.get(name)]
         words += [] if self.leaf_model == "constant" else ["leaf_model='linear'"]
         words += [words_of_order(self.class_order)] if self.monotone is not None and self.class_order else []
         words += self.words_of_shape(self.feature_names)
@@ -321,16 +323,6 @@ class Problem(Shape):
         return Fraction(self.leaf_penalty) * complexity(tree)
 
     @property
-    def any_depth(self) -> bool:
-        """Whether trees may be as deep as they like."""
-        return isinstance(self.depth, AnyDepth)
-
-    @property
-    def has_parts(self) -> bool:
-        """Whether parts of the tree are given, ruled out or kept."""
-        return not (self.fixed_splits is None and self.path_rules is None and self.max_changes is None)
-
-    @property
     def limited_splits(self) -> int | None:
         """`max_splits` where it rules out trees that the depth allows, else None."""
         every = (2**self.depth - 1) * self.max_split_size
@@ -371,11 +363,6 @@ class Problem(Shape):
         if len(features) > self.max_split_size:
             return False
         return self.allowed_splits is None or any(set(features) <= set(group) for group in self.allowed_splits)
-
-    @property
-    def sensor_limit(self) -> float:
-        """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
-        return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
 
     def sensors_used(self, tree: Node) -> tuple[str, ...]:
         """Return the names of the sensors that a tree reads, in the order of `sensors`."""

@@ -46,10 +46,10 @@ def write_problem_file(path: PathLike, problem: Problem) -> None:
 
 def encode(problem: Problem) -> dict[str, Any]:
     """Return a problem as one JSON object."""
-    if problem.is_shaped:
+    if problem.is_shaped or problem.leaf_weight is not None:
         raise ProblemError(
-            "max_splits, monotone or a part of the tree is given, of which a problem file says nothing; leave it or "
-            "the file out"
+            "leaf_weight, max_splits, monotone or a part of the tree is given, of which a problem file says nothing; "
+            "leave it or the file out"
         )
     return (_of_classes(problem) if problem.loss.predicts == "class" else _of_numbers(problem)) | _of_both(problem)
 
@@ -118,6 +118,8 @@ def question_digest(problem: Problem) -> str:
     _add(sha, "sensor_of_feature", problem.sensor_index)
     _add(sha, "sensor_cost", problem.sensor_costs)
     _add(sha, "is_limited", np.array([int(problem.allowed_splits is not None)]))
+    if problem.leaf_weight is not None:
+        _add(sha, "leaf_weight", np.array([problem.leaf_weight]))
     if problem.limited_splits is not None:
         _add(sha, "max_splits", np.array([problem.limited_splits]))
     if problem.monotone is not None:

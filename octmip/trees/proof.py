@@ -115,10 +115,10 @@ def check_provable(problem: Problem) -> None:
             f"split is {problem.split!r} and leaf_model {problem.leaf_model!r}, which have no proof log; expected "
             "axis-aligned regression trees with one number in each leaf; leave the log out"
         )
-    if problem.is_shaped or problem.any_depth:
+    if problem.is_shaped or problem.any_depth or problem.leaf_weight is not None:
         raise ProblemError(
-            "a proof log has no lines for the bounds of given parts, an order, a number of splits or trees without a "
-            "depth; leave the log out, or ask for a depth alone"
+            "a proof log has no lines for the bounds of given parts, an order, a number of splits, a weight of leaves "
+            "or trees without a depth; leave the log out, or ask for a depth alone"
         )
     if problem.split == "hyperplane":
         refuse_missing(problem.n_missing, "hyperplanes add readings", "use split='axis', or fill them in")

@@ -142,21 +142,29 @@ OCT = Registration(
     "solve_oct",
     proves=True,
     is_mixed_integer=True,
-    cannot=("any_depth", "monotone", *PARTS),
+    cannot=("any_depth", "leaf_weight", "monotone", *PARTS),
     without=("cluster", "mu"),
 )
 OCT_H = Registration(
-    "octmip.trees.mip.oct_h", "solve_oct_h", proves=True, is_mixed_integer=True, cannot=("monotone", *PARTS)
+    "octmip.trees.mip.oct_h",
+    "solve_oct_h",
+    proves=True,
+    is_mixed_integer=True,
+    cannot=("leaf_weight", "monotone", *PARTS),
 )
 FLOW_OF_PLANES = Registration(
-    "octmip.trees.mip.flow", "solve_flow", proves=True, is_mixed_integer=True, cannot=("any_depth", "monotone", *PARTS)
+    "octmip.trees.mip.flow",
+    "solve_flow",
+    proves=True,
+    is_mixed_integer=True,
+    cannot=("any_depth", "leaf_weight", "monotone", *PARTS),
 )
 FLOW = replace(FLOW_OF_PLANES, without=("cluster", "mu"))
 BENDERS = Registration(
     "octmip.trees.mip.benders.solver",
     "solve_benders",
     proves=True,
-    cannot=("any_depth", "max_splits", "monotone", *PARTS),
+    cannot=("any_depth", "leaf_weight", "max_splits", "monotone", *PARTS),
 )
 NUMBERS = Registration(
     "octmip.trees.regression.exact",
@@ -235,8 +243,9 @@ def refuse_shape(problem: Problem, asked: str) -> None:
     """
     if asked in NOT_OF_SHAPES and problem.any_depth:
         raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
-    if asked in NOT_OF_SHAPES and problem.is_shaped:
-        name = next(name for name in ("monotone", *PARTS, "max_splits") if getattr(problem, name) is not None)
+    if asked in NOT_OF_SHAPES and (problem.is_shaped or problem.leaf_weight is not None):
+        names = ("leaf_weight", "monotone", *PARTS, "max_splits")
+        name = next(name for name in names if getattr(problem, name) is not None)
         raise ProblemError(
             f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
             "trace_frontier or choose_tree"

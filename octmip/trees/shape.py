@@ -79,6 +79,9 @@ class Shape:
         at most so many features in one split; None: no limit (1 for "axis").
     leaf_size
         at least so many samples in every leaf. Rows are counted, whatever they weigh.
+    leaf_weight
+        at least so much sample weight in every leaf, beside `leaf_size` 1; a tree without a split always holds.
+        None (or 0): no limit.
     leaf_penalty
         price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
     sensor_of_feature
@@ -123,6 +126,7 @@ class Shape:
     split: Literal["axis", "hyperplane"] = "axis"
     split_size: int | None = None
     leaf_size: int = 1
+    leaf_weight: float | None = None
     leaf_penalty: float = 0.0
     sensor_of_feature: Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
@@ -168,6 +172,13 @@ class Shape:
 
     def _check_sizes(self, n_samples: int) -> None:
         set_field(self, "leaf_size", whole_of(self.leaf_size, "leaf_size", 1, n_samples))
+        if self.leaf_weight is not None:
+            set_field(self, "leaf_weight", number_of(self.leaf_weight, "leaf_weight") or None)
+        if self.leaf_weight is not None and self.leaf_size > 1:
+            raise ProblemError(
+                f"leaf_size is {self.leaf_size} and leaf_weight {self.leaf_weight:g}; expected one of the two; leave "
+                "one out"
+            )
         set_field(self, "leaf_penalty", number_of(self.leaf_penalty, "leaf_penalty"))
         set_field(self, "ridge", number_of(self.ridge, "ridge"))
         for name, known in (("split", ("axis", "hyperplane")), ("leaf_model", ("constant", "linear"))):
@@ -182,6 +193,19 @@ class Shape:
         if self.max_splits is not None:
             set_field(self, "max_splits", whole_of(self.max_splits, "max_splits", 0, None))
         self._set_depth()
+
+    def _check_leaf_weight(self, total: float, has_sample_costs: bool) -> None:
+        if self.leaf_weight is None:
+            return
+        if self.least_leaf_weight > total:
+            raise ProblemError(
+                f"leaf_weight is {self.leaf_weight:g} but all samples together weigh {total:g}; expected half of that "
+                "at most, as a split needs two leaves"
+            )
+        if has_sample_costs:
+            raise ProblemError(
+                "leaf_weight is given with costs of single samples, which no solver answers together; leave one out"
+            )
 
     def _set_depth(self) -> None:
         if self.depth is not None and not isinstance(self.depth, AnyDepth):
@@ -267,6 +291,26 @@ class Shape:
                 )
             groups.append(tuple(sorted(int(e) for e in indices)))
         set_field(self, "allowed_splits", tuple(groups))
+
+    @property
+    def any_depth(self) -> bool:
+        """Whether trees may be as deep as they like."""
+        return isinstance(self.depth, AnyDepth)
+
+    @property
+    def has_parts(self) -> bool:
+        """Whether parts of the tree are given, ruled out or kept."""
+        return not (self.fixed_splits is None and self.path_rules is None and self.max_changes is None)
+
+    @property
+    def sensor_limit(self) -> float:
+        """The budget with room for the rounding of decimal costs (0.1 + 0.2 is within 0.3); +inf without a budget."""
+        return math.inf if self.sensor_budget is None else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)
+
+    @property
+    def least_leaf_weight(self) -> float:
+        """`leaf_weight` with room for the rounding of decimal weights (0.3 three times is 0.9); 0 without one."""
+        return (self.leaf_weight or 0.0) * (1 - 1e-9)
 
     @property
     def given_splits(self) -> tuple[GivenSplit, ...]:

@@ -21,9 +21,10 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from operator import itemgetter
 
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.trees.certificate import certify, checked_incumbent
+from octmip.trees.certificate import certify, checked_incumbent, checked_leaf_index
 from octmip.trees.methods import interruption
 from octmip.trees.methods.options import (
     NO_OPTIONS,
@@ -118,6 +119,8 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     _write_model(problem, name, run, first)
     if problem.has_sample_costs:
         return _by_weighted_rows(problem, run, first)
+    if problem.leaf_weight is not None and name != "cart":
+        return _by_sized_rows(problem, run, first)
     start = time.perf_counter()
 
     def result() -> Solution:
@@ -207,6 +210,55 @@ def _by_weighted_rows(problem: Problem, run: Run, first: Solution | None) -> Sol
     limits = replace(run.limits, gap=0.0)
     run = replace(run, options=options, limits=limits, progress=made.progress(run.progress))
     return checked_solution(problem, made.back(solve_run(made.rows, run, None if first is None else first.tree)))
+
+
+def _by_sized_rows(problem: Problem, run: Run, first: Solution | None) -> Solution:
+    """Return the solution of a problem with a least weight of leaves, found over rows that are counted.
+
+    Raises
+    ------
+    ProblemError
+        a proof log or a checkpoint is asked for.
+    """
+    from octmip.trees.encoding.repeated_rows import sized_rows, units_of
+
+    options, start, bound = run.options, time.perf_counter(), -math.inf
+    if isinstance(options, ExactOptions) and not (options.proof is None and options.checkpoint is None):
+        raise ProblemError("proof or checkpoint is given with leaf_weight, which no such file knows; leave it out")
+    for unit in units_of(problem):
+        seconds = max(0.0, run.limits.seconds - (time.perf_counter() - start))
+        here = replace(run, limits=replace(run.limits, seconds=seconds))
+        found = solve_run(sized_rows(problem, unit), here, None if first is None else first.tree)
+        bound = max(bound, found.bound)  # each is one of the problem
+        tree = None if found.tree is None else problem.with_sides(found.tree)
+        if tree is None or _is_tree_of(problem, tree):
+            break
+    else:
+        known = [] if first is None else [first.tree]
+        found = _with_tree_of(problem, replace(found, bound=bound), known)
+        tree = found.tree
+    return checked_solution(problem, replace(found, tree=tree, seconds=time.perf_counter() - start))
+
+
+def _is_tree_of(problem: Problem, tree: Node) -> bool:
+    try:
+        checked_leaf_index(problem, tree)
+    except CertificateError:
+        return False
+    return True
+
+
+def _with_tree_of(problem: Problem, found: Solution, known: list[Node | None]) -> Solution:
+    """Return a solution with the best tree of the problem that is at hand, in place of one with too light a leaf."""
+    if solvers_of(problem)["cart"].refusal(problem) is None:
+        known = [*known, solve_run(problem, Run("cart", seed=found.seed)).tree]
+    known = [*known, problem.best_leaf() if problem.is_leaf_allowed else None]
+    objective, tree = min(
+        ((problem.objective(tree), tree) for tree in known if tree), default=(math.inf, None), key=itemgetter(0)
+    )
+    bound = min(found.bound, objective)
+    stop = Stop.NUMERICS if found.stop is Stop.OPTIMAL and bound < objective - found.tolerance else found.stop
+    return replace(found, tree=tree, objective=objective, bound=bound, stop=stop)
 
 
 def _write_model(problem: Problem, name: str, run: Run, first: Solution | None) -> None:

@@ -144,7 +144,7 @@ def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
             total += 0.0
         total += weight * problem.costs[code, node.label]
     objective = problem.objective(tree)
-    paid = total + problem.leaf_penalty * str(tree).count("Split")
+    paid = total + problem.leaf_penalty * repr(tree).count("Split(")
     assert objective == pytest.approx(paid, rel=1e-12)
     claim = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "search", "1", 0)
     smallest = np.bincount(leaf_index(tree, problem.features), minlength=len(leaves(tree))).min()

@@ -32,10 +32,8 @@ os.environ["SCIPY_ARRAY_API"] = "1"  # scipy reads it when it is imported; witho
 from sklearn.utils.estimator_checks import check_estimator
 from octmip import OptimalTreeClassifier, OptimalTreeRegressor
 HYPERPLANES = {"split": "hyperplane", "split_size": 2}
-# The price of a split does here what min_weight_fraction_leaf does for scikit-learn's own trees, in the check of
-# class_weight: no leaf for samples that weigh a ten-millionth of the others.
-axis = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01)
-hyperplane = OptimalTreeClassifier(max_depth=2, leaf_penalty=0.01, **HYPERPLANES)
+axis = OptimalTreeClassifier(max_depth=2)
+hyperplane = OptimalTreeClassifier(max_depth=2, **HYPERPLANES)
 # Without time CART's prunings alone are chosen among, which is the same for every run.
 chosen = OptimalTreeClassifier(**HYPERPLANES, seconds=0.0)
 sparse = OptimalTreeClassifier(max_depth=None, leaf_penalty=1.0, seconds=5.0)

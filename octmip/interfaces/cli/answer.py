@@ -134,7 +134,7 @@ def _trees(problem: Problem, solution: Solution) -> str:
     kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
     kind += "" if problem.loss.predicts == "class" else " with one number in each leaf"
     is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None or problem.allowed_splits is not None
-    is_limited = is_limited or problem.is_shaped
+    is_limited = is_limited or problem.is_shaped or problem.leaf_weight is not None
     size = "any depth" if problem.any_depth else f"depth {problem.depth} or less"
     return f"tree of {size}{kind}{' within the same limits' if is_limited else ''}"
 

@@ -160,6 +160,9 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         rarely(action)
     group = group_of(parser, TREE)
     group.add_argument("--leaf-size", metavar="N", type=int, default=1, help="at least N samples in a leaf (default 1)")
+    leaf_weight = group.add_argument(
+        "--leaf-weight", metavar="W", type=float, help="at least the weight W in a leaf (see --weights, --class-weight)"
+    )
     order = group.add_argument(
         "--monotone",
         metavar="C=+,D=-",
@@ -171,7 +174,7 @@ def add_problem_arguments(parser: argparse.ArgumentParser) -> None:
         help="classes from low to high (default: of an ordered Parquet column its own, numbers by size)",
     )
     most_leaves = group.add_argument("--max-leaves", metavar="K", type=int, help="at most K leaves in the tree")
-    for action in (order, classes, most_leaves):
+    for action in (leaf_weight, order, classes, most_leaves):
         rarely(action)
     group.add_argument(
         "--split-size", metavar="K", type=int, help="at most K features in one split; hyperplanes where K is 2 or more"

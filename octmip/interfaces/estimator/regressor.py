@@ -35,6 +35,8 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         "constant", or "linear": a ridge regression in each leaf, by search.
     min_samples_leaf
         at least so many samples in every leaf, whatever they weigh; a number below 1 is a share of all samples.
+    min_weight_fraction_leaf
+        at least this share of the weight of all samples in every leaf, 0 to 0.5, beside `min_samples_leaf` 1.
     max_leaf_nodes
         at most so many leaves, where `max_depth` is not "auto"; None: no limit.
     monotonic_cst

@@ -1,4 +1,4 @@
-"""The parameters that both estimators have, and what they mean: weights, threads, seed, leaf size, sensors."""
+"""The parameters that both estimators have, and what they mean: weights, threads, seed, leaves, sensors."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,12 +7,13 @@ from typing import Any, Literal
 
 import numpy as np
 from joblib import effective_n_jobs
+from numpy.typing import NDArray
 from sklearn.utils import check_random_state
 
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.methods.options import Options
-from octmip.trees.problem_values import directions_of, whole_of
+from octmip.trees.problem_values import directions_of, number_of, whole_of
 from octmip.trees.registry import Method
 from octmip.trees.shape import MAX_DEPTH
 
@@ -34,6 +35,7 @@ class Settings:
     split: Literal["axis", "hyperplane"] = "axis"
     split_size: int | None = None
     min_samples_leaf: float = 1
+    min_weight_fraction_leaf: float = 0.0
     max_leaf_nodes: int | None = None
     monotonic_cst: Mapping[str, int] | Sequence[int] | None = None
     fixed_splits: Mapping[str, Any] | None = None
@@ -105,6 +107,20 @@ def leaf_size_of(min_samples_leaf: float, n_samples: int) -> int:
     if isinstance(min_samples_leaf, float) and 0 < min_samples_leaf < 1:
         return math.ceil(min_samples_leaf * n_samples)
     return whole_of(min_samples_leaf, "min_samples_leaf", 1, n_samples)  # type: ignore[arg-type]
+
+
+def leaf_weight_of(min_weight_fraction_leaf: float, weights: NDArray[np.float64]) -> float:
+    """Return the least weight of a leaf: a share of that of all samples.
+
+    Raises
+    ------
+    ProblemError
+        it is no share from 0 to 0.5.
+    """
+    share = number_of(min_weight_fraction_leaf, "min_weight_fraction_leaf")
+    if share > 0.5:
+        raise ProblemError(f"min_weight_fraction_leaf is {share:g}; expected a share from 0 to 0.5")
+    return share * math.fsum(weights)
 
 
 def sensors_of(columns: Columns, sensor_of_feature: Mapping[str, str] | Sequence[str] | None) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ ranks          features as dense ranks, the core's own problem, a tree as a tabl
 costs          weights, costs and penalty as whole numbers
 parts          parts of a tree that are asked for, as ranks
 sample_costs   costs of single samples as weighted rows
+repeated_rows  a least weight of leaves as a number of rows
 coarse         a problem that may cut each feature in a few places only
 """
 

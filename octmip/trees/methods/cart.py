@@ -48,8 +48,8 @@ def greedy_tree(
 ) -> Solution:
     """Return scikit-learn's CART for a problem, without a bound.
 
-    Weights, leaf_size, depth and the features of allowed_splits are honoured while the tree grows. Under a sensor
-    budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
+    Weights, leaf_size, leaf_weight, depth and the features of allowed_splits are honoured while the tree grows. Under a
+    sensor budget the tree grows on a set of sensors that is itself chosen greedily: always the affordable sensor whose
     addition costs least. A hyperplane problem gets its axis-aligned tree. Of the limits `seconds` is looked at
     between the sensors of that choice, and gives a large table fewer levels; `nodes` are the most splits: where there
     are more samples, the tree grows best first, up to them. `incumbent`, `n_jobs`, `progress` and `options` are there
@@ -120,9 +120,11 @@ class _GreedyBuilder:
         from sklearn.tree import DecisionTreeClassifier, DecisionTreeRegressor  # only here: it takes a CPU second
 
         problem = self.problem
-        if len(features) == 0:
+        least = problem.least_leaf_weight / (problem.weights.sum() or 1.0)
+        if len(features) == 0 or least > 0.5:  # two leaves of so much weight there are not
             return problem.best_leaf()
         limits = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size, "random_state": self.seed}
+        limits |= {"min_weight_fraction_leaf": least}
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
@@ -169,6 +171,9 @@ class _GreedyBuilder:
             missing = SIDES[0] if grown.missing_go_to_left[node] else SIDES[1]
             left[is_missing] = missing == "left"
         if min(int(left.sum()), int((~left).sum())) < self.problem.leaf_size:
+            return None, left
+        weights = self.problem.weights[rows]
+        if min(weights[left].sum(), weights[~left].sum()) < self.problem.least_leaf_weight:
             return None, left
         below, above = ranks[left & ~is_missing], ranks[~left & ~is_missing]
         if not len(below) or not len(above):

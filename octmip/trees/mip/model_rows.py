@@ -244,6 +244,8 @@ def model_of(
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(FORMULATIONS)}")
     if problem.loss.predicts != "class":
         raise ProblemError(f"the loss {problem.loss.name!r} has no mixed-integer model; expected classes")
+    if problem.leaf_weight is not None:
+        raise ProblemError("leaf_weight is given, of which no model has a row; leave it out, or give a leaf_size")
     refuse_missing(problem.n_missing, "the model has no side for them", "fill them in")
     rows = Rows(limit_check=Clock(limits, time.perf_counter()).check)
     check_heap(problem, rows)

@@ -166,3 +166,15 @@ def test_a_tree_that_learns_rows_by_heart_is_said_to(run, tmp_path):
     held = run("solve", tmp_path / "noise.csv", "--label", "y", "--depth", 1, "--holdout", 0.5)[1]
     assert held.splitlines()[-1].startswith("On rows held out: ")
     assert "difference to CART on rows held out, 95 % interval: " in held
+
+
+def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, run, tmp_path):
+    out_file = tmp_path / "t.json"
+    words = ["--label", "y", "--depth", 2, "--weights", "w", "--leaf-weight", 150, "--out", out_file]
+    code, _, err = run("solve", data, *words)
+    assert (code, "leaf_weight is 150 but all samples together weigh 60" in err) == (2, True)
+    code, out, err = run("solve", data, *words, "--class-weight", "low=9,high=4")
+    assert code == 0, err
+    assert "within the same limits has an objective below" in out
+    assert read_tree_file(out_file).settings["leaf_weight"] == 150
+    assert run("certify", out_file, data)[0] == 0

@@ -123,7 +123,8 @@ def read_problem(arguments: argparse.Namespace) -> TableProblem:
     if arguments.class_weight is not None:
         given = class_weight_of(arguments.class_weight, list(problem.class_names))
         factors = factors_of(given, problem.class_names, problem.codes, problem.weights)
-        problem = replace(problem, weights=problem.weights * factors[problem.codes])
+        weighted = problem.weights * factors[problem.codes]
+        problem = replace(problem, weights=weighted, leaf_weight=arguments.leaf_weight)
         preparation = replace(preparation, class_weight=tuple(factors.tolist()))
     held_out = samples_of(problem, features[is_held], labels[is_held], weights[is_held]) if share is not None else None
     if getattr(arguments, "test", None):
@@ -269,6 +270,7 @@ def _problem(
         split=_kind_of_split(arguments),
         split_size=arguments.split_size,
         leaf_size=arguments.leaf_size,
+        leaf_weight=arguments.leaf_weight if arguments.class_weight is None else None,  # else of the weights to come
         monotone=_directions(arguments.monotone),
         leaf_penalty=arguments.leaf_penalty,
         max_splits=splits_of(arguments.max_leaves, _kind_of_split(arguments), "--max-leaves"),

@@ -98,6 +98,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("kind of split", kinds[asked["split"]]),
         ("features in one split", _at_most(asked["split_size"]) if asked["split"] == "hyperplane" else None),
         ("samples in a leaf", f"at least {asked['leaf_size']:,}"),
+        ("weight in a leaf", f"at least {figure(asked['leaf_weight'])}" if asked["leaf_weight"] else None),
         ("price of a feature in a split", figure(asked["leaf_penalty"]) if asked["leaf_penalty"] else "none"),
         ("splits in the tree", _at_most(asked["max_splits"]) if asked["max_splits"] is not None else None),
         ("monotone", _order(asked["monotone"], file.feature_names) if asked["monotone"] else None),
