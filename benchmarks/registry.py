@@ -41,6 +41,7 @@ FAMILIES = {
     "two_feature_trees": "benchmarks.cases.two_feature.trees",
     "exports": "benchmarks.cases.fuzz.exports",
     "sql_engines": "benchmarks.cases.doors.sql_engines",
+    "limits": "benchmarks.cases.doors.limits",
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",

@@ -32,6 +32,11 @@ def beyond_exact(values: Any, numbers: NDArray[np.float64]) -> int | None:
     return next((k for k in large.tolist() if is_beyond(cells[k])), None)
 
 
+def may_be_beyond(numbers: Any) -> bool:
+    """Whether a column of float64 holds one that whole numbers may have been merged into."""
+    return bool((np.abs(np.asarray(numbers)) >= EXACT_INTEGERS).any())
+
+
 def is_beyond(cell: object) -> bool:
     """Whether a cell is a whole number, or the text of one, that float64 does not hold."""
     if isinstance(cell, str) and cell.strip().lstrip("+-").isdecimal() and len(cell) < MOST_DIGITS:

@@ -1,6 +1,9 @@
 """Doors that make float64 of whole numbers: one beyond 2^53 that float64 does not hold is refused by name."""
 
+import csv
 import importlib
+import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ from tests.doors.row import Refused, Row, command
 FIRST = 2**53 + 1
 LARGE = [FIRST, FIRST + 1, FIRST + 2, FIRST + 3]
 """float64 takes the second and the third for one."""
+HOLED: list[int | None] = [*LARGE[:3], None]
 EXACT = [2**60 + 512 * k for k in range(4)]
 """float64 holds each of them."""
 CLASSES = ["a", "b", "a", "b"]
@@ -45,15 +49,30 @@ def fitted(features: Any) -> float:
     return OptimalTreeClassifier(2).fit(features, CLASSES).objective_
 
 
-def file_of(writer: str, folder: Path) -> Path:
-    path = folder / ("ids.csv" if writer == "pandas csv" else "ids.parquet")
-    frame = pd.DataFrame({"t": pd.Series(LARGE, dtype="Int64"), "y": CLASSES})
-    if writer == "pandas csv":
-        frame.to_csv(path, index=False)
-    else:
+def file_of(writer: str, folder: Path, values: Sequence[int | None] = LARGE) -> Path:
+    path = folder / f"ids.{writer.split()[1]}"
+    frame = pd.DataFrame({"t": pd.Series(values, dtype="Int64"), "x": range(len(values)), "y": CLASSES[: len(values)]})
+    if writer.startswith("pandas parquet"):
         importlib.import_module("pyarrow")
-        frame.to_parquet(path)
+        (frame.astype({"t": "category"}) if writer.endswith("categories") else frame).to_parquet(path)
+    elif writer.startswith("Excel"):  # groups of three
+        path.write_text(
+            "t;y\n" + "".join(f"{v:,};{c}\n".replace(",", " ") for v, c in zip(LARGE, CLASSES, strict=True))
+        )
+    else:
+        quoting = csv.QUOTE_ALL if writer.endswith("quoted") else csv.QUOTE_MINIMAL
+        frame.to_csv(path, index=False, sep="\t" if "tsv" in writer else ",", quoting=quoting)
     return path
+
+
+def solved(path: Path, *words: str) -> str:
+    return command("solve", path, *words, "--depth", "2", "--drop-unlabelled")
+
+
+def classes_of(path: Path) -> list[Any]:
+    tree = path.with_name("tree.json")
+    solved(path, "--label", "t", "--drop", "y", "--out", str(tree))
+    return list(json.loads(tree.read_text())["class_names"])
 
 
 def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any) -> Row:
@@ -91,10 +110,20 @@ ROWS: list[Row] = [
             w,
             "a feature",
             lambda folder, w=w: file_of(w, folder),
-            lambda path: command("solve", path, "--label", "y", "--depth", "2"),
+            lambda path: solved(path, "--label", "y"),
             REFUSED,
         )
-        for w in ("pandas csv", "pandas parquet")
+        for w in ("pandas csv", "pandas parquet", "Excel csv")
+    ),
+    *(
+        row("octmip solve TABLE", w, f"{case}, one missing", lambda folder, w=w: file_of(w, folder, HOLED), ask, answer)
+        for case, ask, answer in (
+            ("a feature", lambda path: solved(path, "--label", "y"), REFUSED),
+            ("targets", lambda path: solved(path, "--target", "t", "--drop", "y"), REFUSED),
+            ("classes", classes_of, LARGE[:3]),
+        )
+        for w in ("pandas csv", "pandas csv, quoted", "pandas tsv", "pandas parquet", "pandas parquet of categories")
+        if case == "a feature" or "categories" not in w
     ),
     *(
         row(name, "numpy int64", "targets", lambda _: np.array(LARGE), ask, REFUSED)

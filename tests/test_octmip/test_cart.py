@@ -22,7 +22,8 @@ from octmip import (
     solve,
 )
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.tree import features_used, leaf_index, n_splits
+from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.tree import depth, features_used, leaf_index, n_splits
 
 
 def random_problem(seed: int, **settings: object) -> Problem:
@@ -81,6 +82,15 @@ def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
     solution = greedy_tree(problem, limits=Limits(seconds=0))
     assert solution.stop is Stop.TIME
     certify(problem, solution)
+
+
+def test_a_table_of_many_levels_without_time_for_them_gets_one():
+    features = np.random.default_rng(0).normal(size=(6000, 30))
+    problem = Problem(features, features[:, 0] + features[:, 1] > 0, depth=MAX_DEPTH)
+    solution = greedy_tree(problem, limits=Limits(seconds=0))
+    assert solution.stop is Stop.TIME
+    assert solution.tree is not None
+    assert depth(solution.tree) == 1
 
 
 def test_features_in_no_allowed_group_are_not_read():

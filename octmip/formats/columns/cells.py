@@ -173,7 +173,8 @@ def _categories(series: "pd.Series[Any]", is_missing: NDArray[np.bool_]) -> Cell
     if is_date and not series.cat.ordered:
         return read_cells(series.astype(object))
     if kind in "biufmM" and not series.cat.ordered:  # numbers and dates that pandas only stores as categories
-        return read_cells(series.astype(np.float64 if is_missing.any() and kind in "biuf" else categories.dtype))
+        missing = object if kind in "iu" else np.float64  # float64 merges whole numbers
+        return read_cells(series.astype(missing if is_missing.any() and kind in "biuf" else categories.dtype))
     values = tuple(str(value) for value in categories)
     codes = series.cat.codes.to_numpy()
     words = np.array([None if code < 0 else values[code] for code in codes], dtype=object)

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.formats.columns.spellings import DATES, DAYS, TIMES
 from octmip.formats.columns.times import read_time_texts, time_form_of
+from octmip.input.cells import BEYOND, is_beyond
 from octmip.input.messages import shown
 
 Floats = NDArray[np.float64]
@@ -146,5 +147,7 @@ def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
             return None
         digits = re.sub(r"[' \u00a0\u202f]", "", part["digits"])
         plain = digits.replace(",", "") if style == "1,000.5" else digits.replace(".", "").replace(",", ".")
+        if is_beyond(plain):
+            raise DataError(f"holds {shown(text)}, {BEYOND}, or leave it out")
         out.append(float(part["minus"] + plain))
     return np.array(out)

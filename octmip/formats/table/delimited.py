@@ -2,7 +2,8 @@
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -12,6 +13,7 @@ from octmip.formats.table.layout import Layout, layout_of
 from octmip.formats.table.lines import Line, is_value, split_rows
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
+from octmip.input.cells import is_beyond, may_be_beyond
 
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
@@ -54,19 +56,9 @@ def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataF
     for k, name in enumerate(layout.header[: layout.n_cells]):
         names[k] = name if name and len(layout.header) == layout.n_cells else names[k]
     check_names(source.name, [name for name in layout.header if name])
+    cells = _Cells(layout, names)
     try:
-        frame: pd.DataFrame = pd.read_csv(
-            io.StringIO(layout.rows),
-            sep=r"\s+" if layout.separator == " " else layout.separator,
-            decimal=layout.decimal,
-            **EXACT_NUMBERS,
-            header=None,
-            names=names,
-            keep_default_na=False,
-            na_values=list(NO_NUMBERS),
-            low_memory=False,
-            dtype={} if as_text is None else {as_text: str},
-        )
+        frame = _with_whole_numbers(cells.read({} if as_text is None else {as_text: str}), cells)
     except pd.errors.EmptyDataError:
         frame = pd.DataFrame(columns=names)
     except (ValueError, OverflowError) as error:  # pandas' own ParserError among them
@@ -79,6 +71,39 @@ def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataF
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
     frame, told = _named(source, frame, layout)
     return frame, layout, (*notes, *layout.notes, *told)
+
+
+@dataclass(frozen=True, slots=True)
+class _Cells:
+    """The rows of a layout under names of its columns, as pandas reads them."""
+
+    layout: Layout
+    names: list[str]
+
+    def read(self, types: Mapping[str, type], columns: Sequence[str] | None = None) -> pd.DataFrame:
+        """Return some columns, all by default; those of `types` in these types, the others as pandas finds."""
+        return pd.read_csv(
+            io.StringIO(self.layout.rows),
+            sep=r"\s+" if self.layout.separator == " " else self.layout.separator,
+            decimal=self.layout.decimal,
+            **EXACT_NUMBERS,
+            header=None,
+            names=self.names,
+            usecols=columns,
+            keep_default_na=False,
+            na_values=list(NO_NUMBERS),
+            low_memory=False,
+            dtype=dict(types),
+        )
+
+
+def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
+    """Return the table with the texts of columns where float64, for the sake of an empty cell, merges whole numbers."""
+    large = [name for name in cells.names if frame[name].dtype.kind == "f" and may_be_beyond(frame[name])]
+    if not large:
+        return frame
+    texts = cells.read(dict.fromkeys(large, str), large)
+    return frame.assign(**{name: texts[name] for name in large if texts[name].map(is_beyond).any()})
 
 
 def rows_in(layout: Layout, strict: bool = False) -> Iterator[Line]:

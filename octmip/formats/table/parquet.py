@@ -8,6 +8,7 @@ import pandas as pd
 from octmip.errors import DataError, needed_by
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
+from octmip.input.cells import may_be_beyond
 from octmip.input.files import check_readable
 
 MOST_CELLS = 2**28  # two gigabytes as float64
@@ -33,7 +34,12 @@ def read_parquet(source: Source) -> pd.DataFrame:
             _check_size(source.name, file.metadata.num_rows, len(names))
             index = _index_columns(file.schema_arrow.pandas_metadata)
             # The metadata's other promises are not asked for: they hold types of Python that a column would become.
-            frame: pd.DataFrame = file.read().to_pandas(ignore_metadata=True)
+            table = file.read()
+            frame: pd.DataFrame = table.to_pandas(ignore_metadata=True)
+            for k, name in enumerate(names):
+                is_float = frame[name].dtype.kind == "f"  # for the sake of missing cells
+                if is_float and arrow.types.is_integer(table.schema.types[k]) and may_be_beyond(frame[name]):
+                    frame[name] = table.column(k).to_pandas(integer_object_nulls=True)
     except DataError:
         raise
     except (arrow.ArrowException, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:

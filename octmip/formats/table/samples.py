@@ -86,6 +86,7 @@ class Table:
         column = self.frame[name]
         if column.dtype.kind == "O" and all(isinstance(cell, str) and _is_number(cell) for cell in column):
             column = pd.to_numeric(column)
+        column = column.infer_objects()
         if column.dtype.kind == "f" and (column == np.floor(column)).all() and column.abs().max() <= EXACT_INTEGERS:
             column = column.astype(np.int64)
         return replace(self, frame=self.frame.assign(**{name: column}))
@@ -145,15 +146,16 @@ class Table:
             texts = sorted(set(column))
             number = dict(zip(texts, read_texts(texts, form).tolist(), strict=True))
             return column.map(number).to_numpy(dtype=np.float64)
+        given = column
         if column.dtype.kind not in "biuf":
             read = [plain_number(cell) if isinstance(cell, str) else None for cell in column]
             if None in read or not np.isfinite(np.array(read, dtype=np.float64)).all():
                 raise DataError(self._complaint(name, column, purpose))
             column = pd.Series(read, column.index, dtype=np.float64)
         numbers = column.to_numpy(dtype=np.float64)
-        row = beyond_exact(column, numbers)
+        row = beyond_exact(given, numbers)
         if row is not None:
-            raise DataError(self._beyond(name, row, column))
+            raise DataError(self._beyond(name, row, given))
         if not np.isfinite(numbers).all():
             row = int(np.isfinite(numbers).argmin())
             raise DataError(f"{self.place(row, name)}: {numbers[row]} is not finite; expected a finite number")

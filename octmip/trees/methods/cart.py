@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import sklearn
 
 MEASURED_WORK = 1e7
-"""Samples times columns times classes from which on the time of a level is measured: some tenths of a second."""
+"""Samples times columns, classes and levels from which on the time of a level is measured: some tenths of a second."""
 
 
 def greedy_tree(
@@ -62,10 +62,8 @@ def greedy_tree(
     """
     start = time.perf_counter()
     builder = _GreedyBuilder(problem, rank_features(problem), seed, limits.nodes, problem.depth)
-    levels = _levels_in_time(builder, start + limits.seconds)
-    stop = Stop.FINISHED if levels == problem.depth else Stop.TIME
-    builder = replace(builder, levels=levels)
-    tree = builder.build(builder.usable_features())
+    builder, tree = _grown_in_time(builder, start + limits.seconds)
+    stop = Stop.FINISHED if builder.levels == problem.depth else Stop.TIME
     if problem.sensor_cost_of(tree) > problem.sensor_limit:
         tree, stop = _within_budget(builder, start + limits.seconds)
     return greedy_solution(problem, problem.with_sides(tree), seed, stop, time.perf_counter() - start)
@@ -182,18 +180,23 @@ class _GreedyBuilder:
         return Split(feature, threshold, Leaf(0), Leaf(0), missing=missing), left
 
 
-def _levels_in_time(builder: _GreedyBuilder, deadline: float) -> int:
-    """Return the levels that can be grown by a deadline: all of them, or as many as the first one's time lets expect.
+def _grown_in_time(builder: _GreedyBuilder, deadline: float) -> tuple[_GreedyBuilder, Node]:
+    """Return the tree that can be grown by a deadline and its builder: of all levels, or as the first one lets expect.
 
     scikit-learn looks at no clock, and at each level goes through all samples, columns and classes.
     """
     problem, start = builder.problem, time.perf_counter()
-    work = problem.features.size * max(1, problem.n_classes)
+    work = problem.features.size * max(1, problem.n_classes) * problem.depth
+    usable = builder.usable_features()
     if math.isinf(deadline) or work < MEASURED_WORK or problem.depth == 1:
-        return problem.depth
-    replace(builder, levels=1).build(builder.usable_features())
-    now = time.perf_counter()
-    return max(1, min(problem.depth, int((deadline - now) / max(now - start, 1e-9))))
+        return builder, builder.build(usable)
+    shallow = replace(builder, levels=1)
+    tree, now = shallow.build(usable), time.perf_counter()
+    levels = min(problem.depth, int((deadline - now) / max(now - start, 1e-9)))
+    if levels <= 1:
+        return shallow, tree
+    deeper = replace(builder, levels=levels)
+    return deeper, deeper.build(usable)
 
 
 def _within_budget(builder: _GreedyBuilder, deadline: float) -> tuple[Node, Stop]:

@@ -54,6 +54,13 @@ impl ClassCosts {
         &self.gains[class * self.n_classes..][..self.n_classes]
     }
 
+    /// The label that gains more for a class than any other, if there is one.
+    pub(crate) fn sole_best(&self, class: usize) -> Option<usize> {
+        let mut best = self.gains(class).iter().enumerate().filter(|(_, gain)| **gain == self.range(class));
+        let (label, _) = best.next()?;
+        best.next().is_none().then_some(label)
+    }
+
     /// The one label that gains for a class, and its gain: `(0, 0)` where none does, None where several do.
     pub(crate) fn only_gain(&self, class: usize) -> Option<(usize, i64)> {
         let mut positive = self.gains(class).iter().enumerate().filter(|(_, gain)| **gain > 0);
@@ -128,6 +135,7 @@ mod tests {
             }
         }
         assert_eq!([0, 1, 2].map(|class| costs.only_gain(class)), [None, None, Some((0, 0))]);
+        assert_eq!([0, 1, 2].map(|class| costs.sole_best(class)), [Some(0), Some(1), None]);
         assert_eq!(base_cost(&problem), 1 + 3 * 3);
         assert_eq!(best_leaf(&problem), (4 + 3 * 3, 1));
     }

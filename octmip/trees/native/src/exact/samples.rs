@@ -232,8 +232,11 @@ impl Samples {
             let differs = present.iter().any(|&class| costs.gain(class, label) != costs.gain(class, by));
             (differs || by < label) && present.iter().all(|&class| costs.gain(class, label) <= costs.gain(class, by))
         };
-        self.labels =
-            (0..k).filter(|&label| !(0..k).any(|by| is_covered(label, by))).map(|label| label as u32).collect();
+        // Of thousands of labels hardly one is left for the comparison of pairs, which costs k^3.
+        let mut is_needed = vec![false; k];
+        present.iter().filter_map(|&class| costs.sole_best(class)).for_each(|label| is_needed[label] = true);
+        let is_kept = |&label: &usize| is_needed[label] || !(0..k).any(|by| is_covered(label, by));
+        self.labels = (0..k).filter(is_kept).map(|label| label as u32).collect();
         self.n_labels = self.labels.len();
         self.set_profiles(problem, &has_samples, &costs);
     }
@@ -292,7 +295,12 @@ impl Samples {
             let factor = rows[class].iter().fold(0, |a, &b| common_divisor(a, b));
             if factor > 0 {
                 let row: Vec<i64> = rows[class].iter().map(|gain| gain / factor).collect();
-                let profile = profiles.iter().position(|known| *known == row).unwrap_or(profiles.len());
+                let known = if self.is_single {
+                    row.iter().position(|&gain| gain > 0)
+                } else {
+                    profiles.iter().position(|known| *known == row)
+                };
+                let profile = known.unwrap_or(profiles.len());
                 if profile == profiles.len() {
                     profiles.push(row);
                 }
