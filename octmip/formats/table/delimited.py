@@ -56,7 +56,7 @@ def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataF
     for k, name in enumerate(layout.header[: layout.n_cells]):
         names[k] = name if name and len(layout.header) == layout.n_cells else names[k]
     check_names(source.name, [name for name in layout.header if name])
-    cells = _Cells(layout, names)
+    cells = _Cells(layout, tuple(names))
     try:
         frame = _with_whole_numbers(cells.read({} if as_text is None else {as_text: str}), cells)
     except pd.errors.EmptyDataError:
@@ -78,23 +78,25 @@ class _Cells:
     """The rows of a layout under names of its columns, as pandas reads them."""
 
     layout: Layout
-    names: list[str]
+    names: tuple[str, ...]
 
     def read(self, types: Mapping[str, type], columns: Sequence[str] | None = None) -> pd.DataFrame:
         """Return some columns, all by default; those of `types` in these types, the others as pandas finds."""
-        return pd.read_csv(
+        chosen: dict[str, Any] = {} if columns is None else {"usecols": list(columns)}
+        frame: pd.DataFrame = pd.read_csv(
             io.StringIO(self.layout.rows),
             sep=r"\s+" if self.layout.separator == " " else self.layout.separator,
             decimal=self.layout.decimal,
             **EXACT_NUMBERS,
             header=None,
-            names=self.names,
-            usecols=columns,
+            names=list(self.names),
+            **chosen,
             keep_default_na=False,
             na_values=list(NO_NUMBERS),
             low_memory=False,
             dtype=dict(types),
         )
+        return frame
 
 
 def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
