@@ -26,7 +26,7 @@ def least_monotone_cost(problem: Problem) -> float:
         """Yield cost, leaves and splits of every tree of these samples in this box."""
         if len(rows) < problem.leaf_size:
             return
-        yield from ((float(cost), [(box, label)], 0) for label, cost in enumerate(problem.class_costs(rows)))
+        yield from ((float(cost), [(box, float(label))], 0) for label, cost in enumerate(problem.class_costs(rows)))
         if not depth or not splits:
             return
         for feature, (low, high) in enumerate(box):

@@ -13,7 +13,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -50,7 +50,14 @@ NUMBERS: dict[str, Callable[[np.random.Generator, int], Any]] = {
     "cents": lambda rng, n: np.round(rng.normal(1e6, 1e5, n), 2),
     "million": lambda rng, n: 1e6 + rng.integers(0, 9, n) / 8,
 }
-STEPS = {"day": "D", "minute": "min", "second": "s", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns"}
+STEPS = {
+    "day": pd.Timedelta(days=1),
+    "minute": pd.Timedelta(minutes=1),
+    "second": pd.Timedelta(seconds=1),
+    "millisecond": pd.Timedelta(milliseconds=1),
+    "microsecond": pd.Timedelta(microseconds=1),
+    "nanosecond": pd.Timedelta(1, "ns"),
+}
 ZONES = (None, None, "UTC", "Europe/Berlin", "America/St_Johns", "+05:30")
 Drawn = tuple["pd.Series[Any]", str, pd.Timedelta | None]
 
@@ -64,18 +71,18 @@ def drawn_column(rng: np.random.Generator, n: int) -> Drawn:
     if kind == "text":
         return pd.Series(rng.choice(TEXTS[: rng.integers(2, 5)], n)), kind, None
     name = str(rng.choice(list(STEPS)))
-    step = pd.Timedelta(1, STEPS[name]) * (1000 if name == "nanosecond" else 1)
+    step = STEPS[name] * (1000 if name == "nanosecond" else 1)
     offsets = pd.to_timedelta(step * rng.integers(0, 60, n) * int(rng.choice([1, 7, 20])))
-    unit = "ns" if name == "nanosecond" else str(rng.choice(["us", "ns"]))
+    unit: Literal["us", "ns"] = "ns" if name == "nanosecond" or rng.random() < 0.5 else "us"
     if kind == "duration":
-        return pd.Series(offsets - step * 30).astype(f"timedelta64[{unit}]"), f"{kind} in {name}s", step
-    seconds = float(rng.choice([0, rng.integers(-(10**9), 10**8), rng.random() * 1e8]))
+        return pd.Series((offsets - step * 30).as_unit(unit)), f"{kind} in {name}s", step
+    seconds = (0.0, float(rng.integers(-(10**9), 10**8)), rng.random() * 1e8)[rng.integers(3)]
     start = pd.Timestamp("2024-03-30") + pd.Timedelta(seconds, "s")
     if name == "nanosecond":
         start += pd.Timedelta(int(rng.integers(1, 1000)), "ns")
-    start = start if name in ("millisecond", "microsecond", "nanosecond") else start.floor(STEPS[name])
-    zone = rng.choice(ZONES)
-    stamps = pd.Series(start + offsets).astype(f"datetime64[{unit}]")
+    start = start if name in ("millisecond", "microsecond", "nanosecond") else start.floor(step)
+    zone = ZONES[rng.integers(len(ZONES))]
+    stamps = pd.Series((start + offsets).as_unit(unit))
     return stamps if zone is None else stamps.dt.tz_localize("UTC").dt.tz_convert(zone), f"date to {name}s", step
 
 
@@ -186,7 +193,11 @@ def _by_drawing(drawn: Printed, rows: Sequence[Row]) -> list[str]:
         question = titles[index].partition("? ")[0]
         goes_missing = "A missing value goes to no" in titles[index]
         asked = question.split(" ≤ ")[0] if " ≤ " in question else None
-        yes = False if goes_missing and asked in row and row[asked] is None else holds(question, row)
+        yes = (
+            False
+            if goes_missing and asked is not None and asked in row and row[asked] is None
+            else holds(question, row)
+        )
         left, right = index + 1, ends[index + 1]
         return answer(left if words[left] == ("yes" if yes else "no") else right, row)
 
@@ -217,7 +228,8 @@ def results(limit: float, threads: Sequence[int], seeds: int = TREES) -> Iterato
 
 def line_of(seeds: range) -> Line:
     """Return what the trees of some seeds printed."""
-    trees, rows, wrong = Counter[str](), 0, {}
+    trees, rows = Counter[str](), 0
+    wrong: dict[str, int] = {}
     for seed in seeds:
         kind, by_form, n_rows = wrong_rows(seed)
         trees[kind] += 1

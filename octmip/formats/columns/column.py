@@ -183,7 +183,7 @@ class Column:
             words = self.words_of(cells)
             answers = self._answers(words) if self.kind == "values" else self._memberships(words)
             if not self.has_missing:
-                answers[np.equal(words, None)] = math.nan
+                answers[np.array([word is None for word in words.tolist()], dtype=bool)] = math.nan
             return answers
         numbers = cells.numbers if self.kind == "number" else self._ranks(self.words_of(cells), takes_missing)
         if not self.is_doubled:

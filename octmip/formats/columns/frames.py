@@ -61,7 +61,9 @@ def unmasked(values: Any) -> Any:
     if not isinstance(values, np.ma.MaskedArray) or not np.ma.is_masked(values):
         return values
     is_number = values.dtype.kind in "bf" or (values.dtype.kind in "iu" and values.dtype.itemsize < 8)
-    return values.astype(np.float64).filled(np.nan) if is_number else values.astype(object).filled(None)
+    plain = values.data.astype(np.float64 if is_number else object)
+    plain[np.ma.getmaskarray(values)] = np.nan if is_number else None
+    return plain
 
 
 def _of_arrow(table: "pyarrow.Table") -> pd.DataFrame:

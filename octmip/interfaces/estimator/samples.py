@@ -90,8 +90,8 @@ def takes_missing(estimator: BaseEstimator) -> bool:
 def _refuse_sums(features: Floats, columns: Columns) -> None:
     """Refuse numbers that are missing where a hyperplane adds them; a missing text is no number."""
     numbers = [column.name for column in columns.columns if column.kind in ("number", "order")]
-    for name, lacks in zip(columns.column_of_feature, np.isnan(features).any(axis=0).tolist(), strict=True):
-        if lacks and name in numbers:
+    for name, lacks in zip(columns.column_of_feature, np.isnan(features).T, strict=True):
+        if lacks.any() and name in numbers:
             raise DataError(
                 f"cells are missing in {shown(name)}; a hyperplane adds its features; fill them (NaN) before"
             )

@@ -86,8 +86,8 @@ class Cells:
     def missing(self) -> str:
         """Whether the cell is missing: true or false, never NULL."""
         if self.column.kind != "number":
-            nothing = [f"'{word}'" for word in ("", UNKNOWN) if word not in self.column.values]
-            is_nothing = f" OR {self.text} IN ({', '.join(nothing)})" if nothing else ""
+            words = [f"'{word}'" for word in ("", UNKNOWN) if word not in self.column.values]
+            is_nothing = f" OR {self.text} IN ({', '.join(words)})" if words else ""
             return f"({self.quoted} IS NULL{is_nothing})"
         is_text = self.column.stored == "texts"
         text, nothing = (f"TRIM({self.text})", NOTHING["texts"]) if is_text else (self.text, NOTHING["numbers"])

@@ -21,7 +21,18 @@ from numpy.typing import NDArray
 from octmip.trees.order import disorder, n_disorders, ordered_pairs
 from octmip.trees.problem import Problem
 from octmip.trees.shape import with_leaves
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, leaf_index, leaves, simplify, splits
+from octmip.trees.tree import (
+    HyperplaneSplit,
+    Leaf,
+    Node,
+    Split,
+    ValueLeaf,
+    goes_left,
+    leaf_index,
+    leaves,
+    simplify,
+    splits,
+)
 
 MOST_SPLITS = 15
 """Of trees with more splits no threshold moves: each place is tried beside all pairs of leaves."""
@@ -51,7 +62,10 @@ def _aligned(problem: Problem, tree: Node) -> Node:
     count = n_disorders(tree, problem.directions)
     gaps = list(_gaps(problem, tree, np.arange(problem.n_samples), ()))
     known = {(feature, place) for _, feature, low, high in gaps for place in (low, math.nextafter(high, low))}
-    known |= {(split.feature, split.threshold) for split in splits(tree)}  # type: ignore[union-attr]
+    for split in splits(tree):
+        assert isinstance(split, Split)  # hyperplanes have no order
+        assert split.threshold is not None  # nor have missing readings
+        known.add((split.feature, split.threshold))
     for path, feature, low, high in gaps:
         for place in sorted(place for other, place in known if other == feature and low <= place < high):
             moved = _moved(tree, path, place)
@@ -79,8 +93,9 @@ def _moved(tree: Node, path: tuple[bool, ...], place: float) -> Node:
     assert not isinstance(tree, Leaf | HyperplaneSplit)
     if not path:
         return replace(tree, threshold=place)
-    side = "right" if path[0] else "left"
-    return replace(tree, **{side: _moved(getattr(tree, side), path[1:], place)})
+    if path[0]:
+        return replace(tree, right=_moved(tree.right, path[1:], place))
+    return replace(tree, left=_moved(tree.left, path[1:], place))
 
 
 def _pooled(problem: Problem, tree: Node) -> Node:
@@ -116,7 +131,9 @@ def _lower_sets(problem: Problem, tree: Node) -> Node | None:
 
     def value(mask: int) -> float:
         if not is_mean:
-            return float(problem.best_leaf(rows(mask)).value)  # type: ignore[union-attr]
+            best = problem.best_leaf(rows(mask))
+            assert isinstance(best, ValueLeaf)
+            return best.value
         weight, total = sums[[leaf for leaf in range(n_leaves) if mask >> leaf & 1]].sum(axis=0)
         return float(total / weight) if weight > 0 else 0.0
 

@@ -8,6 +8,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.registry import solvers_of
 from octmip.trees.solution import Progress, Solution, Stop, closing_tolerance
 from octmip.trees.solver_call import Call
+from octmip.trees.tree import Node
 
 FREE_SHARE = 0.5
 """Of the time that is left goes to the proof in no order."""
@@ -28,7 +29,7 @@ def in_order(call: Call, free_problem: Problem, first: Solution | None) -> Solut
     order, or from the best tree in order that is less deep, whichever is better.
     """
     problem, run, start = call.problem, call.run, time.perf_counter()
-    known = [problem.best_leaf()] if first is None or first.tree is None else [first.tree]
+    known: list[Node] = [problem.best_leaf()] if first is None or first.tree is None else [first.tree]
 
     def shown(state: Progress) -> None:  # the bound holds in order too, the tree need not
         if run.progress is not None:

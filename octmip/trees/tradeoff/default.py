@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from octmip.trees.methods.options import NO_OPTIONS
-from octmip.trees.methods.pruning import ordered
+from octmip.trees.methods.ordering import ordered
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Solution, Stop

@@ -29,7 +29,8 @@ from itertools import pairwise
 from octmip.errors import ProblemError
 from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
-from octmip.trees.methods.pruning import ordered, priced_prunings, pruned, prunings
+from octmip.trees.methods.ordering import ordered
+from octmip.trees.methods.pruning import priced_prunings, pruned, prunings
 from octmip.trees.prediction import predict, predict_values
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Method, Run, chosen_method

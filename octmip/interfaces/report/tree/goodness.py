@@ -92,7 +92,7 @@ def _depth_sentence(evidence: Evidence, measure: Measure) -> str:
     if better is not None:
         return (
             f"A tree of depth {better.depth} that was found for this page is better than this one of depth "
-            f"{last.depth}: {way_on(measure.file.solution)}."
+            f"{last.depth}: {way_on(measure.file)}."
         )
     same = next(p for p in points if p.objective == last.objective)
     if same.depth < last.depth:

@@ -11,7 +11,7 @@ from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.solution import Stop
 from octmip.trees.tree import depth, features_used
 
 
@@ -95,16 +95,17 @@ def _proof_sentence(file: TreeFile, measure: Measure) -> str:
         return "Whether a better tree exists is not known: the method that found it gives no proof."
     least = measure.least(solution.bound)
     if least <= 0:
-        return f"Not proven to be the best: nothing is ruled out yet, so {way_on(solution)}."
+        return f"Not proven to be the best: nothing is ruled out yet, so {way_on(file)}."
     return (
         f"Not proven to be the best: {trees_meant(file)} {measure.below(least)}, "
         f"so a gap of {percent(solution.gap)} stays open."
     )
 
 
-def way_on(solution: Solution) -> str:
+def way_on(file: TreeFile) -> str:
     """Return what finds a better tree, by what the solver ended with."""
-    if solution.is_optimal and (scope := narrow_scope(solution)):
+    solution = file.solution
+    if solution.is_optimal and (scope := narrow_scope(solution, file.settings["depth"])):
         return f"it is the best among {short_name(scope)} only"
     return WAYS_ON.get(solution.stop, MORE)
 
@@ -116,7 +117,7 @@ def _greedy_sentence(evidence: Evidence | None, measure: Measure, file: TreeFile
     if loss > 0:
         return f"The usual greedy tree (CART) {measure.is_worse(loss)}."
     if loss < 0:
-        return f"The usual greedy tree (CART) is better than this one: {way_on(file.solution)}."
+        return f"The usual greedy tree (CART) is better than this one: {way_on(file)}."
     return f"The usual greedy tree (CART) happens to be as good: {measure.amount(evidence.greedy.objective)} too."
 
 
