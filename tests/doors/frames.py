@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from sklearn.model_selection import cross_val_score
 
 from octmip import OptimalTreeClassifier, OptimalTreeRegressor
 from tests.doors.row import Refused, Row
@@ -185,7 +186,28 @@ def _twice(folder: Path) -> Any:
     return pd.DataFrame(np.arange(24.0).reshape(12, 2), columns=["x", "x"])
 
 
+def _strings(folder: Path) -> Any:
+    return pytest.importorskip("polars").Series(["b" if label else "a" for label in LABELS])
+
+
+def learned(labels: Any) -> tuple[list[Any], list[float]]:
+    """Return the classes that were found in labels, and the scores of folds."""
+    hours = np.array(HOURS)[:, None]
+    scores = cross_val_score(OptimalTreeClassifier(max_depth=1), hours, labels, cv=2)
+    return OptimalTreeClassifier(max_depth=1).fit(hours, labels).classes_.tolist(), np.isfinite(scores).tolist()
+
+
+LABELLED: dict[tuple[str, str], tuple[Callable[[Path], Any], list[Any]]] = {
+    ("numpy", "whole numbers among objects"): (lambda folder: LABELS.astype(object), [0, 1]),
+    ("numpy", "Booleans among objects"): (lambda folder: LABELS.astype(bool).astype(object), [False, True]),
+    ("pandas", "whole numbers among objects"): (lambda folder: pd.Series(LABELS, dtype=object), [0, 1]),
+    ("polars", "texts, which Arrow has as views"): (_strings, ["a", "b"]),
+}
 ROWS: list[Row] = [
+    *(
+        Row("estimator's labels", *key, make, learned, (classes, [True, True]))
+        for key, (make, classes) in LABELLED.items()
+    ),
     *(
         row("pandas", case, of_pandas(make), meaning, p)
         for case, (make, meaning) in PANDAS.items()

@@ -185,6 +185,9 @@ FORTRAN = "test,force,g1,g2,state\n" + "".join(
 )
 WITH_UNITS = "test,force,g1 [microstrain],g2 (µm/m),state"
 DASHES = text("|").replace("\n", "\n" + "+".join("-" * 6 for _ in range(5)) + "\n", 1)
+MARKDOWN = "".join(f"| {row} |\n" for row in text("|").strip().split("\n")).replace(
+    "\n", "\n|:---|---:|---:|---:|:---|\n", 1
+)
 MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("pandas", "to_csv with its index"): _pandas(),
     ("pandas", "semicolons and decimal commas"): _pandas(sep=";", decimal=",", index=False),
@@ -220,6 +223,9 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("a logger, kept", "the header again"): kept(text().replace("t1,", f"{text().split(chr(10))[0]}\nt1,", 1)),
     ("a logger, kept", "blanks as separators"): kept(BLANKS),
     ("a logger, kept", "a line of dashes under the header"): kept(DASHES),
+    ("a logger, kept", "blocks of a fixed size, filled with Ctrl-Z and zeros"): kept(text() + "\x1a" + "\0" * 20),
+    ("Markdown, kept", "a rule that says how columns are aligned"): kept(MARKDOWN),
+    ("LibreOffice, kept", "the minus of typesetters"): kept(text(";", ",").replace(";-", ";\u2212")),
     ("a logger, kept", "blanks behind commas"): kept(text().replace(",", ", ")),
     ("a logger, kept", "CRLF and empty lines"): kept(text().replace("\n", "\r\n\r\n")),
     ("Fortran, kept", "exponents with D"): kept(FORTRAN),

@@ -49,9 +49,10 @@ def series_of(values: Any) -> Any:
             import pyarrow
         if hasattr(values, "columns"):
             return frame_of(values)
-        return pd.Series(
-            pd.arrays.ArrowExtensionArray(pyarrow.chunked_array(values)), name=getattr(values, "name", None)
-        )
+        labels = pyarrow.chunked_array(values)
+        if pyarrow.types.is_string_view(labels.type):  # pandas does not know these texts, which polars gives
+            labels = labels.cast("large_string")
+        return pd.Series(pd.arrays.ArrowExtensionArray(labels), name=getattr(values, "name", None))
     return unmasked(values)
 
 

@@ -13,8 +13,8 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": 
 TAIL = 50
 """Rows, the last of some, that show what a column holds; most lines of words after the last row."""
 COMMENT = re.compile(r"\s*(?:#(?!N/A|DIV/0!|VALUE!|REF!|NAME\?|NUM!|NULL!)|%|//)")
-RULE = re.compile(r"[\s|+]*[-=]{3,}[-=+|\s]*")
-"""A line drawn under a header."""
+RULE = re.compile(r"[\s|+:]*[-=]{3,}[-=+|:\s]*")
+"""A line drawn above or under a header, or under the last row."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,10 @@ SMALL = 2**26  # unpacked bytes that any packed table may have
 MOST_TIMES = (
     200  # a larger one may unpack to so many times its size: readings reach 3, flags 9 to 80, sorted copies 160
 )
+PADDING = "\0\x1a"
+"""What programs of CP/M's descent and loggers with blocks of a fixed size write behind the last line."""
+MINUS = re.compile(r"(^|[,;\t|\"])( *)\u2212(?=\.?[0-9])", re.MULTILINE)
+"""The minus of typesetters where a cell begins as a number, as spreadsheets write it in some languages."""
 ENDINGS = {".csv": "csv", ".tsv": "tsv", ".tab": "tsv", ".parquet": "parquet"}
 
 
@@ -84,8 +88,9 @@ class Source:
 def _with_line_feeds(text: str) -> str:
     """Return a text whose lines end with a line feed; some end with a carriage return, which a quoted cell may hold."""
     is_alone = "\r" in text and ("\n" not in text or (text.count("\r") != text.count("\r\n") and '"' not in text))
-    text = text.lstrip("\ufeff")  # files that were joined have several byte-order marks
-    return text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
+    text = text.lstrip("\ufeff").rstrip(PADDING)  # files that were joined have several byte-order marks
+    text = text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
+    return MINUS.sub(r"\1\2-", text) if "\u2212" in text else text
 
 
 def open_source(path: PathLike) -> Source:

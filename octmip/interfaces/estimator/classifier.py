@@ -16,7 +16,7 @@ from octmip.formats.columns.frames import series_of
 from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
-from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
+from octmip.interfaces.estimator.samples import label_name, labels_of, learn_samples, read_samples
 from octmip.trees.classes import ClassWeight, class_order_of, codes_of, factors_of, words_of_order
 from octmip.trees.losses import ClassCosts
 from octmip.trees.prediction import predict
@@ -175,6 +175,10 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         """Return the class of each row of X (n_samples, n_features), shape (n_samples,)."""
         check_is_fitted(self, "solution_")
         return np.asarray(self.classes_[self._place[predict(self._routes, read_samples(self, X))]])
+
+    def score(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> float:
+        """Return the share of the weight of the rows of X (n_samples, n_features) that gets its class in y."""
+        return float(super().score(X, labels_of(y), sample_weight))
 
     def predict_proba(self, X: ArrayLike, prior: ArrayLike | None = None) -> NDArray[np.float64]:
         """Return the probability of each class in the leaf of each row, shape (n_samples, n_classes).

@@ -41,7 +41,7 @@ def learn_samples(
         a column cannot become features (also a ValueError); all of them are named.
     """
     X = frame_of(X)
-    checked, labels = validate_data(estimator, _objects(X), _labels(y), dtype=None, ensure_all_finite=False)
+    checked, labels = validate_data(estimator, _objects(X), labels_of(y), dtype=None, ensure_all_finite=False)
     names = _names(estimator)
     numbers = _numbers(estimator, checked, X)
     if numbers is not None and not np.isnan(numbers).any():
@@ -116,8 +116,8 @@ def _is_exact(whole: NDArray[Any]) -> bool:
     return int(whole.min()) >= -EXACT_INTEGERS and int(whole.max()) <= EXACT_INTEGERS
 
 
-def _labels(y: Any) -> Any:
-    """Return labels as they are, those of pandas' own types of numbers as numpy's: whole numbers stay whole.
+def labels_of(y: Any) -> Any:
+    """Return labels as they are, numbers among objects and of pandas' own types as numpy's: whole ones stay whole.
 
     Raises
     ------
@@ -131,6 +131,8 @@ def _labels(y: Any) -> Any:
     n_missing, kind = int(labels.isna().sum()), getattr(labels.dtype, "numpy_dtype", None)
     if n_missing and labels.dtype.kind == "O":
         raise DataError(f"Input y contains NaN: {n_missing} of {len(labels)} labels are missing; drop these rows")
+    if labels.dtype == object and labels.infer_objects().dtype.kind in "biuf":
+        return labels.infer_objects().to_numpy()  # whole numbers or Booleans, which scikit-learn takes for no classes
     return labels.to_numpy(dtype=kind) if isinstance(kind, np.dtype) and kind.kind in "biuf" and not n_missing else y
 
 
@@ -146,7 +148,7 @@ def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) ->
     """
     if y is None:
         raise DataError("X_test is given without y_test; expected both")
-    features, labels = read_samples(estimator, X), column_or_1d(_labels(y))
+    features, labels = read_samples(estimator, X), column_or_1d(labels_of(y))
     check_consistent_length(features, labels)
     if not hasattr(estimator, "classes_"):
         return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
