@@ -48,9 +48,7 @@ def _edge(box: Box) -> str:
 def _box(box: Box, is_button: bool) -> str:
     title, is_leaf = html_text(box.text.title), box.label is not None
     fill = "none" if box.label is None else _colour(box.label)
-    seen = html_text(" ".join(box.text.lines))  # the name of a button begins with what is seen of it
-    name = title if seen.rstrip("?") in title else f"{seen}. {title}"
-    role = f' role="button" tabindex="{"-1" if box.edge else "0"}" aria-label="{name}"' if is_button else ""
+    role = f' role="button" tabindex="{"-1" if box.edge else "0"}"' if is_button else ""  # its name: title and lines
     ring = f'<rect class="focus-ring" {_sides(box, RING)} rx="10"/>' if is_button else ""
     stroke = f'stroke="{"currentColor" if box.is_lit or not is_leaf else fill}" stroke-width="{3 if box.is_lit else 1}"'
     lines = "".join(
