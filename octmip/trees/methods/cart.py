@@ -121,8 +121,8 @@ class _GreedyBuilder:
         least = problem.least_leaf_weight / (problem.weights.sum() or 1.0)
         if len(features) == 0 or least > 0.5:  # two leaves of so much weight there are not
             return problem.best_leaf()
-        limits = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size, "random_state": self.seed}
-        limits |= {"min_weight_fraction_leaf": least}
+        limits: dict[str, float] = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size}
+        limits |= {"random_state": self.seed, "min_weight_fraction_leaf": least}
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
