@@ -21,6 +21,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "input.names": 1,
         "input.named_arrays": 1,
         "trees.tree": 1,
+        "trees.reached": 2,
         "twin": 1,
         "trees.classes": 1,
         "trees.problem_values": 1,

@@ -11,7 +11,7 @@ from benchmarks.oracles.strategies import problems, random_tree
 from octmip import ClassCosts, HyperplaneSplit, Leaf, Problem, Split, predict
 from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
-from octmip.trees.tree import without_empty_sides
+from octmip.trees.reached import without_empty_sides
 
 
 def with_costs(**settings):

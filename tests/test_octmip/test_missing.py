@@ -19,8 +19,9 @@ from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import check_proof, checker_question
+from octmip.trees.reached import centred, without_empty_sides
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, centred, condition, goes_left, splits, with_sides_for_missing, without_empty_sides
+from octmip.trees.tree import Node, condition, goes_left, splits, with_sides_for_missing
 from tests.test_octmip.exported import EXPORTS, sql_labels
 
 NAN = float("nan")

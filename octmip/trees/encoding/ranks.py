@@ -32,7 +32,8 @@ from octmip.trees.digits import midpoint
 from octmip.trees.encoding.costs import IntegerCosts
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
-from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split, centred
+from octmip.trees.reached import centred
+from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split
 
 
 @dataclass(slots=True, eq=False)

@@ -20,8 +20,9 @@ from octmip.trees.certificate import checked_leaf_index, first_forbidden_split
 from octmip.trees.encoding import IntegerCosts
 from octmip.trees.methods.interruption import is_heard, note
 from octmip.trees.problem import Problem
+from octmip.trees.reached import without_empty_sides
 from octmip.trees.solution import Progress, ProgressCallback, ProofError, Solution, Stop
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, splits, without_empty_sides
+from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, splits
 
 NativeProgress = Callable[[float, int, int, int], None]
 """Seconds, objective, bound and nodes, as the native core reports them."""

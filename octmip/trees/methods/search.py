@@ -33,8 +33,9 @@ from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.shared_work import turn_submitter
 from octmip.trees.problem import Problem
+from octmip.trees.reached import centred, without_empty_sides
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Node, centred, simplify, without_empty_sides
+from octmip.trees.tree import Node, simplify
 
 # Restarts, and perturbations in a row without a better tree that end one: hyperplanes profit from longer restarts, and
 # small axis-aligned problems from both more and longer ones, for which there is time.

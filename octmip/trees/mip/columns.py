@@ -14,8 +14,9 @@ import numpy as np
 from octmip.trees.encoding import Ranks, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
+from octmip.trees.reached import without_empty_sides
 from octmip.trees.solution import Solution
-from octmip.trees.tree import Node, without_empty_sides
+from octmip.trees.tree import Node
 
 
 def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:

@@ -5,7 +5,8 @@ from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.native_call import relabelled
 from octmip.trees.methods.pruning import pruned
 from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, depth, simplify, without_empty_sides
+from octmip.trees.reached import without_empty_sides
+from octmip.trees.tree import Leaf, Node, depth, simplify
 
 
 def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:

@@ -33,8 +33,9 @@ from octmip.trees.mip.rows import Rows
 from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_values
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
+from octmip.trees.reached import without_empty_sides
 from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.tree import Node, without_empty_sides
+from octmip.trees.tree import Node
 
 FORMULATIONS: Mapping[str, Formulate] = {
     "oct": oct.formulate,
