@@ -60,6 +60,11 @@ CLAIMS = (
         ('most = solution.tolerance if problem.loss.predicts == "class" else 0.0', "most = solution.bound"),
     ),
     *mutants_of(
+        "octmip/trees/shape.py",
+        ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
+        ("else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)", "else self.sensor_budget"),
+    ),
+    *mutants_of(
         "octmip/trees/problem.py",
         NUMBERS,
         (
@@ -91,7 +96,6 @@ CLAIMS = (
     *mutants_of(
         "octmip/trees/problem.py",
         ("test_octmip/test_problem.py", *CERTIFICATE, "test_octmip/test_exact.py"),
-        ("else self.sensor_budget + 1e-9 * max(1.0, self.sensor_budget)", "else self.sensor_budget"),
         (
             "used = {int(self.sensor_index[feature]) for feature in features_used(tree)}\n        return math.fsum",
             "used = [int(self.sensor_index[feature]) for feature in features_used(tree)]\n        return math.fsum",

@@ -35,8 +35,8 @@ PROOFS = (
         "octmip/trees/solution.py",
         COSTS,
         (
-            "return distance if is_tolerable(distance, least_saving) else -1.0",
-            "return distance if is_tolerable(distance, 2 * least_saving) else -1.0",
+            "return distance if is_tolerable(hidden, least_saving) else -1.0",
+            "return distance if is_tolerable(hidden, 2 * least_saving) else -1.0",
         ),
     ),
     *mutants_of(

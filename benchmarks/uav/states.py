@@ -24,9 +24,10 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.monitor import Library, ModelSelector, ParameterTree
 from octmip.monitor.export import c_source
 from octmip.trees.prediction import predict
+from octmip.trees.reached import without_empty_sides
 from octmip.trees.solution import Stop
 from octmip.trees.tree import depth as depth_of
-from octmip.trees.tree import n_splits, without_empty_sides
+from octmip.trees.tree import n_splits
 
 Ints = NDArray[np.int64]
 LABELS = ("mu1", "mu2")

@@ -91,16 +91,18 @@ def is_tolerable(tolerance: float, least_saving: float) -> bool:
     return tolerance == 0 or 0 < tolerance < least_saving
 
 
-def closing_tolerance(objective: float, bound: float, least_saving: float) -> float:
+def closing_tolerance(objective: float, bound: float, least_saving: float, rounding: float | None = None) -> float:
     """Return how far a bound is from the objective of a tree that a finished search found; -1 if too far for a proof.
 
-    The distance is rounding alone. It proves the tree optimal if `is_tolerable`, half a unit in the last place of the
-    objective included, by which the tree may cost more than it says; beyond, two trees may have been taken for equal.
+    The distance is rounding alone. It proves the tree optimal if `is_tolerable`, the `rounding` of the objective
+    included, by which the tree may cost more than it says (None: half a unit in its last place); beyond, two trees may
+    have been taken for equal.
     """
     distance = max(0.0, objective - bound)
     while objective - distance > bound:
         distance = math.nextafter(distance, math.inf)
-    return distance if is_tolerable(distance + math.ulp(objective) / 2, least_saving) else -1.0
+    hidden = distance + (math.ulp(objective) / 2 if rounding is None else rounding)
+    return distance if is_tolerable(hidden, least_saving) else -1.0
 
 
 @dataclass(frozen=True, slots=True)

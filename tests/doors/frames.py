@@ -161,7 +161,7 @@ ARROWS: dict[str, tuple[Values, str]] = {
 }
 POLARS: dict[str, tuple[Values, str, str]] = {
     **{case: (values, meaning, "") for case, (values, meaning) in ARROWS.items()},
-    "time": ([dt.time(8, k, 30) for k in range(10)], "text", ""),
+    "time": ([dt.time(8, k, 30) for k in range(10)], "order", ""),
     "Categorical": (WORDS, "text", "Categorical"),
     "Enum": (WORDS, "text", "Enum"),
     "Decimal": (AMOUNTS, "order", "Decimal"),

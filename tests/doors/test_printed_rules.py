@@ -16,12 +16,15 @@ from benchmarks.oracles.printed_rules import number, value_of
 from octmip import Leaf, Split
 from octmip.formats.columns.cells import read_cells
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
+from octmip.formats.columns.times import days_in, read_times
 from octmip.input.names import shortened
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.words import number as page_number
 from octmip.trees.digits import exact, grouped, midpoint
 
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
+BESIDE = (-1500, -1, 0, 1, 400, 1500)
+"""Nanoseconds beside an instant: some have its days, which a column of both refuses."""
 
 
 @pytest.mark.parametrize("first", range(1_000_000, 1_000_060, 10))
@@ -81,9 +84,8 @@ def test_a_cut_of_dates_is_the_date_of_fewest_fields_in_the_zone_of_its_column(n
 @given(st.integers(-(2**61), 2**61), st.sampled_from(["", "UTC", "Europe/Berlin", "+05:30", "-03:30"]))
 @settings(max_examples=40, deadline=None)
 def test_a_printed_instant_is_the_last_one_that_goes_left(instant, zone):
-    around = pd.Series(pd.to_datetime([instant + k for k in (-1500, -1, 0, 1, 400, 1500)]), dtype="datetime64[ns]")
-    around = around.dt.tz_localize("UTC")
-    days = read_cells(around).numbers
+    around = pd.Series(pd.to_datetime([instant + k for k in BESIDE]), dtype="datetime64[ns]").dt.tz_localize("UTC")
+    days = read_times(around)
     for cut in days.tolist():
         said = pd.Timestamp(date_text(cut, zone))
         said = said.tz_localize("UTC") if said.tz is None else said
@@ -93,8 +95,8 @@ def test_a_printed_instant_is_the_last_one_that_goes_left(instant, zone):
 @given(st.integers(-(2**61), 2**61))
 @settings(max_examples=40, deadline=None)
 def test_a_printed_duration_is_the_last_one_that_goes_left(span):
-    around = pd.Series(pd.to_timedelta([span + k for k in (-1500, -1, 0, 1, 400, 1500)]), dtype="timedelta64[ns]")
-    days = read_cells(around).numbers
+    around = pd.Series(pd.to_timedelta([span + k for k in BESIDE]), dtype="timedelta64[ns]")
+    days = days_in(around)
     for cut in days.tolist():
         said = value_of(duration_text(cut), Fraction(0))
         assert ([Fraction(one.value, 10**9) <= said for one in around] == (days <= cut)).all()

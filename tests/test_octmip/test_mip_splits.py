@@ -9,7 +9,7 @@ import pytest
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
-from octmip.trees import solver
+from octmip.trees import solver_call
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.incumbent import canonicalise, pruned
 from octmip.trees.mip.oct import solve_oct
@@ -114,7 +114,7 @@ def test_ctrl_c_returns_a_tree_of_no_more_splits(monkeypatch):
 
 
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
-    monkeypatch.setattr(solver, "fitting", lambda problem, solution: solution)
+    monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(replace(stairs(), max_splits=1), "search")
 

@@ -42,7 +42,7 @@ def test_a_solution_in_three_lines():
 def test_a_bound_over_some_trees_says_over_which():
     claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
     text = solution_text(problem(), claim, certify(problem(), claim))
-    assert text.startswith("objective 0, bound 0: proven optimal among small trees\n")
+    assert text.startswith("objective 0, bound 0: proven optimal among small trees, of depth 2 or less\n")
 
 
 def test_a_markdown_table_is_aligned_and_shows_unknown_as_dash():

@@ -207,7 +207,7 @@ def test_every_dtype_of_polars_is_read_as_that_of_pandas():
         assert model.predict(table.select(name)).shape == (3,), name
         assert list(model.feature_names_in_) == [name]
     assert OptimalTreeClassifier(max_depth=1).fit(table.select("day"), labels).columns_.columns[0].form == "%Y-%m-%d"
-    with pytest.raises(ValueError, match="type ndarray"):
+    with pytest.raises(ValueError, match="of type list"):
         OptimalTreeClassifier(max_depth=1).fit(polars.DataFrame({"a": [[1], [2], [3]]}), labels)
 
 

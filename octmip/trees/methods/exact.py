@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -336,6 +337,9 @@ class _Search:
         if not costs.is_rounded:
             return True
         tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
+        if tolerance < 0 and self.tree is not None:  # half a unit is too much: the tree's own rounding, often none
+            rounding = float(abs(self.problem.exact_objective(self.tree) - Fraction(self.objective)))
+            tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving, rounding)
         self.tolerance = max(0.0, tolerance)
         return tolerance >= 0
 
