@@ -13,6 +13,7 @@ import pytest
 from benchmarks.cases.doors.sql_engines import outcome
 from benchmarks.oracles.export_runs import C_FLAGS
 from benchmarks.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
+from octmip import OptimalTreeClassifier
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.cells import read_cells
@@ -151,3 +152,13 @@ def test_a_doubled_column_that_parts_no_rows_is_no_question():
     for feature, threshold, side in ((0, beyond[0] - 1, "y"), (1, beyond[1], "x")):
         assert sql_expression(Split(feature, threshold, *ONE), columns, "xy").endswith(f"'{side}'")
     assert "IS NULL" in sql_expression(Split(0, beyond[0], *ONE), columns, "xy")
+
+
+def test_names_of_features_speak_of_the_columns_and_classes_without_names_are_their_indices():
+    table = pd.DataFrame({"machine": ["press", "pump", "press", "pump"] * 5})
+    tree = OptimalTreeClassifier(max_depth=1).fit(table, ["bad", "good"] * 10)
+    with sqlite3.connect(":memory:") as base:
+        table.to_sql("readings", base)
+        for names, answers in ((None, [0, 1]), (tree.classes_, ["bad", "good"])):
+            text = sql_expression(tree.tree_, tree.columns_.feature_names, names)
+            assert [one for (one,) in base.execute(f"SELECT {text} FROM readings")] == answers * 10

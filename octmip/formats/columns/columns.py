@@ -42,6 +42,12 @@ class ColumnsError(DataError):
         super().__init__(f"{len(reasons)} of {n_columns} columns cannot be used: {listed}")
 
 
+class FeatureNames(tuple[str, ...]):
+    """Names of features that know their `columns`: an export that is given the names alone speaks of the columns."""
+
+    columns: "Columns"
+
+
 @dataclass(frozen=True, slots=True)
 class Columns:
     """How the columns of a table become features.
@@ -118,9 +124,11 @@ class Columns:
         return tuple(feature for column in self.columns for feature in column.features)
 
     @property
-    def feature_names(self) -> tuple[str, ...]:
+    def feature_names(self) -> "FeatureNames":
         """(n_features,) names: that of the column where nothing was encoded."""
-        return tuple(feature.name for feature in self.features)
+        names = FeatureNames(feature.name for feature in self.features)
+        names.columns = self
+        return names
 
     @property
     def column_of_feature(self) -> tuple[str, ...]:

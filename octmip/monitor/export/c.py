@@ -100,7 +100,7 @@ UNKNOWN = -1.0
 def c_source(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] = (),
+    class_names: Sequence[Any] | None = None,
     *,
     name: str = "octmip_predict",
     legend: Legend | None = None,

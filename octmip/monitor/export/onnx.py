@@ -33,7 +33,7 @@ OUTPUT = "prediction"
 def onnx_model(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] = (),
+    class_names: Sequence[Any] | None = None,
     *,
     legend: Legend | None = None,
 ) -> "onnx.ModelProto":

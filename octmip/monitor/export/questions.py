@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from octmip.errors import TreeError
-from octmip.formats.columns import Columns, Feature
+from octmip.formats.columns import Columns, Feature, FeatureNames
 from octmip.formats.columns.column import Column
 from octmip.input.messages import several
 from octmip.trees.shape import MAX_DEPTH
@@ -131,16 +131,16 @@ class OwnTree:
         return isinstance(next(iter(self.answers), 0), str)
 
 
-def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence[Any] = ()) -> OwnTree:
+def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence[Any] | None = None) -> OwnTree:
     """Return a tree over the columns of a table.
 
     Parameters
     ----------
     columns
-        how the columns became the features that the tree reads (`TreeFile.columns`, an estimator's `columns_`), or the
-        names of the features where each is a column of numbers.
+        how the columns became the features that the tree reads (`TreeFile.columns`, an estimator's `columns_`, or its
+        `feature_names`, which know them), or other names where each feature is a column of numbers.
     class_names
-        value of each class, in the order of the problem's; not read where leaves hold numbers.
+        value of each class, in the order of the problem's; None: its index, from 0. Not read where leaves hold numbers.
 
     Raises
     ------
@@ -149,6 +149,8 @@ def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence
         that are neither all texts, all numbers nor all Booleans.
     """
     _check_depth(tree)
+    if isinstance(columns, FeatureNames):
+        columns = columns.columns
     if not isinstance(columns, Columns):
         columns = Columns(tuple(Column(str(name), "number", True) for name in columns))
     places = tuple((k, feature) for k, column in enumerate(columns.columns) for feature in column.features)
@@ -165,9 +167,11 @@ def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence
     return OwnTree(writer.part(tree), columns.columns, tuple(used), answers)
 
 
-def _class_values(tree: Node, class_names: Sequence[Any]) -> tuple[Any, ...]:
-    """Return class names as plain Python has them: texts, numbers or Booleans."""
+def _class_values(tree: Node, class_names: Sequence[Any] | None) -> tuple[Any, ...]:
+    """Return class names as plain Python has them: texts, numbers or Booleans; without names their indices."""
     label = max(leaf.label for leaf in leaves(tree))
+    if class_names is None:
+        return tuple(range(label + 1))
     if label >= len(class_names):
         raise TreeError(
             f"the tree predicts class {label} but class_names has {len(class_names)} entries; expected at least "

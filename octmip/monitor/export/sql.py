@@ -42,7 +42,7 @@ INT32, INT64 = 2**31, 2**63
 def sql_expression(
     tree: Node,
     columns: Columns | Sequence[str],
-    class_names: Sequence[Any] = (),
+    class_names: Sequence[Any] | None = None,
     *,
     table: str = "",
     legend: Legend | None = None,
