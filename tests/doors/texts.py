@@ -263,6 +263,7 @@ REFUSED = {
     "a comment that may be a row": (text().replace("t1,", "#t1,", 1), ("line 10 begins with '#t'", "delete the line")),
     "two separators": (text().replace("\n", "\n", 1) + text(";").split("\n", 1)[1], ("between semicolons",)),
     "no header": (text().split("\n", 1)[1], ("column 'test' is missing",)),
+    "a statistic below the rows": (text() + "Average,1,800,500,\n", ("'Average'", "delete the row")),
     "a name nearly the twin's": (_scaled("test,force,G1,g2,state", 1.0), ("'G1'", "write 'g1'")),
     "thousands of ambiguous commas": (
         text("\t").replace("800.", "1,800."),

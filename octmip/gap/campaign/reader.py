@@ -17,8 +17,14 @@ from octmip.gap.campaign.columns import CampaignColumns, read_columns
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.twins import CachedTwin
 from octmip.input.files import PathLike
+from octmip.input.messages import shown
 from octmip.twin import Twin, loads_of, sign_of, state_parameters, units_of
 
+STATISTICS = frozenset(
+    {"average", "avg", "mean", "median", "min", "minimum", "max", "maximum", "std", "stdev", "std dev", "sd", "rms"}
+    | {"variance", "sum", "total", "count", "mittelwert", "moyenne"}
+)
+"""What spreadsheets and loggers call a last row that is no reading."""
 HOTTEST = 150.0
 """Temperatures beyond this [deg C] are kelvin or Fahrenheit."""
 MOST_LOAD = 1e9
@@ -105,6 +111,11 @@ def _tests(table: CampaignColumns) -> tuple[str, ...]:
             raise DataError(
                 f"row {number}, column test is empty; give every reading the name of its test, or begin the row "
                 "with # if it holds no readings, but units or remarks"
+            )
+        if name.lower().strip(" :.") in STATISTICS:
+            raise DataError(
+                f"row {number}, column test is {shown(name)}, as a statistic of the rows above is called; "
+                "expected the name of a test; delete the row, or give the test another name"
             )
     return tests
 
