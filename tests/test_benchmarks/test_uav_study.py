@@ -136,7 +136,7 @@ def test_the_composed_tree_names_the_state_that_its_two_trees_name_and_is_export
     assert row["unseen wrong %"] == pytest.approx(100 * float((told_unseen(one, data)).mean()), abs=0.05)
     states.export(tmp_path, one)
     assert read_tree_file(tmp_path / "composed.json").tree == one.solution.tree
-    assert "int state(const double *reading)" in (tmp_path / "composed.c").read_text()
+    assert "const char *state(const double *reading)" in (tmp_path / "composed.c").read_text()
 
 
 def told_unseen(one: states.StateTree, data: Dataset) -> np.ndarray:
