@@ -44,7 +44,7 @@ def main() -> None:
     module = family(options.name)
     threads = [int(count) for count in options.threads.split(",")]
     if hasattr(module, "results"):
-        given = {name: value for name in ("only", "solvers", "seeds") if (value := getattr(options, name))}
+        given = {name: value for name in ("only", "solvers", "seeds", "seed", "draws") if (value := getattr(options, name))}
         if unknown := set(given) - set(inspect.signature(module.results).parameters):
             raise SystemExit(f"{options.name} measures all its cases itself: --{min(unknown)} means nothing to it")
         lines = module.results(options.limit, threads, **given)
@@ -96,6 +96,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--only", default="", help="only cases named so (a regular expression on 'size, seed')")
     parser.add_argument("--solvers", default="", help="only these solvers, such as octmip,pycontree")
     parser.add_argument("--seeds", type=int, default=0, help="only these first random problems of each kind")
+    parser.add_argument("--seed", type=int, default=0, help="of what is drawn; without it the clock gives one")
+    parser.add_argument("--draws", type=int, default=0, help="how many are drawn")
     parser.add_argument("--out", help="append the lines to this file")
     parser.add_argument("--csv", help="write the lines into this file as a table, at the end")
     parser.add_argument("--picture", help="draw the lines into this file, for families that have a picture")

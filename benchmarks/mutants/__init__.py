@@ -1,1 +1,1 @@
-"""Mutants: one wrong word at a time in a copy of the tree, to see whether the tests notice."""
+"""Mutants: one wrong word at a time in a copy of the tree, drawn at random, to see whether the tests notice."""

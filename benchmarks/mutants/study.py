@@ -1,15 +1,16 @@
-"""A mutation run: which wrong changes of the sources the tests notice.
+"""A mutation run: which wrong changes of the sources, drawn at random, the tests notice.
 
-`python -m benchmarks.run mutants [--threads 2] [--only PATTERN] [--csv FILE]`: each mutant of `benchmarks.mutants.rows`
-is made alone in a copy of the tree (the files that git knows, and the native core as it is built), never in the tree
-itself, and its tests are run there until the first one fails.
+`python -m benchmarks.run mutants --seed N --draws M [--only octmip/gap] [--limit 60] [--csv FILE]`. Without a seed the
+clock gives one. `--only` is a part of `draws.PYTHON`, a folder or file in it, or the native core (rust: cargo-mutants).
 
-    killed      a test failed
-    time        the tests did not end within three times what they take without a change, `--limit` at least
-    survived    all tests passed: they cannot tell the wrong program from the right one
-    equivalent  all tests passed, as they must: no input tells the two apart, and the row says why
+Each mutant is made alone in a copy of the tree (the files that git knows, and the native core as it is built). Its
+tests run there until the first one fails: those nearest to the module by imports first, as many as take `--limit`
+seconds without a mutant.
 
-First the same tests are run without any change: where one fails then, nothing would be learnt, and the run ends.
+    killed    a test failed
+    time      the tests did not end within three times what they take without a change
+    survived  all tests passed: they cannot tell the wrong program from the right one
+    unviable  the compiler refused it
 """
 
 import os
@@ -22,177 +23,135 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
-from benchmarks.mutants.mutant import Mutant
-from benchmarks.mutants.rows import MUTANTS
+import numpy as np
+
+from benchmarks.mutants.draws import NATIVE, PYTHON, Mutant, drawn
+from benchmarks.mutants.nearest import NearestTests
 from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
-NATIVE = "octmip/trees/_native*.so"
-PACKAGES = ("octmip", "femlib", "benchmarks")
-MOST_PROCESSES = 2
-SLOWER = 3.0
-"""Times what its tests take without a change that a mutant may take."""
+CORE = "octmip/trees/_native*.so"
+CARGO = ("cargo", "{}", "--profile", "checks", "--quiet", "--workspace")
+STREAM = 97
+SLOWER, START = 3.0, 30.0  # times what the tests take without a change, and seconds on top
 NOTICED = ("killed", "time")
 
 
-def results(limit: float, threads: Sequence[int], only: str = "") -> Iterator[Line]:
-    """Yield a line for each mutant whose name fits a regular expression."""
-    chosen = [mutant for mutant in MUTANTS if re.search(only, mutant.name)]
-    texts = changed_texts(chosen)
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        ThreadPoolExecutor(min(MOST_PROCESSES, max(threads))) as pool,
-        _Runs(Path(folder), copied(ROOT, Path(folder) / "sound")) as runs,
-    ):
-        seconds = runs.sound(pool, sorted({name for mutant in chosen for name in mutant.tests}), limit)
-
-        def outcome(mutant: Mutant, text: str) -> Line:
-            usual = sum(seconds[name] for name in mutant.tests)
-            return runs.outcome(mutant, text, max(limit, SLOWER * usual))
-
-        yield from pool.map(outcome, chosen, texts)
-
-
-def changed_texts(mutants: Sequence[Mutant]) -> list[str]:
-    """Return the text of each mutant's file with its change made.
-
-    Raises
-    ------
-    SystemExit
-        one of them does not apply; all that do not are named.
-    """
-    texts, wrong = [], []
-    for mutant in mutants:
-        try:
-            texts.append(mutant.changed(ROOT))
-        except (OSError, ValueError) as error:
-            wrong.append(str(error))
-    if wrong:
-        raise SystemExit("\n".join([f"{len(wrong)} mutants do not apply:", *wrong]))
-    return texts
+def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0, draws: int = 20) -> Iterator[Line]:
+    """Yield a line for each mutant."""
+    seed = seed or int(time.time())
+    rng = np.random.default_rng([STREAM, seed])
+    with tempfile.TemporaryDirectory() as folder:
+        runs = _Runs(copied(ROOT, Path(folder) / "tree"), limit)
+        for mutant in islice(drawn(rng, ROOT, (only,) if only else PYTHON), draws):
+            yield {"size": f"{mutant.file}:{mutant.line} {mutant.difference(ROOT)}", "seed": seed} | runs.line(mutant)
 
 
 def copied(root: Path, target: Path) -> Path:
-    """Return a copy of the files of a tree that git knows, and of its native core, compiled to bytecode.
-
-    Raises
-    ------
-    SystemExit
-        Python does not import the packages from the copy.
-    """
+    """Return a copy of the files of a tree that git knows, and of its native core."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True, check=True).stdout
     names = [name for name in listed.split("\0") if name and (root / name).is_file()]
-    for name in [*names, *(str(file.relative_to(root)) for file in root.glob(NATIVE))]:
+    for name in [*names, *(str(file.relative_to(root)) for file in root.glob(CORE))]:
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(root / name, target / name)
-    subprocess.run([sys.executable, "-m", "compileall", "-q", *PACKAGES], cwd=target, check=True)
-    asked = (
-        f"import {', '.join(PACKAGES)}; print(*({', '.join(f'{name}.__path__[0]' for name in PACKAGES)},), sep='\\n')"
-    )
-    found = subprocess.run([sys.executable, "-c", asked], cwd=target, env=_environment(target), capture_output=True)
-    places = [Path(line).parent.resolve() for line in found.stdout.decode().splitlines()]
-    if set(places) != {target.resolve()}:
-        raise SystemExit(f"the copy {target} is not what Python imports, but {places}: {found.stderr.decode()}")
     return target
-
-
-def _environment(tree: Path) -> dict[str, str]:
-    alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    return os.environ | alone | {"PYTHONPATH": str(tree)}
 
 
 @dataclass(slots=True)
 class _Runs:
-    """Runs of tests, each in a copy of a sound tree; leaving the context ends those that still go on."""
+    """Runs of tests in a copy of the tree."""
 
-    folder: Path
     tree: Path
-    running: set[subprocess.Popen[str]] = field(default_factory=set)
+    limit: float
+    nearest: NearestTests = field(init=False)
 
-    def __enter__(self) -> "_Runs":
-        return self
+    def __post_init__(self) -> None:
+        self.nearest = NearestTests(self.tree, self._sound_seconds)
 
-    def __exit__(self, *_: object) -> None:
-        for process in list(self.running):
-            _end(process)
+    def line(self, mutant: Mutant) -> Line:
+        """Return the outcome of a mutant; the copy is then as it was."""
+        file = self.tree / mutant.file
+        tests, usual = self.nearest.of(mutant.file, self.limit)
+        shutil.copy2(file, sound := file.with_suffix(".sound"))
+        file.write_text(mutant.text, encoding="utf-8")
+        try:
+            outcome, said, seconds = self._rust(tests) if mutant.is_rust else self._pytest(tests, usual)
+        finally:
+            os.replace(sound, file)
+        line = {"file": mutant.file, "line": mutant.line, "operator": mutant.operator, "outcome": outcome}
+        return line | {"by": said, "seconds": round(seconds, 1), "tests": " ".join(tests)}
 
-    def sound(self, pool: ThreadPoolExecutor, tests: Sequence[str], limit: float) -> dict[str, float]:
-        """Return the seconds that each test file takes without a change; end where one fails."""
-        found = dict(zip(tests, pool.map(lambda name: self._run((name,), {}, 10 * limit), tests), strict=True))
-        failed = [f"{name}: {outcome} {said}" for name, (outcome, said, _) in found.items() if outcome != "survived"]
-        if failed:
-            raise SystemExit("\n".join(["tests fail without a mutant:", *failed]))
-        return {name: seconds for name, (_, _, seconds) in found.items()}
+    def _sound_seconds(self, test: str) -> float:
+        outcome, said, seconds = self._pytest([test], 10 * self.limit)
+        if outcome != "survived":
+            raise SystemExit(f"{test} fails without a mutant: {outcome} {said}")
+        return seconds
 
-    def outcome(self, mutant: Mutant, text: str, limit: float) -> Line:
-        """Return the line of a mutant."""
-        outcome, said, seconds = self._run(mutant.tests, {mutant.file: text}, limit)
-        if mutant.equivalent and outcome == "survived":
-            outcome, said = "equivalent", mutant.equivalent
-        line = {"size": mutant.name, "seed": 0, "file": mutant.file, "outcome": outcome}
-        return line | {"by": said, "seconds": round(seconds, 1), "tests": " ".join(mutant.tests)}
+    def _rust(self, tests: Sequence[str]) -> tuple[str, str, float]:
+        """Return the outcome by the tests of the crates; where these pass, by those of Python with the core built."""
+        place = self.tree / NATIVE
+        for words in (("build",), ("test",), ("build", "--features", "python")):
+            command = [*(part.format(words[0]) for part in CARGO), *words[1:]]
+            code, said, seconds = self._run(command, place, 10 * self.limit)
+            if code != 0:
+                failed = re.search(r"^test (\S+) .*FAILED", said, re.MULTILINE)
+                outcome = "time" if code is None else "killed" if words == ("test",) else "unviable"
+                return outcome, failed.group(1) if failed else "", seconds
+        core, *_ = self.tree.glob(CORE)
+        shutil.copy2(core, sound := core.with_suffix(".sound"))
+        shutil.copy2(place / "target/checks/lib_native.so", core)
+        try:
+            return self._pytest(tests, 10 * self.limit)
+        finally:
+            os.replace(sound, core)
 
-    def _run(self, tests: Sequence[str], texts: dict[str, str], limit: float) -> tuple[str, str, float]:
-        """Return the outcome of tests in a copy with other texts, the first test that failed, and seconds."""
-        with tempfile.TemporaryDirectory(dir=self.folder) as place:
-            tree = shutil.copytree(self.tree, Path(place) / "tree")
-            for name, text in texts.items():
-                (tree / name).write_text(text, encoding="utf-8")
-            began = time.perf_counter()
-            code, said = self._pytest(tree, [f"tests/{name}" for name in tests], limit)
-            seconds = time.perf_counter() - began
+    def _pytest(self, tests: Sequence[str], usual: float) -> tuple[str, str, float]:
+        """Return the outcome of test files, the first test that failed, and seconds."""
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+        code, said, seconds = self._run(command, self.tree, SLOWER * usual + START)
         if code is None:
-            return "time", f"no end after {limit:.0f} s", seconds
-        if code not in (0, 1):
+            return "time", f"no end after {seconds:.0f} s", seconds
+        if code not in (0, 1, 2, 4):  # 2 and 4: a file of tests cannot be imported
             raise SystemExit(f"the tests {' '.join(tests)} ended with code {code}: no verdict\n{said[-3000:]}")
         failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)
         return ("killed" if code else "survived"), failed.group(1) if failed else "", seconds
 
-    def _pytest(self, tree: Path, tests: Sequence[str], limit: float) -> tuple[int | None, str]:
-        command = ["nice", "-n", "10", sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+    def _run(self, command: Sequence[str], place: Path, limit: float) -> tuple[int | None, str, float]:
+        alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CARGO_INCREMENTAL"), "1")
+        environment = os.environ | alone | {"PYTHONPATH": str(self.tree)}
+        began = time.perf_counter()
         process = subprocess.Popen(
             command,
-            cwd=tree,
-            env=_environment(tree),
+            cwd=place,
+            env=environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
             start_new_session=True,
         )
-        self.running.add(process)
         try:
             said, _ = process.communicate(timeout=limit)
         except subprocess.TimeoutExpired:
-            return None, ""
-        finally:
-            _end(process)
-            self.running.discard(process)
-        return process.returncode, said
-
-
-def _end(process: "subprocess.Popen[str]") -> None:
-    """End a run with all that it started."""
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+            return None, "", time.perf_counter() - began
+        finally:  # with all that it started
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        return process.returncode, said, time.perf_counter() - began
 
 
 def summary(lines: Sequence[Line]) -> str:
     """Return the outcomes by part of the sources, and those that no test noticed."""
-    counts = Counter((_part(line["file"]), line["outcome"]) for line in lines)
-    outcomes = ("killed", "time", "survived", "equivalent")
+    counts = Counter(("/".join(Path(line["file"]).parts[:2]), line["outcome"]) for line in lines)
+    outcomes = (*NOTICED, "survived", "unviable")
     parts = sorted({part for part, _ in counts})
     table = markdown(["part", *outcomes], ([part, *(counts[part, one] for one in outcomes)] for part in parts))
     n_noticed = sum(line["outcome"] in NOTICED for line in lines)
-    unseen = [f"{line['outcome']}: {line['size']} {line['by']}" for line in lines if line["outcome"] not in NOTICED]
-    return "\n".join([f"{n_noticed} of {len(lines)} mutants killed.", "", table, "", *unseen])
-
-
-def _part(file: str) -> str:
-    """Return the package and its part: octmip.gap, octmip.trees.certificate."""
-    return ".".join(Path(file).with_suffix("").parts[:2])
+    n_tried = sum(line["outcome"] != "unviable" for line in lines)
+    unseen = [f"survived: {line['size']}" for line in lines if line["outcome"] == "survived"]
+    return "\n".join([f"{n_noticed} of {n_tried} mutants killed.", "", table, "", *unseen])
