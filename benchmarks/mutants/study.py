@@ -13,8 +13,10 @@ seconds without a mutant.
     unviable  the compiler refused it
 """
 
+import math
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -38,7 +40,7 @@ ROOT = Path(__file__).parents[2]
 CORE = "octmip/trees/_native*.so"
 CARGO = ("cargo", "{}", "--profile", "checks", "--quiet", "--workspace")
 STREAM = 97
-SLOWER, START = 3.0, 30.0  # times what the tests take without a change, and seconds on top
+SLOWER, START = 3.0, 10.0  # times what the tests take without a change, and CPU seconds on top
 NOTICED = ("killed", "time")
 
 
@@ -100,7 +102,7 @@ class _Runs:
             code, said, seconds = self._run(command, place, 10 * self.limit)
             if code != 0:
                 failed = re.search(r"^test (\S+) .*FAILED", said, re.MULTILINE)
-                outcome = "time" if code is None else "killed" if words == ("test",) else "unviable"
+                outcome = "time" if code < 0 else "killed" if words == ("test",) else "unviable"
                 return outcome, failed.group(1) if failed else "", seconds
         core, *_ = self.tree.glob(CORE)
         shutil.copy2(core, sound := core.with_suffix(".sound"))
@@ -114,35 +116,30 @@ class _Runs:
         """Return the outcome of test files, the first test that failed, and seconds."""
         command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
         code, said, seconds = self._run(command, self.tree, SLOWER * usual + START)
-        if code is None:
+        if code < 0:
             return "time", f"no end after {seconds:.0f} s", seconds
         if code not in (0, 1, 2, 4):  # 2 and 4: a file of tests cannot be imported
             raise SystemExit(f"the tests {' '.join(tests)} ended with code {code}: no verdict\n{said[-3000:]}")
         failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)
         return ("killed" if code else "survived"), failed.group(1) if failed else "", seconds
 
-    def _run(self, command: Sequence[str], place: Path, limit: float) -> tuple[int | None, str, float]:
+    def _run(self, command: Sequence[str], place: Path, limit: float) -> tuple[int, str, float]:
+        """Return the code of a command, negative past its CPU seconds or four times these, its words and CPU seconds."""
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "CARGO_INCREMENTAL"), "1")
+        limited = ["prlimit", f"--cpu={math.ceil(limit)}", *command]
         environment = os.environ | alone | {"PYTHONPATH": str(self.tree)}
-        began = time.perf_counter()
-        process = subprocess.Popen(
-            command,
-            cwd=place,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
-        try:
-            said, _ = process.communicate(timeout=limit)
-        except subprocess.TimeoutExpired:
-            return None, "", time.perf_counter() - began
-        finally:  # with all that it started
-            with suppress(ProcessLookupError):
+        before = sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])
+        with tempfile.TemporaryFile("w+") as said:
+            process = subprocess.Popen(
+                limited, cwd=place, env=environment, stdout=said, stderr=subprocess.STDOUT, start_new_session=True
+            )
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(4 * limit)
+            with suppress(ProcessLookupError):  # with all that it started
                 os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-        return process.returncode, said, time.perf_counter() - began
+            code = process.wait()
+            said.seek(0)
+            return code, said.read(), sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2]) - before
 
 
 def summary(lines: Sequence[Line]) -> str:
