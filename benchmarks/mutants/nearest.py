@@ -1,29 +1,19 @@
 """The tests that are nearest to a module: by name, then by the imports between them, then by what they say of it."""
 
 import ast
-import json
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from hashlib import sha1
+from collections.abc import Iterator
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
-KEPT = Path(__file__).parents[2] / "results" / "seconds_of_tests.json"
 TOO_LONG = ("test_blind", "test_tutorial", "test_site", "test_uav_study", "test_installed", "test_distribution")
-COMMON = {
-    "octmip/trees": ("tests/test_octmip/test_every_cell.py", "tests/test_benchmarks/test_fuzz_everything.py"),
-    "octmip/gap": ("tests/test_octmip/test_gap_diagnosis.py",),
-    "octmip/formats": ("tests/test_octmip/test_hostile_files.py",),
-}
-"""Tests that hold a whole part against its definition: they run last."""
 
 
 class NearestTests:
-    """Files of tests by their distance to a source; `measure` gives the CPU seconds that one takes."""
+    """Files of tests by their distance to a source."""
 
-    def __init__(self, root: Path, measure: Callable[[str], float]) -> None:
-        self.root, self.measure = root, measure
+    def __init__(self, root: Path) -> None:
         files = [file for package in PACKAGES for file in sorted((root / package).rglob("*.py"))]
         self.texts = {str(file.relative_to(root)): file.read_text(encoding="utf-8") for file in files}
         self.trees = {file: ast.parse(text) for file, text in self.texts.items()}
@@ -32,20 +22,11 @@ class NearestTests:
             for other in self._imported(file):
                 self.importers[other].add(file)
 
-    def of(self, file: str, most: float) -> tuple[list[str], float]:
-        """Return the tests of a source that take so many CPU seconds, the nearest first, and their seconds."""
-        common = [test for part, tests in COMMON.items() if file.startswith(part) for test in tests]
-        chosen, total = [], 0.0
-        for test in self.ordered(file):
-            if test not in common and total + self._seconds(test) <= most:
-                chosen.append(test)
-                total += self._seconds(test)
-            if total > most / 2:
-                break
-        return [*chosen, *common], total + sum(map(self._seconds, common))
-
-    def ordered(self, file: str) -> list[str]:
-        """Return all tests that lead to a source, the nearest first."""
+    def of(self, file: str) -> list[str]:
+        """Return all tests that lead to a source, the nearest first; of a Rust file those that bear its part's name."""
+        if file.endswith(".rs"):
+            part = Path(file.partition("/src/")[2]).with_suffix("").parts[0]
+            return [test for test in self.texts if Path(test).stem.startswith("test_") and part in Path(test).stem]
         found, ring = {file: 0}, [file]
         while ring:
             ring = sorted({one for other in ring for one in self.importers[other]} - set(found))
@@ -75,13 +56,3 @@ class NearestTests:
             if isinstance(node, ast.ImportFrom) and node.module and any(name == one.name for one in node.names):
                 return self._home(node.module, name)
         return f"{place}/__init__.py"
-
-    def _seconds(self, test: str) -> float:
-        """Return what a file of tests takes without a mutant: kept for the next run as long as the file is the same."""
-        kept = json.loads(KEPT.read_text(encoding="utf-8")) if KEPT.exists() else {}
-        key = f"{test} {sha1(self.texts[test].encode()).hexdigest()[:8]}"
-        if key not in kept:
-            kept[key] = self.measure(test)
-            KEPT.parent.mkdir(exist_ok=True)
-            KEPT.write_text(json.dumps(kept, indent=0), encoding="utf-8")
-        return float(kept[key])
