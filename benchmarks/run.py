@@ -44,7 +44,9 @@ def main() -> None:
     module = family(options.name)
     threads = [int(count) for count in options.threads.split(",")]
     if hasattr(module, "results"):
-        given = {name: value for name in ("only", "solvers", "seeds", "seed", "draws") if (value := getattr(options, name))}
+        given = {
+            name: value for name in ("only", "solvers", "seeds", "seed", "draws") if (value := getattr(options, name))
+        }
         if unknown := set(given) - set(inspect.signature(module.results).parameters):
             raise SystemExit(f"{options.name} measures all its cases itself: --{min(unknown)} means nothing to it")
         lines = module.results(options.limit, threads, **given)

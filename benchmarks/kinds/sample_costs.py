@@ -32,13 +32,15 @@ def sample_problem(rng: Generator) -> Problem:
     n, k = int(rng.integers(2, 11)), int(rng.integers(2, 5))
     kinds = (rng.integers(0, 6, (n, k)), rng.integers(0, 100, (n, k)) / 10, rng.random((n, k)))
     costs = (*kinds, 10.0 ** rng.uniform(-6, 6, (n, k)))[int(rng.integers(4))]
+    if rng.random() < 0.5:
+        costs[rng.random(n) < 0.5] = costs[0, 0]  # nothing to choose for some, who fill leaves all the same
     options: ProblemOptions = {"depth": int(rng.integers(1, 4)), "class_names": tuple(range(k))}
     if rng.random() < 0.3:
         options["weights"] = rng.random(n) + 0.01
     if rng.random() < 0.3:
         options["leaf_penalty"] = float(rng.choice([0.5, 1.0, 0.3]))
-    if k == 2 and rng.random() < 0.5:
-        options["leaf_size"] = int(rng.integers(1, min(n, 3) + 1))
+    if k == 2:
+        options["leaf_size"] = int(rng.integers(1, min(n, 4) + 1))
     features = rng.integers(0, 5, (n, 2)).astype(float)
     options["loss"] = ClassCosts(costs, per_sample=True)
     return Problem(features, costs.argmin(axis=1), **options)

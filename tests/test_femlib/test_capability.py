@@ -1,10 +1,13 @@
 """The greatest load factor of damage states: the reduced model beside the full one, and what each limit does."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from femlib.assembly.stresses import blocks_of, corner_strains
 from femlib.errors import InputError
-from femlib.rom import ReducedModel
+from femlib.rom import ReducedModel, capability
 from femlib.rom.capability import Capability, full_limits, reduce_capability
 from femlib.wing.strength import full_capability, reactions, wing_capability, wing_limits, wing_stresses
 
@@ -18,15 +21,35 @@ def capable(tiny, tiny_reduced) -> Capability:
 
 def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampled(tiny, capable):
     limits = wing_limits(tiny)
-    full = [full_limits(tiny.structure, limits, tiny.lift, state) for state in STATES]
+    down = replace(limits, row=-limits.row)  # a deflection counts in either direction
+    full = [
+        full_limits(tiny.structure, one, tiny.lift, state)
+        for one, state in zip((limits, down) * 2, STATES, strict=True)
+    ]
     np.testing.assert_allclose(capable.limits(STATES), full, rtol=1e-3)
     np.testing.assert_allclose(capable.limits(STATES)[:, [0, 2]], np.array(full)[:, [0, 2]], rtol=1e-6)
+    other = replace(capable, deflection=-capable.deflection)
+    np.testing.assert_array_equal(other.limits(STATES), capable.limits(STATES))
     assert capable.error < 1e-3
     np.testing.assert_allclose(full_capability(tiny, {"mu2": 0.85}), full[2], rtol=1e-12)
 
 
-def test_the_least_limit_counts_and_every_limit_is_one_of_its_own(tiny, tiny_reduced):
-    own = wing_capability(tiny, tiny_reduced, wing_limits(tiny, tip_limit=0.01), n_states=8, n_checks=0)
+def test_every_corner_near_failing_in_a_sampled_state_is_kept(tiny, capable):
+    shells, sound = tiny.structure.shells, tiny.structure.solve(np.zeros((1, 2)), tiny.lift)[0]
+    strains = corner_strains(shells, sound)
+    factors = [b.factors(b.strain(strains), "max strain") for b in blocks_of(shells, wing_limits(tiny).faces)]
+    near = np.concatenate(factors) <= capability.NEAR * min(own.min() for own in factors)
+    assert near.sum() > 1
+    kept = sum(len(block.corners) for block in capable.blocks)
+    assert near.sum() <= kept <= capability.MOST_KEPT + 1
+
+
+def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_checked(tiny, tiny_reduced, monkeypatch):
+    checked, full = [], np.array([[1.0, 2.0, 4.0], [4.0, 0.01, 2.0], [9.0, 3.0, 0.5]])
+    monkeypatch.setattr(capability, "full_limits", lambda *args: checked.append(args[-1]) or full[len(checked) - 1])
+    own = wing_capability(tiny, tiny_reduced, wing_limits(tiny, tip_limit=0.01), n_states=8, n_checks=3)
+    least = np.minimum(own.limits(np.array(checked)), capability.FAR * full.min(axis=1, keepdims=True))
+    assert own.error == pytest.approx(np.abs(least / full - 1.0).max())
     found = own.limits(STATES)
     np.testing.assert_allclose(own.load_factors(STATES), found.min(axis=1))
     assert (found.argmin(axis=1) == 2).all()

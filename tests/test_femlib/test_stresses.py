@@ -52,6 +52,12 @@ def test_von_mises_of_tension_shear_and_equal_tension():
     np.testing.assert_allclose(von_mises(np.array([[3.0, 0, 0], [0, 0, 1], [2, 2, 0]])), [3.0, np.sqrt(3), 2.0])
 
 
+def test_a_metal_yields_by_von_mises_in_every_criterion_of_stresses():
+    stress, metal = np.random.default_rng(1).normal(size=(40, 3)) * 1e8, yielding_at(250e6)
+    np.testing.assert_allclose(tsai_wu_factors(metal, stress), 250e6 / von_mises(stress))
+    assert von_mises(np.array([0.0, 0.0, metal.shear_12])) == pytest.approx(250e6)
+
+
 def uniform(structure, strain, curvature):
     """Displacements (n_dofs,) of strains and curvatures (3,) that are the same everywhere, order (xx, yy, xy)."""
     x, y = structure.mesh.nodes[:, :2].T

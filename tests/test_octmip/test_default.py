@@ -19,6 +19,7 @@ from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import choose_default, default_families, solve_default
+from octmip.trees.tradeoff import default as default_module
 from octmip.trees.tradeoff.choice import RULES
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
@@ -198,6 +199,22 @@ def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitte
     assert sampled(problem, 10.0, 0) is None
 
 
+def test_all_folds_together_have_the_seconds_of_the_whole(monkeypatch):
+    given = []
+
+    def traced(*_, seconds, **named):
+        given.append(seconds)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(choice_module, "trace_families", traced)
+    monkeypatch.setattr(default_module, "sampled", lambda problem, seconds, seed: given.append(seconds))
+    for n_jobs, turns in ((1, 6), (2, 3)):  # five folds and all rows
+        solve_default(IRIS, Run("auto", Limits(seconds=6e4), 0, n_jobs=n_jobs))
+        assert given[0] == choice_module.SHARE_OF_PATHS * 6e4 / turns
+        assert given[1] == pytest.approx(given[0], rel=1e-3)  # less what has passed
+        given.clear()
+
+
 def interrupted_after(monkeypatch, n_calls):
     """Let Ctrl-C come when so many problems have their paths."""
     calls = []
@@ -265,6 +282,13 @@ def test_the_expected_cost_is_corrected_for_the_choice():
     assert expected.tree.mean == pytest.approx(0.5, abs=0.03)
     assert expected.tree.low < 0.5 < expected.tree.high
     assert expected.difference.mean == pytest.approx(expected.tree.mean - expected.cart.mean)
+
+
+def test_cart_beside_the_choice_is_its_pruning_of_least_cost_whatever_the_rule():
+    losses = np.random.default_rng(0).permuted(np.repeat([[0.6, 0.5, 0.3], [0.5, 0.4, 0.2]], 30, axis=0), axis=0)
+    judged = Judged([losses], [np.ones(60)], np.arange(3)[:, None], np.arange(3))  # simplest first
+    found = judged.expectation(Nearness(99.0), np.array([False, True, True]), seed=0)
+    assert (found.tree.mean, found.cart.mean) == pytest.approx((0.55, 0.25), abs=0.01)
 
 
 def test_a_simpler_tree_that_errs_on_the_same_rows_must_be_nearer_than_one_that_errs_on_others():

@@ -7,8 +7,10 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, Campaign, diagnose
+from octmip.gap.inference.difference import wander_of
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, difference_at, linearise
+from octmip.gap.inference.rows import Rows
 from tests.test_octmip.beam_twin import HEALTHY, Beam, measured
 
 TWIN = Beam()
@@ -110,6 +112,16 @@ def test_tests_of_a_run_that_differ_show_by_how_much_the_campaign_may():
     beside = diagnose(measured(5, day(99, 40.0)), TWIN, commissioning=days)
     assert beside.is_sound
     assert any("differ by more than their repeats" in note for note in beside.notes)
+
+
+@pytest.mark.parametrize("n", [2, 3, 9])
+def test_the_wander_of_few_tests_is_their_variance_and_that_of_their_mean(n):
+    difference, ones = prepared(measured(5)).difference, np.ones(n)
+    rows = Rows(*(np.zeros(n, int),) * 2, np.arange(n), np.zeros(n, int), ones, 0.0 * ones, ones)
+    offsets = np.random.default_rng(n).normal(size=n)
+    found = wander_of(difference, rows, offsets * difference.frame.scale[0], np.zeros((n, n)))
+    assert found[0, 0, 0] == pytest.approx(offsets.var(ddof=1) * (1 + 1 / (n - 1)))
+    assert np.count_nonzero(found) == 1
 
 
 def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():

@@ -7,7 +7,9 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.gap import diagnose
+from octmip.gap.inference import wrong_run
 from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.posterior import OF_MODELS, STATED, levels_without_run
 from octmip.gap.inference.wrong_run import WrongRun, corrected
 from octmip.gap.odds import Differences, Odds
@@ -71,6 +73,16 @@ def test_a_run_is_trusted_or_left_out_as_told():
     left = diagnose(campaign, TWIN, commissioning=run, trust_run=False)
     assert left.is_sound
     assert "left out, as it is not to be trusted" in left.notes[0]
+
+
+def test_what_may_have_been_wrong_shares_one_probability(monkeypatch):
+    campaign = measured(21000)
+    inputs = prepare(campaign, TWIN, dict(TWIN.effects), measured(31000))[0]
+    model = linearise(inputs, np.array([cell.state for cell in campaign.cells]))
+    for kind in ("_by_effect", "_by_state", "_by_asset"):
+        monkeypatch.setattr(wrong_run, kind, lambda *_: WrongRun(-7.0, "", None, None, None))
+    prior = inputs.odds.wrong_run * inputs.odds.count[0]
+    assert wrong_run.weigh_wrong_run(model).log_weight == pytest.approx(np.log(prior) - 7.0)
 
 
 def test_the_odds_of_a_wrong_run_are_an_argument():

@@ -34,7 +34,7 @@ def asked(**options: object) -> Problem:
 
 
 def test_where_no_tree_of_a_list_of_all_has_the_parts_the_core_says_so():
-    drawn = [kind.drawn(np.random.default_rng([kind.stream, k])) for kind in PART_KINDS.values() for k in range(60)]
+    drawn = [kind.drawn(np.random.default_rng([kind.stream, k])) for kind in PART_KINDS.values() for k in range(20)]
     without = [problem for problem in drawn if least_cost_with_parts(problem) is None]
     assert len(without) > 9
     for problem in without:
@@ -266,14 +266,26 @@ def test_the_command_takes_every_part(solved, capsys):
 
 @pytest.mark.parametrize("penalty", [1.5, 100.0])
 @pytest.mark.parametrize("weight", [1.0, 0.1])
-def test_the_price_of_splits_that_must_stand_is_paid_in_full(penalty, weight):
+@pytest.mark.parametrize("parts", [
+    {"fixed_splits": {"L": "x0", "ROOT": "x1"}},
+    {"old_tree": Split(1, 0.5, Split(0, 0.5, Leaf(0), Leaf(0)), Leaf(0)), "max_changes": 0},
+], ids=["given", "old"])  # fmt: skip
+def test_the_price_of_splits_that_must_stand_is_paid_in_full(penalty, weight, parts):
     x = np.array([[0.0, 1, 0, 1, 0, 1, 1]]).T
-    settings = {"weights": np.full(7, weight), "leaf_penalty": penalty, "fixed_splits": {"L": "x0", "ROOT": "x1"}}
+    settings = {"weights": np.full(7, weight), "leaf_penalty": penalty, **parts}
     features = np.column_stack((x, [0.0, 0, 0, 0, 0, 1, 1]))
     for depth in (3, None):
         found = solve(Problem(features, np.array([0, 1, 0, 0, 1, 1, 0]), depth=depth, **settings), "exact")
         assert found.is_optimal
         assert found.objective == pytest.approx(2 * penalty + 3 * weight)
+
+
+@pytest.mark.parametrize(("side", "changes"), [("right", 0), ("left", 1), (None, 0)])
+def test_another_side_for_missing_readings_is_a_change(side, changes):
+    assert (
+        n_changes(Split(0, 1.5, Leaf(0), Leaf(0), missing=side), Split(0, 1.5, Leaf(0), Leaf(0), missing="right"))
+        == changes
+    )
 
 
 def test_a_kept_split_keeps_its_side_for_missing_readings():
