@@ -1,0 +1,78 @@
+"""The mutation run: mutants are drawn by tools, tried in a copy by the nearest tests, and told from the sound tree."""
+
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+from benchmarks.mutants import study
+from benchmarks.mutants.draws import python_mutant
+from benchmarks.mutants.nearest import NearestTests
+
+SUMS = "def double(x: int | None) -> int:\n    return min(x + x, 100)\n"
+LOOPS = "def down(x):\n    while x > 0:\n        x -= 1\n    return x\n"
+FILES = {
+    "octmip/__init__.py": "from octmip.sums import double\n",
+    "octmip/sums.py": SUMS,
+    "octmip/loops.py": LOOPS,
+    "tests/test_all.py": "from octmip import double\n\n\ndef test_double():\n    assert double(2) == 4\n",
+    "tests/test_down.py": "from octmip.loops import down\n\n\ndef test_down():\n    assert down(9) == 0\n",
+}
+
+
+@pytest.fixture
+def tree(tmp_path, monkeypatch):
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+        os.utime(tmp_path / name, (0, 0))  # older than any mutant of it
+    for words in (["init", "-q"], ["add", "."]):
+        subprocess.run(["git", *words], cwd=tmp_path, check=True)
+    monkeypatch.setattr(study, "ROOT", tmp_path)
+    return tmp_path
+
+
+def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
+    rng = np.random.default_rng(0)
+    lines = [python_mutant(rng, tree, ["octmip/loops.py"]).line for _ in range(200)]
+    assert np.bincount(lines)[2:4].min() > 70
+    changes = {str(python_mutant(rng, tree, ["octmip/sums.py"])).partition(" ")[2] for _ in range(200)}
+    assert {
+        "return min(x + x, 100) -> return max(x + x, 100)",
+        "return min(x + x, 100) -> return min(x + x, 101)",
+    } < changes
+    assert not [change for change in changes if not change.startswith("return")]
+
+
+@pytest.mark.parametrize(
+    ("file", "before", "after", "outcome"),
+    [
+        ("octmip/sums.py", "x + x", "x - x", "killed"),
+        ("octmip/sums.py", "100", "101", "survived"),
+        ("octmip/loops.py", "-=", "+=", "time"),
+    ],
+)
+def test_a_mutant_is_killed_lives_or_does_not_end(file, before, after, outcome, tree):
+    mutants = (python_mutant(np.random.default_rng(seed), tree, [file]) for seed in range(200))
+    mutant = next(one for one in mutants if one.after == FILES[file].replace(before, after))
+    runs = study._Runs(study.copied(tree, tree / "copy"), 4.0)
+    found = runs.line(mutant)
+    assert found["outcome"] == outcome
+    assert found["by"] == ("test_all.py::test_double" if outcome == "killed" else "")
+    assert (tree / "copy" / file).read_text() == FILES[file]
+
+
+def test_a_run_draws_by_its_seed_and_its_summary_names_who_lives(tree):
+    lines = [next(study.results(9.0, [1], only="octmip/sums.py", seed=5, draws=1)) for _ in range(2)]
+    assert lines[0]["size"] == lines[1]["size"]
+    lines = [line | {"outcome": outcome} for line, outcome in zip(lines, ("survived", "unviable"), strict=True)]
+    said = study.summary(lines)
+    assert "0 of 1 mutants killed." in said
+    assert "| octmip/sums.py | 0 | 0 | 1 | 1 |" in said
+    assert f"survived: {lines[0]['size']}" in said
+
+
+def test_the_nearest_tests_are_those_of_the_name_then_of_the_imports(tree):
+    assert NearestTests(tree).of("octmip/loops.py") == ["tests/test_down.py"]
+    assert NearestTests(tree).of("octmip/sums.py") == ["tests/test_all.py"]
