@@ -3,6 +3,7 @@
 Predictions in order, given splits, rules for paths, few changes of an old tree, no depth, and several of them at once.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -60,15 +61,19 @@ class Parted(Classes):
 
 
 def shaped_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
-    """Return a problem of whole costs and what is named: order, fixed, rules, changes, splits, any-depth."""
+    """Return a problem of whole costs and what is named: order, fixed, rules, changes, missing, splits, any-depth."""
     depth, p = int(rng.choice([1, 2, 2, 3])), int(rng.integers(1, 4))
     is_any, most = "any-depth" in asked, MOST_SAMPLES[depth] - (depth - 1 if "order" in asked else 0)
-    n = int(rng.integers(3, 8 if is_any else most + (3 if p < 3 else 0)))
+    is_long = is_any or "missing" in asked  # the list of all trees
+    n = int(rng.integers(3, 8 if is_long else most + (3 if p < 3 else 0)))
     k = int(rng.integers(2, 4))
     labels = rng.integers(0, k, n)
     labels[:2] = 0, 1
     costs = rng.integers(0, 5, (k, k)) * (1 - np.eye(k)) if rng.random() < 0.4 else 1 - np.eye(k)
     features = rng.integers(0, 4 if depth < 3 else 3, (n, p)).astype(float)
+    sides: list[Any] = ["left", "right", None] if "missing" in asked else [None]
+    if "missing" in asked:
+        features[rng.random((n, p)) < 0.2] = np.nan
     shape: dict[str, Any] = {"depth": None if is_any else depth}
     if "order" in asked:
         directions = rng.choice([-1, 0, 1], p)
@@ -79,7 +84,7 @@ def shaped_problem(rng: Generator, asked: tuple[str, ...]) -> Problem:
     if "rules" in asked:
         shape["path_rules"] = _rules(rng, p)
     if "changes" in asked:
-        shape |= {"old_tree": _tree(rng, depth, p), "max_changes": int(rng.integers(0, 5))}
+        shape |= {"old_tree": _tree(rng, depth, p, sides), "max_changes": int(rng.integers(0, 5))}
     if "splits" in asked:
         shape["max_splits"] = int(rng.integers(1, 2**depth))
     return Problem(
@@ -119,11 +124,15 @@ def _rules(rng: Generator, p: int) -> list[tuple[Any, ...]]:
     return rules
 
 
-def _tree(rng: Generator, depth: int, p: int) -> Node:
+def _tree(rng: Generator, depth: int, p: int, sides: Sequence[Any]) -> Node:
     if depth == 0 or rng.random() < 0.2:
         return Leaf(int(rng.integers(0, 2)))
     threshold = float(rng.choice([0.5, 1.0, 1.5, 2.2]))
-    return Split(int(rng.integers(0, p)), threshold, _tree(rng, depth - 1, p), _tree(rng, depth - 1, p))
+    missing = sides[int(rng.integers(len(sides)))]
+    below = [_tree(rng, depth - 1, p, sides) for _ in range(2)]
+    return Split(
+        int(rng.integers(0, p)), threshold if missing is None or rng.random() < 0.8 else None, *below, missing=missing
+    )
 
 
 def _several(rng: Generator) -> Problem:
@@ -147,6 +156,7 @@ PART_KINDS = {
     "fixed_splits": Parted(31, partial(shaped_problem, asked=("fixed",)), EXACT, 0.3, ()),
     "path_rules": Parted(37, partial(shaped_problem, asked=("rules",)), EXACT, 0.3, ()),
     "max_changes": Parted(41, partial(shaped_problem, asked=("changes",)), EXACT, 0.3, ()),
+    "changes_missing": Parted(53, partial(shaped_problem, asked=("changes", "missing")), EXACT, 0.1, ()),
     "parts": Parted(43, _several, EXACT, 0.3, ()),
     "sparse_parts": Parted(47, _sparse, EXACT, 0.3, ()),
 }

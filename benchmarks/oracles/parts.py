@@ -1,7 +1,7 @@
 """The least cost of trees with parts that are asked for, of a small problem: every tree is looked at, none is cut off.
 
 Imports nothing of octmip but the problem and its trees. A threshold lies between two neighbouring values of all
-samples, or where a given or an old one does.
+samples, or where a given or an old one does; missing readings go to either side.
 """
 
 from fractions import Fraction
@@ -49,11 +49,15 @@ def _costs(
     for feature in range(problem.n_features):
         if not all(_may_follow(rule, feature, above) for rule in rules):
             continue
-        for threshold in _thresholds(problem, feature):
+        for threshold, side_of_missing in _cuts(problem, feature):
             if here is not None and (feature not in here.features or here.threshold not in (None, threshold)):
                 continue
-            is_left = problem.features[rows, feature] <= threshold
+            values = problem.features[rows, feature]
+            # Without a threshold the question is whether there is a reading.
+            is_left = values <= threshold if threshold is not None else np.full(len(rows), side_of_missing == "right")
+            is_left = np.where(np.isnan(values), side_of_missing == "left", is_left)
             is_old = isinstance(old, Split) and (old.feature, old.threshold) == (feature, threshold)
+            is_old = is_old and (None in (old.missing, side_of_missing) or old.missing == side_of_missing)
             was = [None, None] if old is None or isinstance(old, Leaf) else [old.left, old.right]
             sides = [
                 _costs(problem, asked, rules, rows[part], path + "LR"[side], (*above, feature), was[side])
@@ -76,8 +80,16 @@ def _may_follow(rule: tuple[str, tuple[int, ...]], feature: int, above: tuple[in
     return feature not in features or not above
 
 
+def _cuts(problem: Problem, feature: int) -> list[tuple[float | None, str | None]]:
+    """Return the thresholds of a feature with every side that missing readings may take."""
+    if not problem.takes_missing:
+        return [(threshold, None) for threshold in _thresholds(problem, feature)]
+    return [(threshold, side) for threshold in (*_thresholds(problem, feature), None) for side in ("left", "right")]
+
+
 def _thresholds(problem: Problem, feature: int) -> list[float]:
     values = np.unique(problem.features[:, feature])
+    values = values[~np.isnan(values)]
     found = set(((values[:-1] + values[1:]) / 2).tolist())
     found |= {
         part.threshold for part in problem.given_splits if feature in part.features and part.threshold is not None
