@@ -92,7 +92,7 @@ def test_a_solution_carries_its_estimate_and_what_is_computed_from_it_none() -> 
     load = plate.pressure("skin", 50.0)
     moved, strains = plate.solve({}, load), plate.strain_microstrain({"middle": 0.5}, load, [GAUGE])
     assert 0.0 < moved.error < MOST_ERROR
-    assert 0.0 < strains.error < 0.1
+    assert 0.5 * moved.error < strains.error < 5.0 * moved.error
     assert np.isnan((2.0 * moved).error)
     assert all(0.0 < mode.error < MOST_ERROR for mode in plate.natural_modes(2))
     assert reduce(plate, load, [GAUGE]).mesh_error == pytest.approx(plate.strain_microstrain({}, load, [GAUGE]).error)

@@ -5,8 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from scipy import constants
 
 from octmip.errors import DataError, TwinError
+from octmip.formats.table.units import factor_between
 from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.doors.card import Range
 from octmip.gap.doors.function import parameter_effect
@@ -20,6 +22,37 @@ from octmip.twin import units_of
 from tests.test_octmip.beam_twin import Field
 
 STATES = tuple(f"f{k}" for k in range(1, 5))
+
+
+NAMED = {
+    ("in", "m"): constants.inch, ("ft", "m"): constants.foot, ("lbf", "N"): constants.lbf, ("kgf", "N"): constants.g,
+    ("bar", "Pa"): constants.bar, ("mbar", "Pa"): constants.bar / 1e3, ("psi", "Pa"): constants.psi,
+    ("N/mm2", "MPa"): 1, ("min", "s"): constants.minute, ("h", "s"): constants.hour, ("d", "s"): constants.day,
+    ("hours", "min"): 60, ("days", "h"): 24, ("minutes", "seconds"): 60, ("sec", "s"): 1,
+    ("km/h", "m/s"): constants.kmh, ("kn", "m/s"): constants.knot, ("mm/s", "m/s"): 1e-3, ("mm/s2", "m/s^2"): 1e-3,
+    ("g", "m/s**2"): constants.g, ("mg", "g"): 1e-3, ("t", "kg"): 1e3, ("uV/V", "mV/V"): 1e-3, ("mV/V", "V/V"): 1e-3,
+    ("Volts", "V"): 1, ("°", "deg"): 1, ("°/s", "deg/s"): 1, ("deg", "rad"): constants.degree, ("deg/s", "rad/s"): constants.degree,
+    ("%", "-"): 1e-2, ("pct", "%"): 1, ("1", "-"): 1, ("rpm", "1/min"): 1, ("1/min", "Hz"): 1 / 60, ("1/s", "Hz"): 1,
+    ("N m", "Nm"): 1, ("N*m", "N·m"): 1, ("Nmm", "Nm"): 1e-3, ("kNm", "Nm"): 1e3, ("Ω", "Ohm"): 1, ("m/m", "strain"): 1,
+    ("mm/m", "millistrain"): 1, ("nm/m", "um/m"): 1e-3, ("millistrain", "microstrain"): 1e3, ("ustrain", "µm/m"): 1,
+    ("ustr", "ue"): 1, ("uε", "uepsilon"): 1, ("umm/mm", "m/m"): 1e-6, ("degC", "C"): 1, ("°F", "degF"): 1,
+    ("K", "degC"): None, ("degF", "degC"): None, ("m", "s"): None,
+}  # fmt: skip
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "h": 1e2, "da": 10, "d": 0.1, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+
+
+@pytest.mark.parametrize(("given", "wanted"), NAMED)
+def test_units_are_those_of_the_tables_of_scipy(given, wanted):
+    size = NAMED[given, wanted]
+    assert factor_between(given, wanted) == (size and pytest.approx(size, rel=1e-12))
+
+
+def test_a_prefix_is_its_power_of_ten_before_every_unit():
+    bases = ("m", "N", "Hz", "Pa", "s", "V", "A", "Ohm", "W", "rad")
+    found = {(p, base): factor_between(p + base, base) for p in PREFIXES for base in bases if p + base != "min"}
+    known = {key: size for key, size in found.items() if size is not None}
+    assert known == pytest.approx({key: PREFIXES[key[0]] for key in known}, rel=1e-12)
+    assert len(known) == 29
 
 
 class Softer(Field):
