@@ -1,6 +1,7 @@
 """Mutants drawn at random: of Python by the operators of mutmut and `confused_name`, of Rust by cargo-mutants.
 
-Texts stay as they are: a message has no definition but itself. Annotations and decorators are no behaviour.
+Texts and what is raised stay as they are: a message has no definition but itself. Annotations, decorators and imports
+are no behaviour.
 """
 
 import json
@@ -56,7 +57,7 @@ class _Visitor(cst.CSTVisitor):
         self.found = defaultdict[int, list[tuple[str, cst.CSTNode, Any]]](list)
 
     def on_visit(self, node: cst.CSTNode) -> bool:
-        if isinstance(node, (cst.Annotation, cst.Decorator, cst.ImportFrom, cst.Import)):
+        if isinstance(node, (cst.Annotation, cst.Decorator, cst.ImportFrom, cst.Import, cst.Raise)):
             return False
         for kind, operator in OPERATORS:
             for other in operator(node) if isinstance(node, kind) else ():

@@ -7,6 +7,8 @@ import pytest
 
 from octmip.gap import Campaign
 from octmip.gap.diagnosis import library_of
+from octmip.gap.effects import chain_of
+from octmip.twin import MICROSTRAIN
 
 
 class Plate:
@@ -34,6 +36,27 @@ def library(load, temperature):
         temperature=np.array(temperature),
     )
     return library_of(Plate(), campaign)
+
+
+TYPICAL, HOURS, READINGS = 200.0, 0.5, np.array([-100.0, -200.0, -300.0, -400.0])
+LAWS = {
+    "constant": np.ones(4),
+    "proportional": 0.01 * READINGS,
+    "square": 0.01 * READINGS**2 * [-1, -1, -1, -1] / TYPICAL,
+    "threshold": 0.01 * np.array([0.0, -100.0, -200.0, -300.0]),  # beyond half of what is typical
+}
+COURSES = {"steady": 1.0, "linear": HOURS, "power": HOURS ** (1 / 3), "settling": 1.0 - np.exp(-3.0 * HOURS)}
+
+
+def test_a_family_is_its_law_of_the_reading_times_its_course_in_hours():
+    found = chain_of(Plate(), {MICROSTRAIN: TYPICAL})
+    named = {(course, law): found.get(f"unit_{course}_{law}") for course in COURSES for law in LAWS}
+    named["steady", "proportional"] = found["common_gain"]
+    assert sum(effect is not None for effect in named.values()) == 10
+    for (course, law), effect in named.items():
+        if effect is not None:
+            at = effect.signature(Plate(), {}, -1.0, time=3600.0 * HOURS)
+            assert at == pytest.approx(COURSES[course] * LAWS[law]), (course, law)
 
 
 def test_a_gauge_that_goes_with_the_temperature_has_its_course_in_ten_kelvin():
