@@ -52,6 +52,7 @@ def test_another_prior_is_as_if_the_classes_had_come_in_those_shares():
     assert np.allclose(leaf.with_prior([0.9, 0.1]), smoothed_shares(resampled))
     assert np.allclose(leaf.with_prior(leaf.training_prior), leaf.probabilities)
     assert np.allclose(leaf.predict([[0.0]], prior=[1, 0]), [[1, 0]])
+    assert np.array_equal(LeafDistribution(TREE, np.array([[1.0, 0.0], [1.0, 0.0]])).with_prior([1, 0]), [[1, 0]] * 2)
 
 
 def test_bayes_rule_with_and_without_a_prior():
