@@ -21,7 +21,7 @@ from octmip.trees.near_sets import near_optimal
 from octmip.trees.part_check import n_changes
 from octmip.trees.parts import rules_of_columns
 from octmip.trees.solution import Stop
-from octmip.trees.tradeoff import choose_tree
+from octmip.trees.tradeoff import choose_tree, edits
 from octmip.trees.tradeoff.edits import tree_edits
 
 RNG = np.random.default_rng(5)
@@ -221,6 +221,29 @@ def test_the_page_tells_the_proven_cost_of_other_columns_at_each_split(solved):
     page = Path(new.replace("json", "html")).read_text()
     more = edits[""][0].objective - file.solution.objective
     assert f"{edits[''][0].objective:g} errors at the best, {f'{more:g} error' if more else 'no more'}" in page
+
+
+def test_other_columns_are_those_that_lose_least_in_one_split():
+    rng = np.random.default_rng(2)
+    features, weights = rng.integers(0, 5, (60, 9)).astype(float), rng.integers(1, 9, 60)
+    problem = Problem(features, rng.integers(0, 2, 60), depth=1, weights=weights)
+    best = solve(problem).tree
+    every = [solve(replace(problem, fixed_splits={"ROOT": f"x{j}"})).objective for j in range(9) if j != best.feature]
+    found = [price.objective for price in tree_edits(problem, best, 60.0)[""]]
+    assert found == sorted(every)[: edits.MOST_SENSORS]
+
+
+def test_each_search_of_another_column_has_an_equal_share_of_the_seconds(monkeypatch):
+    given = []
+
+    def solved(problem, method, limits, progress):
+        given.append(limits.seconds)
+        raise NoTreeError("none")
+
+    monkeypatch.setattr(edits, "solve", solved)
+    monkeypatch.setattr(edits.time, "perf_counter", lambda: sum(given))
+    tree_edits(asked(), OLD, 12.0)
+    assert given == pytest.approx([12.0 / 4] * 4)  # two columns at two splits
 
 
 def test_numbers_and_orders_have_no_page_of_other_columns():

@@ -9,7 +9,7 @@ from sklearn.metrics import brier_score_loss
 from octmip import Leaf, OptimalTreeClassifier, Problem, Split, solve
 from octmip.errors import ProblemError
 from octmip.trees.solution import Stop
-from octmip.trees.tradeoff import leaf_shares
+from octmip.trees.tradeoff import leaf_shares, leaves_on_fresh_rows
 from octmip.trees.uncertainty import (
     LeafDistribution,
     brier_score,
@@ -208,6 +208,33 @@ def test_shares_of_training_rows_are_too_high_and_those_corrected_out_of_fold_ar
             found.append(calibration_error(model.predict_proba(fresh), codes))
             assert (model.predict_proba(fresh).argmax(axis=1) == model.predict(fresh)).all()
     assert np.mean(errors["out-of-fold"]) < 0.02 < np.mean(errors[0.0])
+
+
+def test_leaves_of_few_rows_are_smoothed_alike_whether_rows_are_repeated_or_weigh_more_or_all_less():
+    X, y = noisy(40, 0)
+    tree = Split(0, 0.0, Leaf(0), Leaf(1))
+    tables = [
+        leaves_on_fresh_rows(Problem(np.repeat(X, k, 0), np.repeat(y, k), depth=1, weights=np.full(40 * k, w)), tree)
+        for k, w in ((2, 1.0), (1, 2.0), (1, 1.0), (1, 0.5))
+    ]
+    assert np.allclose(tables[0].probabilities, tables[1].probabilities)
+    assert np.allclose(tables[2].probabilities, tables[3].probabilities)
+    assert not np.allclose(tables[1].probabilities, tables[2].probabilities)
+
+
+def test_all_refits_of_leaves_together_have_the_seconds_and_judge_rows_they_have_not_seen(monkeypatch):
+    asked = []
+
+    def solved(part, method, limits, **named):
+        asked.append((limits.seconds, part.n_samples))
+        return solve(part, method, **named)
+
+    monkeypatch.setattr(leaf_shares, "solve", solved)
+    X = np.arange(200.0)[:, None]
+    problem = Problem(X, np.random.default_rng(0).integers(0, 2, 200), depth=5)
+    line = leaves_on_fresh_rows(problem, solve(problem, "cart").tree, seconds=50.0).line
+    assert asked == [(5.0, 180)] * 10
+    assert line[0] + 0.9 * line[1] < 0.7  # of labels by chance no leaf says much
 
 
 def test_leaves_say_how_their_probabilities_were_made():
