@@ -7,7 +7,7 @@ Each mutant is made alone in a copy of the tree (the files that git knows, and t
 the tests that are nearest to its module run until the first one fails, for `--limit` CPU seconds at most.
 
     killed    a test failed
-    time      the tests did not end, which take a third of that time without the mutant
+    time      a test did not end, which takes a third of that time at most without the mutant
     survived  the tests passed, as far as they came: they cannot tell the wrong program from the right one
     unviable  the compiler refused it
 """
@@ -40,7 +40,7 @@ STREAM = 97
 MOST_FILES = 8  # of tests
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
-Outcome = tuple[str, str, float]  # the word, the first test that failed, CPU seconds
+Outcome = tuple[str, str, float]  # the word, the first test that failed or did not end, CPU seconds
 
 
 def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0, draws: int = 20) -> Iterator[Line]:
@@ -75,7 +75,7 @@ class _Runs:
         with _replaced(self.tree / mutant.file, mutant.after.encode()):
             outcome, said, seconds = (self._rust if mutant.file.endswith(".rs") else self._pytest)(tests)
         if outcome == "time":  # of a loop without end, or only of tests as long as that
-            without, _, usual = self._pytest(tests)
+            without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
         return line | {"tests": " ".join(tests)}
@@ -94,10 +94,10 @@ class _Runs:
             return self._pytest(tests)
 
     def _pytest(self, tests: Sequence[str]) -> Outcome:
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *tests]
+        command = [sys.executable, "-u", "-m", "pytest", "-x", "-vv", "-p", "no:cacheprovider", *tests]
         code, said, seconds = self._run(command, self.tree, self.limit)
         if code < 0:
-            return "time", "", seconds
+            return "time", said.splitlines()[-1].strip(), seconds
         failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)
         return ("killed" if code else "survived"), failed.group(1) if failed else "", seconds
 

@@ -35,9 +35,9 @@ def tree(tmp_path, monkeypatch):
 
 def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
     rng = np.random.default_rng(0)
-    lines = [python_mutant(rng, tree, ["octmip/loops.py"]).line for _ in range(200)]
-    assert np.bincount(lines)[2:4].min() > 70
-    changes = {str(python_mutant(rng, tree, ["octmip/sums.py"])).partition(" ")[2] for _ in range(200)}
+    lines = [python_mutant(rng, tree, ["octmip/loops.py"]).line for _ in range(60)]
+    assert np.bincount(lines)[2:4].min() > 15
+    changes = {str(python_mutant(rng, tree, ["octmip/sums.py"])).partition(" ")[2] for _ in range(90)}
     assert {
         "return min(x + x, 100) -> return max(x + x, 100)",
         "return min(x + x, 100) -> return min(x + x, 101)",
@@ -59,7 +59,7 @@ def test_a_mutant_is_killed_lives_or_does_not_end(file, before, after, outcome, 
     runs = study._Runs(study.copied(tree, tree / "copy"), 4.0)
     found = runs.line(mutant)
     assert found["outcome"] == outcome
-    assert found["by"] == ("test_all.py::test_double" if outcome == "killed" else "")
+    assert found["by"].endswith({"killed": "test_double", "time": "test_down"}.get(outcome, ""))
     assert (tree / "copy" / file).read_text() == FILES[file]
 
 
