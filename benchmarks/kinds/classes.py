@@ -173,7 +173,8 @@ HYPERPLANE = {"exact": 1.0, "search": 0.6, "oct_h": 0.15}
 
 AXIS_KIND = Classes(5, _wide, AXIS)
 HYPERPLANE_KIND = Classes(3, _hyperplanes, HYPERPLANE)
-MISSING_KIND = Classes(7, _missing, {"exact": 1.0, "search": 0.5, "oct": 0.05, "flow": 0.05}, 0.5)
+MISSING = {"exact": 1.0, "search": 0.5, "cart": 0.3, "oct": 0.05, "flow": 0.05, "benders": 0.05}
+MISSING_KIND = Classes(7, _missing, MISSING, 0.5)
 SIZED_KIND = Classes(11, _sized, {"exact": 1.0, "search": 0.3, "cart": 0.3}, 0.3)
 LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 TWO_FEATURES = {"exact": 1.0, "search": 0.3, "flow": 0.05, "oct_h": 0.05}
