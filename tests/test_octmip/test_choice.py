@@ -15,6 +15,7 @@ from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
 from octmip.trees.tradeoff.path import trace_path
+from octmip.trees.tree import n_splits
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=2)
 RNG = np.random.default_rng(5)
@@ -66,6 +67,9 @@ def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_ha
                 told = predict(path.best_at(penalty).tree, problem.features[held])
                 total += (problem.weights[held] * problem.costs[problem.codes[held], told]).sum()
             assert step.validation_cost == pytest.approx(total / problem.weights.sum())
+        of_all = choice.paths[step.depth - 1].best_at(step.alpha * problem.baseline).tree
+        assert step.training_cost == pytest.approx(problem.objective(of_all) / problem.weights.sum())
+        assert step.complexity == n_splits(of_all)
 
 
 def test_every_alpha_of_every_depth_has_its_step():
