@@ -76,9 +76,11 @@ class _Runs:
         with _replaced(self.tree / mutant.file, mutant.after.encode()):
             for some in (tests[:FIRST_FILES], tests[FIRST_FILES:MOST_FILES]):
                 outcome, said, seconds = run(some)
+                if outcome == "time":  # by one test, or by all of them
+                    outcome, said, seconds = self._pytest([said])
                 if outcome != "survived" or len(tests) <= FIRST_FILES:
                     break
-        if outcome == "time":  # of a loop without end, or only of tests as long as that
+        if outcome == "time":
             without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
