@@ -3,8 +3,8 @@
 `python -m benchmarks.run mutants --seed N --draws M [--only octmip/gap] [--limit 60] [--csv FILE]`. Without a seed the
 clock gives one. `--only` is a folder or file of Python, or the native core.
 
-Each mutant is made alone in a copy of the tree (the files that git knows, and the native core as it is built). There
-the tests that are nearest to its module run until the first one fails, for `--limit` CPU seconds at most.
+Each mutant is made alone in a copy of the tree. There the tests that are nearest to its module run until the first one
+fails, for `--limit` CPU seconds at most.
 
     killed    a test failed
     time      a test did not end, which takes a third of that time at most without the mutant
@@ -36,6 +36,7 @@ from benchmarks.tables import Line, markdown
 ROOT = Path(__file__).parents[2]
 PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", "femlib/rom")
 CORE = "octmip/trees/_native*.so"
+NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
 FIRST_FILES, MOST_FILES = 2, 8  # of tests: most mutants are killed by the first
 SLOWER = 3.0
@@ -47,20 +48,10 @@ def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0,
     """Yield a line for each mutant."""
     rng = np.random.default_rng([STREAM, seed := seed or int(time.time())])
     with tempfile.TemporaryDirectory() as folder:
-        runs = _Runs(copied(ROOT, Path(folder) / "tree"), limit)
+        runs = _Runs(shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED), limit)
         for _ in range(draws):
             mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, (only,) if only else PYTHON)
             yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
-
-
-def copied(root: Path, target: Path) -> Path:
-    """Return a copy of the files of a tree that git knows, and of its native core."""
-    listed = subprocess.run(["git", "ls-files", "-z"], cwd=root, capture_output=True, text=True, check=True).stdout
-    names = [name for name in listed.split("\0") if name and (root / name).is_file()]
-    for name in [*names, *(str(file.relative_to(root)) for file in root.glob(CORE))]:
-        (target / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(root / name, target / name)
-    return target
 
 
 class _Runs:

@@ -1,7 +1,7 @@
 """The mutation run: mutants are drawn by tools, tried in a copy by the nearest tests, and told from the sound tree."""
 
 import os
-import subprocess
+import shutil
 
 import numpy as np
 import pytest
@@ -27,8 +27,6 @@ def tree(tmp_path, monkeypatch):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
         os.utime(tmp_path / name, (0, 0))  # older than any mutant of it
-    for words in (["init", "-q"], ["add", "."]):
-        subprocess.run(["git", *words], cwd=tmp_path, check=True)
     monkeypatch.setattr(study, "ROOT", tmp_path)
     return tmp_path
 
@@ -56,7 +54,7 @@ def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
 def test_a_mutant_is_killed_lives_or_does_not_end(file, before, after, outcome, tree):
     mutants = (python_mutant(np.random.default_rng(seed), tree, [file]) for seed in range(200))
     mutant = next(one for one in mutants if one.after == FILES[file].replace(before, after))
-    runs = study._Runs(study.copied(tree, tree / "copy"), 4.0)
+    runs = study._Runs(shutil.copytree(tree, tree / "copy"), 4.0)
     found = runs.line(mutant)
     assert found["outcome"] == outcome
     assert found["by"].endswith({"killed": "test_double", "time": "test_down"}.get(outcome, ""))
