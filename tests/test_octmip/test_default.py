@@ -260,6 +260,8 @@ def test_a_sample_is_as_many_rows_as_its_weight_holds_units_of_its_class():
     irregular = counted(replace(rows, weights=[5, 1, 1, 1, 5 * math.pi, 1]))
     assert irregular.weights.tolist() == [5, 1, 1, 1, 5 * math.pi, 1]
     assert counted(Problem(features, targets, depth=1, leaf_size=2)).n_samples == 5
+    weightless = counted(Problem([*features, [1e300]], [*targets, "b"], depth=1, weights=[5, 2, 1, 5, 1, 0]))
+    assert weightless.weights.tolist() == [5, 1, 1, 1, 5, 1, 0]
 
 
 def test_a_table_of_few_patterns_that_repeat_is_learned_by_heart():
@@ -331,9 +333,13 @@ def pruned_models(prices, X, y):
 
 
 def test_standard_errors_are_those_of_the_rows():
-    losses = np.array([[0.0], [1.0], [1.0], [0.0], [1.0]])
-    judged = Judged([losses], [np.ones(5)], np.zeros((1, 1), dtype=np.int64), np.arange(1))
-    assert judged.sums().standard_errors()[0] == pytest.approx(math.sqrt(0.6 * 0.4 / 5))
+    rng = np.random.default_rng(0)
+    weights = rng.random(9)
+    for w, losses in ((np.ones(5), np.array([0.0, 1.0, 1.0, 0.0, 1.0])), (weights, weights * rng.random(9))):
+        judged = Judged([losses[:, None]], [w], np.zeros((1, 1), dtype=np.int64), np.arange(1))
+        mean = losses.sum() / w.sum()
+        error = math.sqrt(((losses - mean * w) ** 2).sum()) / w.sum()
+        assert judged.sums().standard_errors()[0] == pytest.approx(error)
 
 
 def test_the_loss_of_a_bad_tree_says_nothing_about_two_good_ones():
