@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import libcst as cst
 import numpy as np
+from libcst import matchers
 from libcst.metadata import MetadataWrapper, PositionProvider
 from mutmut.mutation.mutators import mutation_operators, operator_string
 
@@ -47,6 +48,9 @@ def confused_name(call: cst.Call) -> Iterable[cst.Call]:
         yield call.with_deep_changes(name, value=CONFUSED[name.value])
 
 
+TYPE_ALIAS = matchers.Assign(
+    [matchers.AssignTarget(matchers.Name(matchers.MatchRegex("[A-Z][A-Za-z]*[a-z]")))], matchers.Subscript()
+)
 OPERATORS = [*(pair for pair in mutation_operators if pair[1] is not operator_string), (cst.Call, confused_name)]
 
 
@@ -58,6 +62,8 @@ class _Visitor(cst.CSTVisitor):
 
     def on_visit(self, node: cst.CSTNode) -> bool:
         if isinstance(node, (cst.Annotation, cst.Decorator, cst.ImportFrom, cst.Import, cst.Raise)):
+            return False
+        if matchers.matches(node, TYPE_ALIAS):
             return False
         for kind, operator in OPERATORS:
             for other in operator(node) if isinstance(node, kind) else ():

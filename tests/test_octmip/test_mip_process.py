@@ -68,6 +68,11 @@ def test_a_heap_larger_than_the_memory_is_given_up(solver):
 
 
 @needs_proc
+def test_the_memory_that_a_worker_holds_when_it_starts_is_not_counted():
+    assert solve_oct(blobs(30, depth=1), limits=Limits(memory=2e7)).is_optimal
+
+
+@needs_proc
 def test_a_worker_that_does_not_obey_is_killed_and_waited_for(monkeypatch):
     with process.lent_worker() as lent:
         pid = lent.process.pid
