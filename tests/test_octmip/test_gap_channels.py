@@ -72,6 +72,12 @@ def test_a_stuck_channel_leaves_the_rest_sound(name):
     assert diagnosis.notes[0].startswith("Stuck: ")
 
 
+@pytest.mark.parametrize(("n", "found"), [(7, 0), (8, 1)])
+def test_a_few_equal_readings_within_a_load_are_a_slow_channel(n, found):
+    campaign = changed(put(slice(60, 60 + n), 640.5))
+    assert len(stuck_in(campaign, beside(campaign))) == found
+
+
 @pytest.mark.parametrize("step", [5.0, 20.0, 40.0, 80.0])
 def test_coarse_steps_are_not_stuck(step):
     for seed in range(3):
