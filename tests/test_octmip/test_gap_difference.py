@@ -115,13 +115,18 @@ def test_tests_of_a_run_that_differ_show_by_how_much_the_campaign_may():
 
 
 @pytest.mark.parametrize("n", [2, 3, 9])
-def test_the_wander_of_few_tests_is_their_variance_and_that_of_their_mean(n):
-    difference, ones = prepared(measured(5)).difference, np.ones(n)
-    rows = Rows(*(np.zeros(n, int),) * 2, np.arange(n), np.zeros(n, int), ones, 0.0 * ones, ones)
-    offsets = np.random.default_rng(n).normal(size=n)
-    found = wander_of(difference, rows, offsets * difference.frame.scale[0], np.zeros((n, n)))
-    assert found[0, 0, 0] == pytest.approx(offsets.var(ddof=1) * (1 + 1 / (n - 1)))
-    assert np.count_nonzero(found) == 1
+def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_widened(n):
+    difference = prepared(measured(5)).difference
+    gauge, none = np.repeat([0, 1], n), np.zeros(2 * n, int)
+    rows = Rows(gauge, none, np.tile(np.arange(n), 2), none, np.ones(2 * n), np.zeros(2 * n), np.ones(2 * n))
+    offsets, scale = np.random.default_rng(n).normal(size=(2, n)), difference.frame.scale[gauge]
+    found = wander_of(difference, rows, offsets.ravel() * scale, np.diag(0.02 * scale**2))[0]
+    raw = np.cov(offsets)
+    sd = np.sqrt(np.diag(raw) - 0.02)
+    widened = 1.0 + 1.0 / (n - 1)
+    assert found[[0, 1], [0, 1]] == pytest.approx(sd**2 * widened)
+    assert found[0, 1] == pytest.approx((n - 1) / n * np.corrcoef(offsets)[0, 1] * sd[0] * sd[1] * widened)
+    assert np.count_nonzero(found) == 4
 
 
 def test_tests_of_a_run_that_are_alike_wander_by_nothing_that_counts():
