@@ -7,7 +7,7 @@ are no behaviour.
 import json
 import subprocess
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -51,7 +51,10 @@ def confused_name(call: cst.Call) -> Iterable[cst.Call]:
 TYPE_ALIAS = matchers.Assign(
     [matchers.AssignTarget(matchers.Name(matchers.MatchRegex("[A-Z][A-Za-z]*[a-z]")))], matchers.Subscript()
 )
-OPERATORS = [*(pair for pair in mutation_operators if pair[1] is not operator_string), (cst.Call, confused_name)]
+OPERATORS: list[tuple[type, Callable[[Any], Iterable[cst.CSTNode]]]] = [
+    *(pair for pair in mutation_operators if pair[1] is not operator_string),
+    (cst.Call, confused_name),
+]
 
 
 class _Visitor(cst.CSTVisitor):

@@ -56,8 +56,11 @@ def _costs(
             # Without a threshold the question is whether there is a reading.
             is_left = values <= threshold if threshold is not None else np.full(len(rows), side_of_missing == "right")
             is_left = np.where(np.isnan(values), side_of_missing == "left", is_left)
-            is_old = isinstance(old, Split) and (old.feature, old.threshold) == (feature, threshold)
-            is_old = is_old and (None in (old.missing, side_of_missing) or old.missing == side_of_missing)
+            is_old = (
+                isinstance(old, Split)
+                and (old.feature, old.threshold) == (feature, threshold)
+                and (None in (old.missing, side_of_missing) or old.missing == side_of_missing)
+            )
             was = [None, None] if old is None or isinstance(old, Leaf) else [old.left, old.right]
             sides = [
                 _costs(problem, asked, rules, rows[part], path + "LR"[side], (*above, feature), was[side])
