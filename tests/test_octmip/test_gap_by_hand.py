@@ -1,5 +1,6 @@
 """The small formulas of evidence, noise and outliers, each against its definition or a value worked by hand."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -8,13 +9,14 @@ from scipy.stats import norm, truncnorm
 
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Cell, Fault
-from octmip.gap.campaign.display import left_by, levels_of, step_of
+from octmip.gap.campaign.display import left_by, levels_of, step_of, steps_of
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
 from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter
 from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
 from octmip.gap.inference.evidence import _between, alike, fits_of, log_between
+from tests.test_octmip.beam_twin import measured
 
 
 def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,)):
@@ -113,6 +115,15 @@ def test_the_offset_of_a_jump_acts_from_its_first_row_on():
 )
 def test_a_step_is_what_all_readings_are_whole_multiples_of(readings, step):
     assert step_of(levels_of(np.array(readings))) == pytest.approx(step, rel=1e-3)
+
+
+@pytest.mark.parametrize(("others", "own"), [(1.0, 600.0), (100.0, 100.0)])
+def test_a_gauge_that_never_scatters_has_the_step_of_the_others_unless_that_would_show(others, own):
+    campaign = measured(0)  # noise of 31.6
+    readings = np.round(campaign.readings / others) * others
+    readings[:, 6] = np.repeat([0.0, 600.0, 1200.0, 2400.0], 50)
+    steps = steps_of(dataclasses.replace(campaign, readings=readings))
+    assert steps == pytest.approx(np.where(np.arange(20) == 6, own, others))
 
 
 def test_variances_are_drawn_to_their_middle_and_equal_ones_become_one():
