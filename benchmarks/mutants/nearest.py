@@ -1,25 +1,26 @@
-"""The tests that are nearest to a module: by name, then by the imports between them, then by what they say of it."""
+"""The tests that are nearest to a module: those of its name, those that import it, then by the words in common."""
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
 TOO_LONG = ("test_blind", "test_tutorial", "test_site", "test_uav_study", "test_installed", "test_distribution")
 IMPORT = re.compile(r"^ *from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
-PUBLIC = re.compile(r"^(?: {4})?(?:def |class )?([A-Z]\w+|(?<=def )[a-z]\w+)", re.MULTILINE)
 
 
 class NearestTests:
     """Files of tests by their distance to a source."""
 
     def __init__(self, root: Path) -> None:
+        self.root = root
         files = [file for package in PACKAGES for file in sorted((root / package).rglob("*.py"))]
         self.texts = {str(file.relative_to(root)): file.read_text(encoding="utf-8") for file in files}
         self.imports = {
             file: [(module.replace(".", "/"), name) for module, names in IMPORT.findall(text) for name in _words(names)]
             for file, text in self.texts.items()
         }
+        self.n_texts = Counter(word for text in self.texts.values() for word in _words(text))
         self.importers = defaultdict(set)
         for file, imports in self.imports.items():
             tables = {f"{Path(file).parent}/{name}.py" for name in re.findall(r'"(\w+)"', self.texts[file])}
@@ -34,14 +35,18 @@ class NearestTests:
             found |= dict.fromkeys(ring, max(found.values()) + 1)
         is_rust = file.endswith(".rs")
         stem = Path(file.partition("/src/")[2]).parts[0].removesuffix(".rs") if is_rust else Path(file).stem
-        names = set(PUBLIC.findall(self.texts.get(file, "")))
-        tests = {test: Path(test).stem for test in (self.texts if is_rust else found)}
-        said = {
-            test: (stem not in name, found.get(test, 0), -len(names & _words(self.texts[test])))
-            for test, name in tests.items()
-            if name.startswith("test_") and name not in TOO_LONG and (stem in name or not is_rust)
+        own = _words((self.root / file).read_text(encoding="utf-8"))
+        far = {
+            test: (stem not in name, found.get(test, 0) > 1, -self._alike(own, test))
+            for test in (self.texts if is_rust else found)
+            if (name := Path(test).stem).startswith("test_") and name not in TOO_LONG and (stem in name or not is_rust)
         }
-        return sorted(said, key=said.__getitem__)
+        return sorted(far, key=far.__getitem__)
+
+    def _alike(self, own: set[str], test: str) -> float:
+        """Return how many words a test shares with others, the rarer the more, for its length."""
+        words = _words(self.texts[test])
+        return sum(1.0 / self.n_texts[word] for word in own & words) / len(words) ** 0.5
 
     def _home(self, place: str, name: str) -> str:
         """Return the file that has a name of a module: where a package passes it on, that of the other module."""
