@@ -87,9 +87,12 @@ class CampaignColumns:
         if column.dtype.kind in "iuf":
             values = column.to_numpy(dtype=np.float64, na_value=np.nan)
         else:
-            values = self._grouped(name, words)
-            if values is None:
-                values = np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
+            grouped = self._grouped(name, words)
+            values = (
+                grouped
+                if grouped is not None
+                else np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
+            )
         infinite = np.flatnonzero(np.isinf(values))
         if infinite.size:
             raise DataError(
@@ -192,8 +195,8 @@ class CampaignColumns:
         return values, notes
 
     def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
-        form, rising = self._rising(texts, present)
-        form = form or time_form_of(present)
+        told, why = self._rising(texts, present)
+        form = told or time_form_of(present)
         if form == DAYS and (day := self._day()) is not None:
             joined = [f"{d} {t}" if d and t else "" for d, t in zip(day, texts, strict=True)]
             return self._written(joined, [text for text in dict.fromkeys(joined) if text])
@@ -213,7 +216,7 @@ class CampaignColumns:
             return seconds, (
                 f"Column time is read as {words_of(form).replace('in days (6:00 is 0.25)', 'in seconds')}.",
             )
-        return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0] + rising)
+        return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0] + why)
 
     def _rising(self, texts: Sequence[str], present: Sequence[str]) -> tuple[str, str]:
         """Return the form of dates that may be read in two ways, and why it is taken; "" where nothing tells it.
@@ -222,10 +225,12 @@ class CampaignColumns:
         day both are the same to the second.
         """
         found: dict[str, Floats] = {}
+        known = set(present)
         for form in time_forms_of(present):
-            days, rest = instants_of(present, form) or ()
-            at = dict(zip(present, (days * SECONDS + rest / 1e9).tolist(), strict=True))
-            seconds = np.array([at[text] for text in texts if text in at])
+            parts = instants_of([text for text in texts if text in known], form)
+            assert parts is not None
+            days, rest = parts
+            seconds = days * SECONDS + rest / 1e9
             found[form] = seconds - seconds.min()
         rises = [form for form, seconds in found.items() if (np.diff(seconds) >= 0.0).all()]
         if len(found) < 2:
