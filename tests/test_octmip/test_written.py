@@ -57,6 +57,7 @@ def test_what_people_write_is_read_as_numbers_with_a_note(cells, numbers, note):
         (["1,234", "5,678"], "may be 1234 or 1.234.*without marks"),
         (["$5", "€6"], r"different signs \(\$ and €\)"),
         (["5", "6%"], "different signs"),
+        (["9" * 400, "1,000.5"], "too large for float64; correct it"),
     ],
 )
 def test_what_can_be_read_in_two_ways_is_refused_with_its_cure(cells, sentence):

@@ -20,17 +20,24 @@ def in_one_order(name: str, text: str, top: Top, separator: str) -> tuple[str, t
     DataError
         a later part names other units.
     """
-    wanted = sorted(top.header)
     longest = max(top.header, key=len, default="")
     if len(set(top.header)) < 2 or not longest or separator == " " or text.count(longest) < 2:
         return text, ()
     lines = text.split("\n")
-    parts = [
-        k for k in range(top.first - 1, len(lines)) if longest in lines[k] and _cells(lines[k], separator) == wanted
-    ]
-    parts = [k for k in parts if lines[k].strip() != top.again[0]]
-    if not parts:
+    try:
+        parts = _in_one_order(name, lines, top, separator, longest)
+    except csv.Error:  # whoever reads the rows says what is wrong
         return text, ()
+    where = ", ".join(str(k + 1) for k in parts)
+    told = (f"columns stand in another order below line {where}, and are matched by their names",)
+    return "\n".join(lines), told * bool(parts)
+
+
+def _in_one_order(name: str, lines: list[str], top: Top, separator: str, longest: str) -> list[int]:
+    """Bring the lines into one order, in place, and return where the headers of other orders stand."""
+    wanted, first = sorted(top.header), top.again[0]
+    likely = [k for k in range(top.first - 1, len(lines)) if longest in lines[k] and lines[k].strip() != first]
+    parts = [k for k in likely if _cells(lines[k], separator) == wanted]
     for begin, stop in _spans(parts, lines, top, longest):
         names = next(split_rows([(0, lines[begin])], separator)).cells
         order = [names.index(own) for own in top.header]
@@ -38,11 +45,10 @@ def in_one_order(name: str, text: str, top: Top, separator: str) -> tuple[str, t
         if rows and is_units(rows[0].cells) and len(rows[0].cells) == len(order):
             _refuse_units(name, tuple(unit_in(rows[0].cells[k]) for k in order), rows[0], top)
             lines[rows[0].number], rows = "", rows[1:]
-        lines[begin] = top.again[0]
+        lines[begin] = first
         for row in rows:
             lines[row.number : row.last + 1] = _written(row, order, separator).split("\n")
-    where = ", ".join(str(k + 1) for k in parts)
-    return "\n".join(lines), (f"columns stand in another order below line {where}, and are matched by their names",)
+    return parts
 
 
 def _cells(line: str, separator: str) -> list[str]:
@@ -51,6 +57,8 @@ def _cells(line: str, separator: str) -> list[str]:
 
 def _spans(parts: Sequence[int], lines: Sequence[str], top: Top, longest: str) -> Iterator[tuple[int, int]]:
     """Yield where each part begins and ends: at the next header of any order."""
+    if not parts:
+        return
     same = [k for k in range(parts[0], len(lines)) if longest in lines[k] and lines[k].strip() == top.again[0]]
     ends = sorted({*parts, *same, len(lines)})
     for begin in parts:
