@@ -248,6 +248,10 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("a logger, kept", "blanks behind commas"): kept(text().replace(",", ", ")),
     ("a logger, kept", "CRLF and empty lines"): kept(text().replace("\n", "\r\n\r\n")),
     ("Fortran, kept", "exponents with D"): kept(FORTRAN),
+    ("a logger, kept", "UTF-16 without a byte-order mark"): kept(text(), "utf-16-le"),
+    ("cmd's copy, kept", "two files joined, each with a byte-order mark"): kept(
+        "\ufeff" + text().replace("t1,", "\ufefft1,", 1)
+    ),
     ("a logger, kept", "a row Unit with brackets"): kept(lines(units="Unit,(N),(microstrain),(um/m),")),
     ("a logger, kept", "serial numbers above the units"): kept(
         lines(units="S/N,1044,2231,2232,\nUnit,N,microstrain,um/m,")
@@ -298,6 +302,8 @@ REFUSED = {
     "a row that was cut": (text()[:-8], ("line 25: 4 cells but the header has 5",)),
     "a comment that may be a row": (text().replace("t1,", "#t1,", 1), ("line 10 begins with '#t'", "delete the line")),
     "two separators": (text().replace("\n", "\n", 1) + text(";").split("\n", 1)[1], ("between semicolons",)),
+    "a character of zero": (text().replace("t1", "t1\0", 1), ("line 10 holds a NUL", "write the file again")),
+    "an archive under the name of a text": ("PK\x03\x04" + "\x01" * 40, ("is an archive", "export the table as CSV")),
     "no header": (text().split("\n", 1)[1], ("column 'test' is missing",)),
     "a statistic below the rows": (text() + "Average,1,800,500,\n", ("'Average'", "delete the row")),
     "a name nearly the twin's": (_scaled("test,force,G1,g2,state", 1.0), ("'G1'", "write 'g1'")),

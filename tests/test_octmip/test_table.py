@@ -128,7 +128,7 @@ def test_a_workbook_is_refused_with_the_way_out(tmp_path):
     path = tmp_path / "data.xlsx"
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("xl/workbook.xml", "<workbook/>")
-    with pytest.raises(DataError, match=r"data\.xlsx is an archive.*export the sheet as CSV"):
+    with pytest.raises(DataError, match=r"data\.xlsx is an archive.*export the table as CSV"):
         read_table(path)
 
 
