@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from octmip import OptimalTreeClassifier, Problem
+from octmip import Leaf, OptimalTreeClassifier, Problem, Split, predict
 from tests.doors.row import Refused, Row
 
 N = 9
@@ -37,6 +37,15 @@ def taken(features: Any) -> tuple[Any, ...]:
     model = OptimalTreeClassifier(max_depth=1).fit(features, LABELS)
     assert (model.predict(features) == LABELS).all()
     return KEPT
+
+
+def asked(features: Any) -> list[int]:
+    """Return the answers of a tree that asks whether the last column is above 4, and right where it is missing."""
+    names = getattr(getattr(features, "dtype", None), "names", None) or (
+        features if isinstance(features, dict) else "v"
+    )
+    last = len(names) - 1
+    return predict(Split(last, 4.0, Leaf(0), Leaf(2), missing="right"), features).tolist()
 
 
 def labelled(labels: Any) -> tuple[Any, ...]:
@@ -81,6 +90,11 @@ FEATURES: dict[tuple[str, str], tuple[Callable[[Path], Any], Any]] = {
 }
 ROWS = [
     *(Row("Problem's features", *key, make, seen, right) for key, (make, right) in FEATURES.items()),
+    *(
+        Row("predict", *key, make, asked, [2 if k is None or k > 4 else 0 for k in KEPT] if right is KEPT else right)
+        for key, (make, right) in FEATURES.items()
+        if key[1] != "fractions" and (right is KEPT or key[1] in ("complex", "a query", "nanoseconds"))
+    ),
     Row("estimator's fields", "numpy", "fields under a mask", lambda folder: MASKED_FIELDS, taken, KEPT),
     Row(
         "Problem's labels",
