@@ -25,6 +25,8 @@ from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]
 
+LEAST_DEGREES = 0.5
+"""Degrees of freedom beyond two, at least: the mean of a variance from two or fewer has no end."""
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
 MILD = 1e-5
@@ -199,15 +201,20 @@ def _moderated(variance: Floats, degrees: Floats) -> Floats:
     microarray experiments", Statist. Appl. Genet. Mol. Biol. 3, section 6.2, with the sample's mean trigamma.
     """
     if len(variance) < 3:
-        return variance
+        return _expected(variance, degrees)
     half = degrees / 2.0
     e = np.log(variance) - digamma(half) + np.log(half)
     excess = float(np.var(e, ddof=1) - np.mean(polygamma(1, half)))
     if excess <= MILD:
-        return np.full_like(variance, np.exp(float(np.average(e, weights=degrees))))
+        return _expected(np.full_like(variance, np.exp(float(np.average(e, weights=degrees)))), degrees.sum())
     prior = 2.0 * float(brentq(lambda h: float(polygamma(1, h)) - excess, 1e-3, 1e6))
     common = np.exp(float(e.mean()) + float(digamma(prior / 2.0)) - np.log(prior / 2.0))
-    return np.asarray((prior * common + degrees * variance) / (prior + degrees))
+    return _expected((prior * common + degrees * variance) / (prior + degrees), prior + degrees)
+
+
+def _expected(variance: Floats, degrees: Floats | float) -> Floats:
+    """Return the mean of the inverse gamma posterior of variances (n,) estimated with so many degrees of freedom."""
+    return np.asarray(variance * degrees / np.maximum(degrees - 2.0, LEAST_DEGREES))
 
 
 def _scales(scatter: _Scatter, inflation: float) -> dict[Load, float]:
