@@ -95,6 +95,11 @@ def test_a_word_for_missing_among_numbers_is_no_class(tmp_path, word):
         read_table(csv_file(tmp_path, f"y\n1\n2\n{word}\n")).labels("y")
 
 
+def test_a_row_of_codes_below_others_is_no_row_of_units(tmp_path):
+    rows = "".join(f"C,{k},{k}\n" for k in range(9))
+    assert len(read_table(csv_file(tmp_path, f"k,x,y\nB,1,2\nA,N,N\n{rows}")).frame) == 11
+
+
 def test_labels_of_mixed_kind_are_text(tmp_path):
     assert read_table(csv_file(tmp_path, "y\n1\nb\n")).labels("y").tolist() == ["1", "b"]
 

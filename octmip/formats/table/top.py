@@ -174,7 +174,9 @@ def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequenc
     for k in range(min(begin + MOST_ABOVE, len(rows) - 1), begin - 1, -1):
         cells = rows[k].cells
         named = [cells[j] for j in numeric if j < len(cells) and cells[j]]
-        if named and not any(map(is_value, named)) and is_units(cells):
+        rest = "".join(unit_in(cell) for j, cell in enumerate(cells) if j not in numeric)
+        are_codes = bool(rest) or max(map(len, named), default=0) < 2  # A, N may be a class and an answer
+        if named and not any(map(is_value, named)) and is_units(cells) and (k == begin or not are_codes):
             return max(first, k + 1)
     return first
 
