@@ -50,7 +50,7 @@ def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any]
         named = present and present <= set(levels)
         return tuple(level for level in levels if level in present) if named else _own_order(present)
     order = tuple(given)
-    lacking = sorted((name for name in present if name not in order), key=str)
+    lacking = sorted(present.difference(order), key=str)
     if order and (lacking or len(set(order)) != len(order)):
         what = f"lacks {', '.join(map(repr, lacking))}" if lacking else "names a class twice"
         raise ProblemError(

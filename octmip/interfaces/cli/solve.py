@@ -3,7 +3,6 @@
 import argparse
 import math
 from dataclasses import replace
-from functools import partial
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
@@ -137,10 +136,13 @@ def _show(arguments: argparse.Namespace, asked: TableProblem, solution: Solution
         certificate = certify(problem, solution)
         held_out = asked.claim(None if found is None else found.held_out)
         columns = asked.target_column, asked.weights_column, asked.preparation
-        file = record_tree(problem, solution, *columns, held_out)
         new_rows = expected_words(problem, solution) if found is None else held_out_words(problem, found)
         last = new_rows + verdict(problem, solution, certificate)
-        with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
+
+        def write(path: str) -> None:  # a file names all the data by their sum, some time for many rows
+            write_tree_file(path, record_tree(problem, solution, *columns, held_out))
+
+        with then_written(arguments.out, write, last, is_quiet=arguments.json):
             if arguments.json:
                 more = {"threads": arguments.threads, "out": arguments.out, "notes": list(asked.notes)}
                 compared = {} if found is None else comparison_json(found)

@@ -180,6 +180,8 @@ def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = 
     if problem.split != "axis" or not problem.is_provable:
         return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
+    if seconds == 0:
+        return found
     limits = replace(run.limits, seconds=seconds)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
     if proof.is_optimal and not keeps_tree:
