@@ -65,7 +65,8 @@ def solve(
     most a fifth of the time limit. Else one follows where four fifths of the time or the memory did not suffice.
     HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
     proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
-    (`Stop.INTERRUPTED`).
+    (`Stop.INTERRUPTED`). Where the time does not suffice to set up a proof of a large table, the tree is one of search,
+    of drawn rows perhaps (`details["n_rows"]`), without a bound.
 
     Parameters
     ----------

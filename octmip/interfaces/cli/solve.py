@@ -74,7 +74,8 @@ def run(arguments: argparse.Namespace) -> int:
         refuse_alone(arguments)
     if arguments.depth is None and not arguments.leaf_penalty:
         return _choose(arguments, limits)
-    asked = read_problem(arguments)
+    with StageLine("reading the table"):  # no part of --seconds
+        asked = read_problem(arguments)
     if arguments.proof:
         check_provable(asked.problem)
     if arguments.write_problem:
@@ -113,7 +114,8 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
             f"{option} is given without --depth, where cross-validation chooses kind, depth and penalty of the tree; "
             f"expected --depth D or --leaf-penalty P beside it; add one, or leave {option} out"
         )
-    asked = read_problem(arguments)
+    with StageLine("reading the table"):  # no part of --seconds
+        asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
     with method_options(arguments, asked.problem) as options, StageLine("cross-validating") as line:
         run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
