@@ -49,7 +49,8 @@ class Said:
         number = {name: None if match is None else float(match[1].replace(",", "")) for name, match in found.items()}
 
         def whole(name: str) -> int | None:
-            return None if number[name] is None else int(number[name])
+            value = number[name]
+            return None if value is None else int(value)
 
         return cls(
             depth=whole("depth"),

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from octmip.errors import DataError, ProblemError, SolverError
+from octmip.errors import DataError, ProblemError, SolverError, is_out_of_memory
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
@@ -162,7 +162,9 @@ def _row(arguments: argparse.Namespace, asked: TableProblem, method: Any, limits
         times.end(solution)
         reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}
         return row | reached | {"method": method, "held_out": held, "tree_by": by}
-    except (ProblemError, SolverError) as error:
+    except Exception as error:
+        if not isinstance(error, ProblemError | SolverError) and not is_out_of_memory(error):
+            raise
         return {"method": method, "error": " ".join(str(error).split())}
 
 
