@@ -15,6 +15,7 @@ from octmip.trees.order import disorder
 from octmip.trees.part_check import broken_rule, missing_part, n_changes
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import words_of
+from octmip.trees.scope import scope_of
 from octmip.trees.solution import Solution, Stop, is_tolerable
 from octmip.trees.tree import (
     HyperplaneSplit,
@@ -52,6 +53,8 @@ class Certificate:
     bound, gap
         the solution's bound, consistent with the objective; whether it is a true bound is its solver's
         claim, or its proof log's (`octmip certify --proof`).
+    scope
+        the trees that the bound is about, in words: those of the problem with all its limits, or fewer.
     """
 
     objective: float
@@ -63,6 +66,7 @@ class Certificate:
     sensor_cost: float
     bound: float
     gap: float
+    scope: str
 
     @property
     def errors(self) -> int:
@@ -107,6 +111,7 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         sensor_cost=problem.sensor_cost_of(tree),
         bound=solution.bound,
         gap=solution.gap,
+        scope=scope_of(problem, solution),
     )
 
 

@@ -27,6 +27,7 @@ from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import certify, checked_incumbent, checked_leaf_index
 from octmip.trees.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.methods import interruption
+from octmip.trees.methods.memory import within_process
 from octmip.trees.methods.options import (
     NO_OPTIONS,
     BendersOptions,
@@ -115,7 +116,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     if run.options.solves is not None:
         return checked_solution(problem, kept_solve(problem, run, run.options.solves, incumbent, solve_run))
     name = chosen_method(problem, run.method)
-    run = replace(run, options=options_for(problem, name, run.options))
+    run = replace(run, options=options_for(problem, name, run.options), limits=within_process(run.limits))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent)
     _write_model(problem, name, run, first)

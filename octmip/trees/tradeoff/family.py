@@ -16,6 +16,7 @@ from octmip.trees.methods.cart import greedy_solution
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Method, Run
+from octmip.trees.scope import within
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve_run
@@ -171,7 +172,7 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     if grid is None:
         return found
     assert found.tree is not None
-    scope = {} if math.isinf(found.bound) else {"scope": grid.scope}
+    scope = {} if math.isinf(found.bound) else {"scope": within(problem, grid.scope)}
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
