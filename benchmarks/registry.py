@@ -16,6 +16,7 @@ FAMILIES = {
     "exact_large": "benchmarks.cases.exact.large",
     "exact_boundaries": "benchmarks.cases.exact.boundaries",
     "exact_ablation": "benchmarks.cases.exact.ablation",
+    "scopes": "benchmarks.cases.exact.scopes",
     "sparse": "benchmarks.cases.exact.sparse",
     "exact_proofs": "benchmarks.cases.exact.proofs",
     "exact_cluster": "benchmarks.cases.exact.cluster",

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 LEVELS: Mapping[str, Mapping[str, int]] = {
     "octmip": {
-        "errors": 0,
+        "errors": -1,
         "trees._native": 0,
         "trees.digits": 0,
         "trees.methods.interruption": 0,
@@ -19,7 +19,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.margin": 1,
         "trees.methods.options": 2,
         "input.names": 1,
-        "input.named_arrays": 1,
+        "input.named_arrays": 0,
         "trees.tree": 1,
         "trees.reached": 2,
         "twin": 1,
@@ -36,6 +36,8 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "formats.columns": 3,
         "formats.table": 4,
         "trees.cluster": 1,
+        "trees.methods.memory": 4,
+        "trees.scope": 4,
         "trees.encoding": 4,
         "trees.problem_file": 4,
         "trees.tree_nodes": 4,
@@ -71,6 +73,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.pruning": 6,
         "trees.registry": 4,
         "trees.solver_call": 8,
+        "trees.drawn_rows": 9,
         "trees.regression.ordered": 9,
         "trees.solver": 10,
         "trees.tradeoff": 11,
