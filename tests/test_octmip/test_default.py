@@ -207,7 +207,7 @@ def test_all_folds_together_have_the_seconds_of_the_whole(monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(choice_module, "trace_families", traced)
-    monkeypatch.setattr(default_module, "sampled", lambda problem, seconds, seed: given.append(seconds))
+    monkeypatch.setattr(default_module, "sampled", lambda problem, seconds, turns, seed: given.append(seconds / turns))
     for n_jobs, turns in ((1, 6), (2, 3)):  # five folds and all rows
         solve_default(IRIS, Run("auto", Limits(seconds=6e4), 0, n_jobs=n_jobs))
         assert given[0] == choice_module.SHARE_OF_PATHS * 6e4 / turns
