@@ -1,5 +1,6 @@
 """The tests that are nearest to a module: those of its name, those that import it, then by the words in common."""
 
+import math
 import re
 from collections import Counter, defaultdict
 from pathlib import Path
@@ -46,7 +47,7 @@ class NearestTests:
     def _alike(self, own: set[str], test: str) -> float:
         """Return how many words a test shares with others, the rarer the more, for its length."""
         words = _words(self.texts[test])
-        return sum(1.0 / self.n_texts[word] for word in own & words) / len(words) ** 0.5
+        return math.fsum(1.0 / self.n_texts[word] for word in own & words) / math.sqrt(len(words))
 
     def _home(self, place: str, name: str) -> str:
         """Return the file that has a name of a module: where a package passes it on, that of the other module."""

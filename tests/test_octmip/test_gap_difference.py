@@ -43,6 +43,12 @@ def test_the_evidence_is_the_dense_density_of_run_and_campaign_together(states, 
     assert model.log_none == pytest.approx(multivariate_normal.logpdf(residual, cov=covariance), abs=1e-4)
 
 
+def test_a_run_may_list_its_gauges_in_another_order():
+    back = replace(RUN, gauges=RUN.gauges[::-1], readings=RUN.readings[:, ::-1])
+    one, other = (prepared(measured(5), run).run for run in (RUN, back))
+    assert np.allclose(one.residual, other.residual)
+
+
 def test_without_a_run_the_difference_is_what_is_usual():
     campaign = measured(3)
     inputs = prepared(campaign, None)
