@@ -77,6 +77,12 @@ def test_a_sensor_dearer_than_the_budget_is_never_read():
     assert greedy_tree(problem).tree == Leaf(0)
 
 
+def test_within_a_budget_for_one_sensor_the_tree_is_that_of_the_best_one():
+    problem = random_problem(0, sensor_budget=1.0)
+    alone = [replace(problem, sensor_budget=None, allowed_splits=[[j]]) for j in range(problem.n_features)]
+    assert greedy_tree(problem).objective == min(greedy_tree(one).objective for one in alone) < problem.baseline
+
+
 def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
     problem = random_problem(0, sensor_budget=1.0)
     solution = greedy_tree(problem, limits=Limits(seconds=0))

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from octmip.gap import CHAIN, diagnose
 from octmip.interfaces.report.diagnosis.as_json import as_object
@@ -161,6 +162,14 @@ def test_an_unknown_state_is_estimated_beside_the_effect():
     state = diagnose(campaign, TWIN, commissioning=COMMISSIONING).states[0]
     assert abs(state.mean["mu1"] - 0.35) < 4 * state.sd["mu1"] + 0.01
     assert abs(state.mean["mu2"] - 0.55) < 4 * state.sd["mu2"] + 0.01
+
+
+def test_gaps_of_a_sound_asset_are_standard_normal_in_their_standard_deviations():
+    entries = diagnose(measured(5), TWIN, commissioning=COMMISSIONING).where.entries
+    z = np.array([place.z for place in entries])
+    assert 0.6 < np.sqrt(np.mean(z**2)) < 1.5
+    assert [place.p_value for place in entries] == pytest.approx((2.0 * norm.sf(np.abs(z))).tolist())
+    assert not any(place.is_significant for place in entries)
 
 
 def test_tree_nodes_are_ranked_by_flipped_decisions():
