@@ -13,13 +13,14 @@ from pathlib import Path
 
 from benchmarks.ccx import need_ccx, run_deck
 from benchmarks.main_program import run_main
-from benchmarks.wing.calculix import WINGS
 from femlib.arrays import FloatArray
 from femlib.export.calculix_results import read_buckling_factors
-from femlib.wing import Wing, buckle
+from femlib.wing import Wing, buckle, tapered_wing, uav_wing
+from femlib.wing.built import built_wing
 from femlib.wing.export.calculix import write_deck
 
 N_MODES = 2
+WINGS = {"uav_wing": uav_wing, "built_wing": built_wing, "tapered_wing": tapered_wing}
 ANY = 100.0
 """Estimated error up to which factors are printed: the default mesh of the wing is refused."""
 STATES: tuple[dict[str, float], ...] = (
