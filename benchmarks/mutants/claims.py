@@ -102,14 +102,14 @@ CLAIMS = (
         ),
     ),
     *mutants_of(
-        "octmip/sensing/shared/solution.py",
+        "octmip/sensing/joint_solution.py",
         ("test_octmip/test_shared_budget.py",),
-        ("if joint.bound > min(objective, least) + slack:", "if joint.bound > 2 * min(objective, least) + slack:"),
+        ("if joint.bound > min(objective, least) + ", "if joint.bound > 2 * min(objective, least) + "),
     ),
     *mutants_of(
-        "octmip/sensing/shared/sensor_sets.py",
+        "octmip/sensing/sensor_sets.py",
         ("test_octmip/test_shared_budget.py",),
-        ("bound = min(self.closed, best, *(node.bound for node in self.open))", "bound = min(self.closed, best)"),
+        (", *(one.bound for one in self.open))", ")"),
     ),
     *mutants_of(
         "octmip/trees/mip/blocks/thresholds.py",
