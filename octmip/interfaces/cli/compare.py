@@ -19,7 +19,7 @@ from octmip.input.files import make_folder, write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.arguments import limits_of
-from octmip.interfaces.cli.compare_table import compare_table, compared, methods_of, reasons, table_of
+from octmip.interfaces.cli.compare_table import compared, methods_of, reasons, run_one_table, table_of
 from octmip.interfaces.cli.options.compare import PICTURE, ROWS
 from octmip.interfaces.cli.picture import write_picture
 from octmip.interfaces.cli.samples.table_problem import read_problem
@@ -67,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not Path(arguments.data).is_dir():
         if arguments.out is not None:
             raise DataError(f"--out is for a folder of tables, and {arguments.data} is none; take --json instead")
-        return compare_table(arguments)
+        return run_one_table(arguments)
     _refuse_of_one_table(arguments)
     limits, methods = limits_of(arguments), methods_of(arguments)
     if arguments.out:

@@ -28,7 +28,7 @@ from octmip.trees.tradeoff import baselines_of, score, score_of
 TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
 
 
-def compare_table(arguments: argparse.Namespace) -> int:
+def run_one_table(arguments: argparse.Namespace) -> int:
     """Run every method and show them."""
     limits = limits_of(arguments)
     asked = read_problem(arguments)
