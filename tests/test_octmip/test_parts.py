@@ -1,6 +1,5 @@
 """Parts of a tree that are asked for: proven against a list of all trees, recounted, kept by file and doors."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -177,18 +176,6 @@ def solved(tmp_path, capsys):
     assert main(["solve", str(table), "--label", "y", "--depth", "2", "--out", tree]) == 0
     capsys.readouterr()
     return str(table), tree, str(tmp_path / "new.json")
-
-
-def test_a_change_is_solved_with_given_splits_and_an_old_tree(solved, capsys):
-    table, tree, new = solved
-    words = ["solve", table, "--label", "y", "--depth", "2", "--out", new]
-    assert main([*words, "--fix", "ROOT=c", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)["objective"]
-    assert found == solve(asked(fixed_splits={"ROOT": "x2"})).objective
-    assert main(["certify", new, table]) == 0
-    assert main([*words, "--old-tree", tree, "--max-changes", "0"]) == 0
-    capsys.readouterr()
-    assert main(["report", new, table, "--out", new.replace("json", "html")]) == 0
 
 
 def test_the_page_tells_the_proven_cost_of_other_columns_at_each_split(solved):

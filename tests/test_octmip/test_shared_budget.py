@@ -138,23 +138,6 @@ def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
     assert shared_budget(problems, 1.0, method="search").objective == joint.objective
 
 
-def test_weights_say_which_label_gets_the_sensor():
-    problems = gauges_for_two()
-    assert shared_budget(problems, 1.0, weights=[10.0, 0.1]).sensors == ("a",)
-    assert shared_budget(problems, 1.0, weights=[0.1, 10.0]).sensors == ("b",)
-
-
-def test_more_budget_is_never_worse_and_all_of_it_is_each_label_by_itself():
-    rng = np.random.default_rng(5)
-    features = rng.integers(0, 5, (60, 5)).astype(float)
-    problems = [Problem(features, rng.integers(0, 3, 60), depth=2) for _ in range(3)]
-    values = [shared_budget(problems, float(b)).objective for b in range(6)]
-    assert values == sorted(values, reverse=True)
-    assert values[0] == sum(problem.baseline for problem in problems)
-    whole = shared_budget(problems, 5.0)
-    assert all(solution.is_optimal for solution in whole.solutions)
-
-
 def test_hyperplanes_share_a_budget_by_search():
     rng = np.random.default_rng(3)
     features = rng.normal(size=(80, 5))
