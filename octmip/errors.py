@@ -53,6 +53,16 @@ class MissingExtraError(OctmipError, ImportError):
     """A feature needs a package that belongs to an extra and is not installed."""
 
 
+OUT_OF_MEMORY = ("failed to map segment", "cannot allocate memory", "can't start new thread")
+"""What an import or a thread says that got no memory: neither raises MemoryError."""
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Return whether an error says that the process got no more memory."""
+    is_told = isinstance(error, ImportError | RuntimeError | OSError)
+    return isinstance(error, MemoryError) or (is_told and any(said in str(error).lower() for said in OUT_OF_MEMORY))
+
+
 @contextmanager
 def needed_by(what: str) -> Iterator[None]:
     """Within the context, the import of an optional package that is not installed names the extra to install.

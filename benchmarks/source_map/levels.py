@@ -71,6 +71,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.pruning": 6,
         "trees.registry": 4,
         "trees.solver_call": 8,
+        "trees.drawn_rows": 9,
         "trees.regression.ordered": 9,
         "trees.solver": 10,
         "trees.tradeoff": 11,

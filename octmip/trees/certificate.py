@@ -15,6 +15,7 @@ from octmip.trees.order import disorder
 from octmip.trees.part_check import broken_rule, missing_part, n_changes
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import words_of
+from octmip.trees.scope import scope_of
 from octmip.trees.solution import Solution, Stop, is_tolerable
 from octmip.trees.tree import (
     HyperplaneSplit,
@@ -52,6 +53,8 @@ class Certificate:
     bound, gap
         the solution's bound, consistent with the objective; whether it is a true bound is its solver's
         claim, or its proof log's (`octmip certify --proof`).
+    scope
+        the trees that the bound is about, in words: those of the problem with all its limits, or fewer.
     """
 
     objective: float
@@ -63,6 +66,7 @@ class Certificate:
     sensor_cost: float
     bound: float
     gap: float
+    scope: str
 
     @property
     def errors(self) -> int:
@@ -107,6 +111,7 @@ def certify(problem: Problem, solution: Solution) -> Certificate:
         sensor_cost=problem.sensor_cost_of(tree),
         bound=solution.bound,
         gap=solution.gap,
+        scope=scope_of(problem, solution),
     )
 
 
@@ -262,13 +267,13 @@ def _check_claims(problem: Problem, solution: Solution, objective: float) -> Non
             f"{solution.solver} claims that no tree is below {solution.bound} but its own tree has {objective}"
         )
     # Where a tree without a split is feasible no true bound lies above it, unless rows were added to a model.
-    is_feasible = problem.is_leaf_allowed and not solution.details.get("added")
+    is_feasible = problem.is_leaf_allowed and not solution.details.get("added") and solution.bound > -math.inf
     leaf = _leaf_objective(problem, solution.bound) if is_feasible else math.inf
     if solution.bound > leaf + (0.0 if is_exact else 1e-12 * leaf) + most:
         raise CertificateError(f"{solution.solver} claims the bound {solution.bound} but one leaf alone costs {leaf}")
     if not (math.isinf(solution.bound) or problem.is_provable):
         raise CertificateError(f"{solution.solver} claims a bound of trees that no solver here has a proof for")
-    least = problem.least_saving_from(objective)
+    least = problem.least_saving_from(objective) if solution.tolerance else math.inf
     check_optimality(solution.solver, solution, objective, least, problem.words_of_saving)
 
 

@@ -50,7 +50,7 @@ def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any]
         named = present and present <= set(levels)
         return tuple(level for level in levels if level in present) if named else _own_order(present)
     order = tuple(given)
-    lacking = sorted((name for name in present if name not in order), key=str)
+    lacking = sorted(present.difference(order), key=str)
     if order and (lacking or len(set(order)) != len(order)):
         what = f"lacks {', '.join(map(repr, lacking))}" if lacking else "names a class twice"
         raise ProblemError(
@@ -155,7 +155,7 @@ def labels_of(values: ArrayLike) -> NDArray[Any]:
         is_absent = ~np.isfinite(labels)
     elif labels.dtype.kind in "mM":
         is_absent = np.isnat(labels)
-    elif labels.dtype == np.dtype(object):
+    elif labels.dtype == np.dtype(object) and any(map(_is_missing, _distinct(labels.ravel().tolist()))):
         is_absent = np.array([_is_missing(value) for value in labels.ravel()], dtype=bool).reshape(labels.shape)
     if is_absent.any():
         row = ", ".join(str(int(i)) for i in np.argwhere(is_absent)[0])
@@ -165,6 +165,14 @@ def labels_of(values: ArrayLike) -> NDArray[Any]:
             "expected a class for each sample; drop the others or give their labels"
         )
     return labels
+
+
+def _distinct(labels: list[Any]) -> Iterable[Any]:
+    """Return the labels, equal ones once; all where one of them cannot be hashed."""
+    try:
+        return set(labels)
+    except TypeError:
+        return labels
 
 
 def _is_missing(label: Any) -> bool:

@@ -25,7 +25,9 @@ from operator import itemgetter
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import certify, checked_incumbent, checked_leaf_index
+from octmip.trees.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.methods import interruption
+from octmip.trees.methods.memory import within_process
 from octmip.trees.methods.options import (
     NO_OPTIONS,
     BendersOptions,
@@ -64,7 +66,8 @@ def solve(
     most a fifth of the time limit. Else one follows where four fifths of the time or the memory did not suffice.
     HiGHS begins with CART's tree (`MipOptions(start="search")`: one of local search). The better of incumbent and
     proof's own tree is returned; `details["tree_by"]` says who found it. Ctrl-C returns the best tree so far
-    (`Stop.INTERRUPTED`).
+    (`Stop.INTERRUPTED`). Where the time does not suffice to set up a proof of a large table, the tree is one of search,
+    of drawn rows perhaps (`details["n_rows"]`), without a bound.
 
     Parameters
     ----------
@@ -113,7 +116,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     if run.options.solves is not None:
         return checked_solution(problem, kept_solve(problem, run, run.options.solves, incumbent, solve_run))
     name = chosen_method(problem, run.method)
-    run = replace(run, options=options_for(problem, name, run.options))
+    run = replace(run, options=options_for(problem, name, run.options), limits=within_process(run.limits))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent)
     _write_model(problem, name, run, first)
@@ -286,17 +289,26 @@ def _result(call: Call, name: str, first: Solution | None) -> Solution:
     free = freed(call.problem) if name == "search" and call.run.method == "auto" else None
     if free is not None:
         return in_order(call, free, first)
+    setup, seconds = setup_seconds(call.problem, name, call.run.options), call.run.limits.seconds
+    if first is None and seconds < 2 * setup:
+        return tree_of_drawn_rows(call)
     if first is None and _wants_incumbent(call.problem, name, call.run.options):
-        first = _first_tree(call, name)
+        first = _first_tree(call, name, share=max(SEARCH_SHARE, setup / seconds if setup else 0.0))
         if first.stop is Stop.INTERRUPTED:
             return first
+    if first is not None and call.run.limits.remaining(call.start).seconds < setup:
+        return replace(first, stop=Stop.TIME if first.stop is Stop.FINISHED else first.stop)
     is_alone = solvers_of(call.problem)[name] in {EXACT, SHAPED} and (first is None or first.solver == SHALLOWER)
     # Checked before the better tree is taken: what an incumbent covers up would be a wrong claim all the same.
     solution = checked_solution(call.problem, _solved(call, name, first, 1.0 - SEARCH_SHARE if is_alone else 1.0))
     if is_alone and solution.stop in {Stop.TIME, Stop.MEMORY}:
         # A search knows no bound: what was shown of the proof's stays the last that is shown.
         quiet = replace(call, run=replace(call.run, progress=None))
-        first = _first_tree(quiet, name, first.tree if first else None, share=1.0)  # no worse than where it starts
+        is_short = first is None and call.run.limits.remaining(call.start).seconds < 2 * setup
+        if is_short:
+            first = tree_of_drawn_rows(quiet)
+        else:  # no worse than where it starts
+            first = _first_tree(quiet, name, first.tree if first else None, share=1.0)
     if not solvers_of(call.problem)[name].proves:
         return solution
     solution = _with_better_tree(solution, first)

@@ -53,7 +53,8 @@ def test_results_of_all_three_kinds_say_bound_and_end(solve):
     solution = octmip.solution_of(model, solve(model))
     assert (solution.objective, solution.bound, solution.stop) == (4, 4, "optimal")
     assert solution.details["scope"] == (
-        "those of all axis-aligned trees that are solutions of the model 'oct' and keep what was added to it (root)"
+        "those of all axis-aligned trees that are solutions of the model 'oct' and keep what was added to it (root), "
+        "of depth 1 or less"
     )
     assert octmip.certify(PROBLEM, solution).bound == 4  # one leaf of cost 6 is none of these trees
 

@@ -195,7 +195,7 @@ def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitte
     assert "1 kind of trees" in said
     assert "the time left out 7 more" in said
     assert "5,000 rows drawn at random" in said
-    assert sampled(problem, 10.0, 0) is None
+    assert sampled(problem, 60.0, 6, 0) is None
 
 
 def interrupted_after(monkeypatch, n_calls):

@@ -9,6 +9,7 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import solution_text, tree_text
 from octmip.trees.certificate import certify
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.scope import within
 
 TREE = Split(0, 0.5, Leaf(1), HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1)))
 FEATURES, CLASSES = ('a"1', "b<2"), ("no & never", "yes")
@@ -40,7 +41,9 @@ def test_a_solution_in_three_lines():
 
 
 def test_a_bound_over_some_trees_says_over_which():
-    claim = dataclasses.replace(greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": "small trees"})
+    claim = dataclasses.replace(
+        greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": within(problem(), "small trees")}
+    )
     text = solution_text(problem(), claim, certify(problem(), claim))
     assert text.startswith("objective 0, bound 0: proven optimal among small trees, of depth 2 or less\n")
 

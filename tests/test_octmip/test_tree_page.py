@@ -37,6 +37,7 @@ from octmip.interfaces.report.tree.evidence import DepthPoint, gather, judged_by
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.registry import Run
+from octmip.trees.scope import within
 from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import leaf_index, leaves
 
@@ -136,7 +137,7 @@ def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
     claim = Solution(tree, problem.objective(tree), 7.2, Stop.TIME, 1.0, 1, "search", "1", 0)
     page = tree_page(record_tree(problem, claim), "t.json")
     assert "Nothing was recounted for this page" in page
-    assert "no tree of depth 2 with these settings has less than 8 errors" in page
+    assert "no tree of depth 2 or less with these settings has less than 8 errors" in page
     assert "<h1>A decision tree</h1>" in page
 
 
@@ -155,7 +156,8 @@ def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
     problem = xor()
     greedy = greedy_tree(problem)
     assert "Whether a better tree exists is not known" in tree_page(record_tree(problem, greedy), "t.json")
-    claim = dataclasses.replace(greedy, bound=greedy.objective, stop=Stop.OPTIMAL, details={"scope": "small trees"})
+    scope = {"scope": within(problem, "small trees")}
+    claim = dataclasses.replace(greedy, bound=greedy.objective, stop=Stop.OPTIMAL, details=scope)
     assert "Proven: among small trees, of depth 2 or less, no tree makes fewer errors" in tree_page(
         record_tree(problem, claim), "t.json"
     )

@@ -11,11 +11,12 @@ from typing import Any
 
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
-from octmip.interfaces.report.text import narrow_scope, number, percent, progress_words
+from octmip.interfaces.report.text import number, percent, progress_words
 from octmip.trees.certificate import Certificate
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
+from octmip.trees.scope import limits_in_words, narrow_scope
 from octmip.trees.solution import Progress, Solution
 from octmip.trees.tradeoff import Comparison, Score
 from octmip.trees.tree_nodes import encode_tree
@@ -92,6 +93,8 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
         "bound": finite_or_none(solution.bound),
         "gap": finite_or_none(solution.gap),
         "is_optimal": solution.is_optimal,
+        "scope": certificate.scope,
+        "scope_is_whole": not narrow_scope(solution),
         "stop": str(solution.stop),
         "seconds": solution.seconds,
         "n_nodes": solution.n_nodes,
@@ -129,14 +132,9 @@ def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> s
 
 def _trees(problem: Problem, solution: Solution) -> str:
     """Return the trees that a bound holds for, in words that follow "no" and "every"."""
-    if scope := narrow_scope(solution, problem.depth):
-        return f"tree among {scope}"
-    kind = "" if problem.split == "axis" else f" with up to {problem.max_split_size} features in a split"
-    kind += "" if problem.loss.predicts == "class" else " with one number in each leaf"
-    is_limited = problem.leaf_size > 1 or problem.sensor_budget is not None or problem.allowed_splits is not None
-    is_limited = is_limited or problem.is_shaped or problem.leaf_weight is not None
-    size = "any depth" if problem.any_depth else f"depth {problem.depth} or less"
-    return f"tree of {size}{kind}{' within the same limits' if is_limited else ''}"
+    scope = narrow_scope(solution)
+    trees = f"tree among {visible(scope)}" if scope else f"tree {limits_in_words(problem)}"
+    return f"{trees}," if "," in trees else trees
 
 
 def _counts_errors(problem: Problem) -> bool:

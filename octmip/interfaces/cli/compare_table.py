@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from octmip.errors import DataError, ProblemError, SolverError
+from octmip.errors import DataError, ProblemError, SolverError, is_out_of_memory
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
@@ -14,7 +14,6 @@ from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.interfaces.report.text import narrow_scope
 from octmip.trees.certificate import certify
 from octmip.trees.methods import interruption
 from octmip.trees.methods.interruption import held_back
@@ -73,8 +72,8 @@ def reasons(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     for row in rows:
         if "error" in row:
             yield f"{row['method']}: {visible(row['error'])}"
-        elif row.get("scope"):
-            yield f"{row['method']}: its bound holds for {row['scope']} only"
+        elif not row.get("scope_is_whole", True):
+            yield f"{row['method']}: its bound holds for {visible(row['scope'])} only"
 
 
 def compared(arguments: argparse.Namespace, asked: TableProblem, limits: Limits) -> list[dict[str, Any]]:
@@ -162,15 +161,16 @@ def _row(arguments: argparse.Namespace, asked: TableProblem, method: Any, limits
         by = solution.details.get("tree_by", method)
         times.end(solution)
         reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}
-        scope = narrow_scope(solution, problem.depth)
-        return row | reached | {"method": method, "scope": scope, "held_out": held, "tree_by": by}
-    except (ProblemError, SolverError) as error:
+        return row | reached | {"method": method, "held_out": held, "tree_by": by}
+    except Exception as error:
+        if not isinstance(error, ProblemError | SolverError) and not is_out_of_memory(error):
+            raise
         return {"method": method, "error": " ".join(str(error).split())}
 
 
 def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
     proven = [row for row in rows if row.get("bound") is not None]
-    over_all = [row["bound"] for row in proven if not row["scope"]]
+    over_all = [row["bound"] for row in proven if row["scope_is_whole"]]
     best = max(over_all, default=float("-inf"))
     for row in rows:
         if "objective" in row:

@@ -16,12 +16,13 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from types import ModuleType
 
-from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError
+from octmip.errors import CertificateError, DataError, OctmipError, SolverError, WriteError, is_out_of_memory
 from octmip.input.names import visible
 from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import check_files
 from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt
 from octmip.interfaces.cli.streams import open_streams
+from octmip.trees.methods.memory import address_space_left
 from octmip.trees.solution import ProofError
 
 COMMANDS = {
@@ -47,6 +48,8 @@ OPTIONS = {
     "max_changes": "--max-changes",
 }
 """How the command asks for the parts that a problem names so."""
+LEAST_MEMORY = 2.0**24
+"""Bytes; a process that may take no more fails with errors of every kind."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
 
 
@@ -95,11 +98,14 @@ def _code(words: list[str], heard: Heard) -> int:
         held = f"its encoding {error.encoding} lacks {error.object[error.start]!a}"
         print(f"octmip: standard output cannot be written ({held}); set PYTHONIOENCODING=utf-8", file=sys.stderr)
         return 1
-    except MemoryError:
-        print("octmip: out of memory; give fewer rows or columns, or a lower --memory", file=sys.stderr)
-        return 1
-    except OSError as error:  # files have their own sentences by now, so this is standard output
-        print(f"octmip: standard output cannot be written ({error.strerror})", file=sys.stderr)
+    except Exception as error:
+        if is_out_of_memory(error) or address_space_left() < LEAST_MEMORY:
+            words = "out of memory; give fewer rows or columns, or let the process have more"
+        elif isinstance(error, OSError):  # files have their own sentences by now, so this is standard output
+            words = f"standard output cannot be written ({error.strerror})"
+        else:
+            raise
+        print(f"octmip: {words}", file=sys.stderr)
         return 1
 
 

@@ -3,7 +3,6 @@
 import argparse
 import math
 from dataclasses import replace
-from functools import partial
 
 from octmip.errors import DataError, SolverError
 from octmip.formats.columns import Columns
@@ -75,7 +74,8 @@ def run(arguments: argparse.Namespace) -> int:
         refuse_alone(arguments)
     if arguments.depth is None and not arguments.leaf_penalty:
         return _choose(arguments, limits)
-    asked = read_problem(arguments)
+    with StageLine("reading the table"):  # no part of --seconds
+        asked = read_problem(arguments)
     if arguments.proof:
         check_provable(asked.problem)
     if arguments.write_problem:
@@ -114,7 +114,8 @@ def _choose(arguments: argparse.Namespace, limits: Limits) -> int:
             f"{option} is given without --depth, where cross-validation chooses kind, depth and penalty of the tree; "
             f"expected --depth D or --leaf-penalty P beside it; add one, or leave {option} out"
         )
-    asked = read_problem(arguments)
+    with StageLine("reading the table"):  # no part of --seconds
+        asked = read_problem(arguments)
     limits = Limits(seconds=MOST_SECONDS if math.isinf(limits.seconds) else limits.seconds)
     with method_options(arguments, asked.problem) as options, StageLine("cross-validating") as line:
         run = Run("auto", limits, arguments.seed, arguments.threads, Options(cluster=options.cluster))
@@ -137,10 +138,13 @@ def _show(arguments: argparse.Namespace, asked: TableProblem, solution: Solution
         certificate = certify(problem, solution)
         held_out = asked.claim(None if found is None else found.held_out)
         columns = asked.target_column, asked.weights_column, asked.preparation
-        file = record_tree(problem, solution, *columns, held_out)
         new_rows = expected_words(problem, solution) if found is None else held_out_words(problem, found)
         last = new_rows + verdict(problem, solution, certificate)
-        with then_written(arguments.out, partial(write_tree_file, file=file), last, is_quiet=arguments.json):
+
+        def write(path: str) -> None:  # a file names all the data by their sum, some time for many rows
+            write_tree_file(path, record_tree(problem, solution, *columns, held_out))
+
+        with then_written(arguments.out, write, last, is_quiet=arguments.json):
             if arguments.json:
                 more = {"threads": arguments.threads, "out": arguments.out, "notes": list(asked.notes)}
                 compared = {} if found is None else comparison_json(found)

@@ -31,8 +31,9 @@ def choice_text(problem: Problem, solution: Solution) -> str:
         return f"not chosen: {visible(str(choice['reason']))}; depth {problem.depth} instead"
     n_kinds = len(choice["families"])
     kinds = f"{n_kinds} kind{'' if n_kinds == 1 else 's'} of trees"
+    folds = f"{choice['n_folds']} fold{'' if choice['n_folds'] == 1 else 's'}"
     lines = [
-        f"chosen by cross-validation ({choice['n_folds']} folds, {kinds}): {visible(choice['kind'])}; "
+        f"chosen by cross-validation ({folds}, {kinds}): {visible(choice['kind'])}; "
         f"leaf penalty {problem.leaf_penalty:.4g}"
     ]
     if choice["families_left_out"]:

@@ -11,6 +11,7 @@ from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
 from octmip.trees.classes import words_of_order
 from octmip.trees.problem import Problem
+from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Progress, Solution, relative_gap
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
 from octmip.trees.tree import condition as named_condition
@@ -75,24 +76,13 @@ def percent(share: float) -> str:
     return f"{100 * share:.3g} %" if math.isfinite(share) else "-"
 
 
-def narrow_scope(solution: Solution, depth: int | None) -> str:
-    """Return the trees for which the bound holds where these are not all trees of the problem, else nothing.
-
-    The depth of the problem (None: any) belongs to it: a proof is over no deeper trees.
-    """
-    scope = str(solution.details.get("scope", "all"))
-    if scope.startswith("all"):
-        return ""
-    return visible(scope if "depth" in scope or depth is None else f"{scope}, of depth {depth} or less")
-
-
 def solution_text(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     loss, is_number = problem.loss, problem.loss.predicts == "number"
     proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
-    elif scope := narrow_scope(solution, problem.depth):
+    elif scope := visible(narrow_scope(solution)):
         proof += f" among {scope}"
     elif is_number and solution.tolerance > 0:
         proof += f" within {solution.tolerance:.1g}"

@@ -6,7 +6,7 @@ equals.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -39,6 +39,7 @@ class ClassCosts(Loss):
 
     costs: ArrayLike | None = None
     per_sample: bool = False
+    _is_whole: bool | None = field(default=None, kw_only=True, repr=False)  # of a Problem's table, gone through once
 
     name = "classes"
     predicts = "class"
@@ -85,10 +86,12 @@ class ClassCosts(Loss):
             the matrix has another size, or holds what is no cost.
         """
         k = len(class_names)
+        expected = (n_samples if self.per_sample else k, k)
+        if self._is_whole is not None and self.table.shape == expected:
+            return self
         if self.per_sample and self.costs is None:
             raise ProblemError("per_sample is True but costs are left out; give a row of costs for each sample")
         matrix = 1.0 - np.eye(k) if self.costs is None else numbers_of(self.costs, "costs", 2)
-        expected = (n_samples if self.per_sample else k, k)
         if matrix.shape != expected:
             rows = "a row for each sample and columns" if self.per_sample else "rows and columns"
             raise ProblemError(f"costs has shape {matrix.shape}; expected {expected}, {rows} {class_names}")
@@ -96,7 +99,7 @@ class ClassCosts(Loss):
             i, j = (int(index) for index in np.argwhere(matrix < 0)[0])
             raise ProblemError(f"costs[{i}, {j}] is {matrix[i, j]}; expected 0 or more")
         matrix.flags.writeable = False
-        return ClassCosts(matrix, self.per_sample)
+        return ClassCosts(matrix, self.per_sample, _is_whole=bool((matrix == np.floor(matrix)).all()))
 
     @property
     def is_zero_one(self) -> bool:
@@ -155,9 +158,13 @@ class ClassCosts(Loss):
         """Return the most by which two predicted classes differ in cost on one row of any class of mean weight."""
         k = len(self.matrix)
         mean = np.bincount(codes, weights, k) / np.maximum(np.bincount(codes, minlength=k), 1)
-        paid = mean[:, None] * self.matrix
-        most: Floats = np.abs(paid[:, :, None] - paid[:, None, :]).max(axis=0)
-        return most
+        most: Floats = np.zeros((k, k))
+        for paid in mean[:, None] * self.matrix:
+            rare = np.flatnonzero(
+                paid != np.partition(paid, k // 2)[k // 2]
+            )  # two classes that cost the same do not differ
+            most[rare] = np.maximum(most[rare], np.abs(paid[rare, None] - paid))
+        return np.maximum(most, most.T)
 
     def exact_cost(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Fraction:
         """Return the cost as a rational number."""
@@ -174,8 +181,10 @@ class ClassCosts(Loss):
 
     def has_whole_costs(self, weights: Floats) -> bool:
         """Whether weights and costs are whole numbers, small enough together."""
-        whole = all((array == np.floor(array)).all() for array in (weights, self.table))
-        return bool(whole and weights.sum() * max(self.table.max(), 1.0) < 2.0**52)
+        is_whole = (self.table == np.floor(self.table)).all() if self._is_whole is None else self._is_whole
+        return bool(
+            is_whole and (weights == np.floor(weights)).all() and weights.sum() * max(self.table.max(), 1.0) < 2.0**52
+        )
 
     def measures(self, weights: Floats, codes: NDArray[Any], predicted: NDArray[Any]) -> Mapping[str, float]:
         """Return how many samples are wrong, unweighted."""

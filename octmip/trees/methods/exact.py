@@ -49,6 +49,7 @@ from octmip.trees.methods.shared_work import submitter
 from octmip.trees.methods.ties import UNBROKEN, Effort, break_ties
 from octmip.trees.problem import Problem
 from octmip.trees.proof import log_header
+from octmip.trees.scope import limits_in_words
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
 from octmip.trees.tree import Node
@@ -216,7 +217,11 @@ class _Search:
     def scope(self) -> dict[str, object]:
         """Which trees the bound holds for, where it does not hold for all: deeper ones pay for as many splits."""
         holds = not self.problem.any_depth or self.bound <= (MAX_DEPTH + 1) * self.problem.leaf_penalty
-        return {} if holds or self.problem.depth < MAX_DEPTH else {"scope": f"trees of depth {MAX_DEPTH} or less"}
+        return (
+            {}
+            if holds or self.problem.depth < MAX_DEPTH
+            else {"scope": f"trees {limits_in_words(self.problem, MAX_DEPTH)}"}
+        )
 
     @property
     def resumed_from(self) -> dict[str, object]:

@@ -35,7 +35,8 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
     if problem.leaf_size == 1:
         problem = _taken(problem, _weighted(problem), problem.weights)
     ranks = rank_features(problem)
-    _, codes = np.unique(problem.codes, return_inverse=True)
+    is_class = problem.loss.predicts == "class"
+    codes = problem.codes if is_class else np.unique(problem.codes, return_inverse=True)[1]
     group, first = _groups(ranks, codes)
     if problem.leaf_size > 1 or len(first) == problem.n_samples:
         rows, weights = np.argsort(group, kind="stable"), problem.weights
@@ -49,6 +50,8 @@ def merged(problem: Problem) -> tuple[Problem, Ranks]:
 def _weighted(problem: Problem) -> NDArray[np.intp]:
     """Return the rows that weigh anything; all rows where the others cannot be left out."""
     rows = np.flatnonzero(problem.weights)
+    if len(rows) == problem.n_samples:
+        return rows
     sizes = np.nan_to_num(np.abs(problem.features))  # a missing reading lies nowhere
     is_far = (sizes.max(axis=0) / FAR > sizes[rows].max(axis=0)).any()
     has_one_class = len(set(problem.codes[rows].tolist())) == 1

@@ -31,6 +31,7 @@ from octmip.trees.mip.prices import Prices, whole_prices
 from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
 from octmip.trees.problem import Problem
+from octmip.trees.scope import within
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Node, Split
 
@@ -327,21 +328,10 @@ def refutation(problem: Problem, outcome: highs.Outcome, bound: float, decoded: 
     return ""
 
 
-def _scope(problem: Problem, formulation: Formulation, request: Request) -> str:
-    """Return the trees that the bound speaks about, in words: fewer than the formulation's under `max_splits`."""
-    most = problem.limited_splits
-    if most is None:
-        return formulation.scope.trees
-    counted = f"split{'s' * (most != 1)}"
-    if problem.max_split_size > 1:
-        counted = f"feature{'s' * (most != 1)} in all splits"
-    return f"trees of at most {most} {counted} among {formulation.scope.trees}"
-
-
 def _describe(problem: Problem, formulation: Formulation, request: Request) -> dict[str, object]:
     rows, prices = formulation.rows, formulation.prices
     return {
-        "scope": _scope(problem, formulation, request),
+        "scope": within(problem, formulation.scope.trees),
         **formulation.scope.notes,
         "model": {
             "rows": rows.n_rows,

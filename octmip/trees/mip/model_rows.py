@@ -34,6 +34,7 @@ from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_
 from octmip.trees.problem import Problem
 from octmip.trees.problem_values import refuse_missing
 from octmip.trees.reached import without_empty_sides
+from octmip.trees.scope import within
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.tree import Node
 
@@ -165,7 +166,9 @@ class Model:
         elif (start := self.start()) is not None:
             self.refuse_above(formulation.rows.objective(start), answer)
         # A known tree outside the model, or against a row that was added, contradicts no bound.
-        details: dict[str, object] = {"scope": scope} | ({"added": list(answer.added)} if answer.added else {})
+        details: dict[str, object] = {"scope": within(self.problem, scope)} | (
+            {"added": list(answer.added)} if answer.added else {}
+        )
         result = RunResult(replace(self.known, tree=tree), tree, answer.stop, details, price_bound=bound)
         solution = solution_of_run(self.problem, result, method=self.method, seed=0, seconds=0.0, gap=0.0)
         certify(self.problem, solution)

@@ -19,7 +19,7 @@ Dask cluster), and come out the same in all of them unless a time limit strikes.
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -234,8 +234,10 @@ def choose_tree(
             most_solves=most_solves,
             seconds=SHARE_OF_PATHS * seconds / turns,
         )
-        traced, is_interrupted = _traced([problem, *parts], trace, n_jobs, stage or (lambda words: None))
-        paths, of_folds, pairs = _usable(traced, pairs)
+        until = start + SHARE_OF_PATHS * seconds
+        in_time = _in_time([problem, *parts], effective_n_jobs(n_jobs), until)
+        traced, is_interrupted = _traced(in_time, len(parts) + 1, trace, n_jobs, stage or (lambda words: None))
+        paths, of_folds, pairs = _usable(traced, pairs, is_interrupted)
         n_kinds = min(map(len, (paths, *of_folds)))  # those that all had time for
         judged = [
             judged_steps(problem, paths[f], kinds[f], [fold[f] for fold in of_folds], pairs) for f in range(n_kinds)
@@ -309,8 +311,22 @@ def _usable_folds(problem: Problem, seed: int) -> list[Fold]:
     return usable if any(problem.weights[held].any() for _, held in usable) else []
 
 
+def _in_time(problems: Sequence[Problem], n_at_once: int, until: float) -> Iterator[Problem]:
+    """Yield the problem of all rows, that of a fold, and those of other folds while one more is likely to end in time.
+
+    The time is up at `until` [s of `time.perf_counter`].
+    """
+    start = time.perf_counter()
+    for k, problem in enumerate(problems):
+        now = time.perf_counter()
+        if k >= max(2, n_at_once) and now + (now - start) * n_at_once / (k - n_at_once + 1) > until:
+            return
+        yield problem
+
+
 def _traced(
-    problems: Sequence[Problem],
+    problems: Iterable[Problem],
+    n_problems: int,
     trace: Callable[[Problem], list[PenaltyPath]],
     n_jobs: int | None,
     stage: Callable[[str], None],
@@ -320,18 +336,20 @@ def _traced(
 
     found: list[list[PenaltyPath]] = []
     try:
-        for paths in Parallel(n_jobs=n_jobs, return_as="generator")(delayed(trace)(problem) for problem in problems):
+        # Problems are asked for one after the other, each when a worker is free.
+        parallel = Parallel(n_jobs=n_jobs, return_as="generator", pre_dispatch="n_jobs", batch_size=1)
+        for paths in parallel(delayed(trace)(problem) for problem in problems):
             found.append([path for path in paths if not path.is_interrupted])
             if len(found[-1]) < len(paths):
                 return found, True
-            stage(f"cross-validating, {len(found)} of {len(problems)} done (all rows, then all but each fold)")
+            stage(f"cross-validating, {len(found)} of {n_problems} done (all rows, then all but each fold)")
     except KeyboardInterrupt:
         return found, True
     return found, False
 
 
 def _usable(
-    traced: Sequence[list[PenaltyPath]], pairs: Sequence[Fold]
+    traced: Sequence[list[PenaltyPath]], pairs: Sequence[Fold], is_interrupted: bool
 ) -> tuple[list[PenaltyPath], list[list[PenaltyPath]], list[Fold]]:
     """Return the paths over all samples, those of the folds that have as many, or any where none has, and these folds.
 
@@ -342,7 +360,7 @@ def _usable(
     """
     paths, of_folds = (traced[0], traced[1:]) if traced else ([], [])
     most = len(paths) if any(len(fold) >= len(paths) for fold in of_folds) else 1
-    if len(of_folds) == len(pairs):
+    if not is_interrupted:
         most = 1  # a family for which one fold has no time is left out, not the fold
     usable = [k for k, fold in enumerate(of_folds) if len(fold) >= most]
     if not paths or not usable:

@@ -15,6 +15,8 @@ from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.choice import N_FOLDS, SHARE_OF_PATHS, Choice, choose_default
 from octmip.trees.tradeoff.sample import sampled
 
+SECONDS_OF_ROW = 5e-7
+"""To fit the leaves of a tree of drawn rows to all rows, and to check it."""
 FEW_ROWS_DEPTH = 1
 """Where rows are too few to choose by, one split at most."""
 INTERRUPTED_DEPTH = 3
@@ -61,17 +63,21 @@ def solve_default(problem: Problem, run: Run, stage: Callable[[str], None] | Non
     ProblemError, SolverError
         as `choose_tree`.
     """
-    start = time.perf_counter()
-    from joblib import parallel_config  # only here: every command would wait for it
+    # Only here: every command would wait for them. Before the clock starts, as in `solve_run`.
+    import sklearn.tree  # noqa: F401
+    from joblib import parallel_config
 
+    start = time.perf_counter()
     # One tree for all rows and one for each fold, so many at a time.
     turns = math.ceil((N_FOLDS + 1) / run.n_jobs) if run.options.cluster is None else 1
-    part = sampled(problem, SHARE_OF_PATHS * run.limits.seconds / turns, run.seed)
+    part = sampled(problem, SHARE_OF_PATHS * run.limits.seconds, turns, run.seed)
     with contextlib.ExitStack() as stack:
         if run.options.cluster is None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=run.n_jobs))
         try:
             left = max(0.0, run.limits.seconds - (time.perf_counter() - start))
+            if part is not None:
+                left -= min(left / 2, problem.n_samples * SECONDS_OF_ROW)
             choice = choose_default(part or problem, seconds=left, seed=run.seed, options=run.options, stage=stage)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")

@@ -16,6 +16,7 @@ from octmip.trees.methods.cart import greedy_solution
 from octmip.trees.methods.options import Options, SearchOptions
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Method, Run
+from octmip.trees.scope import within
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve_run
@@ -171,7 +172,7 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     if grid is None:
         return found
     assert found.tree is not None
-    scope = {} if math.isinf(found.bound) else {"scope": grid.scope}
+    scope = {} if math.isinf(found.bound) else {"scope": within(problem, grid.scope)}
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
@@ -180,6 +181,8 @@ def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = 
     if problem.split != "axis" or not problem.is_provable:
         return found
     seconds = max(0.0, min(MOST_BOUND_SECONDS, run.limits.seconds - found.seconds))
+    if seconds == 0:
+        return found
     limits = replace(run.limits, seconds=seconds)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
     if proof.is_optimal and not keeps_tree:

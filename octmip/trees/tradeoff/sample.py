@@ -23,10 +23,14 @@ from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 from octmip.trees.tradeoff.path import trace_run
 
 FEWEST_ROWS = 5000
-"""They are always used, and measured."""
+"""They are always used, where two trees of them fit the time; folds are given up before them."""
+FEW_READINGS = 500_000
+"""Of so many, and of `FEWEST_MEASURED` rows at the least, one tree is grown to measure; with `MANY_CLASSES` CART takes
+twice as long."""
+FEWEST_MEASURED, MANY_CLASSES = 500, 50
 
 
-def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
+def sampled(problem: Problem, seconds: float, turns: int, seed: int) -> Problem | None:
     """Return the problem of as many rows as a first family can be finished for; None where it can for all.
 
     Parameters
@@ -34,24 +38,29 @@ def sampled(problem: Problem, seconds: float, seed: int) -> Problem | None:
     problem
         all rows.
     seconds
-        for one tree of that family, its prunings included [s].
+        for the trees of that family, their prunings included [s].
+    turns
+        so many of these trees are grown one after the other.
     seed
         of the draw.
     """
     n = problem.n_samples
-    if n <= FEWEST_ROWS or math.isinf(seconds):
+    readings = problem.n_features * (1 + problem.n_classes // MANY_CLASSES)
+    n_few = min(FEWEST_ROWS, max(FEWEST_MEASURED, FEW_READINGS // readings))
+    if n <= n_few or math.isinf(seconds):
         return None
-    few = _drawn(problem, FEWEST_ROWS / n, seed)
-    took = _seconds_of_path(few, seconds)
-    if took > seconds / 4:  # again: the first tree of a process also waits for what it imports
-        took = min(took, _seconds_of_path(few, seconds))
-    by_work = took / _work(FEWEST_ROWS)
+    few = _drawn(problem, n_few / n, seed)
+    by_work = _seconds_of_path(few, seconds / turns) / _work(n_few)
+
+    def fits(n_rows: float) -> bool:
+        return by_work * _work(n_rows) * (turns if n_rows > FEWEST_ROWS else min(turns, 2)) <= seconds
+
     halvings = 0
-    while n / 2**halvings > FEWEST_ROWS and by_work * _work(n / 2**halvings) > seconds:
+    while n / 2**halvings > n_few and not fits(n / 2**halvings):
         halvings += 1
     if halvings == 0:
         return None
-    return few if n / 2**halvings <= FEWEST_ROWS else _drawn(problem, 1 / 2**halvings, seed)
+    return few if n / 2**halvings <= n_few else _drawn(problem, 1 / 2**halvings, seed)
 
 
 def _seconds_of_path(problem: Problem, seconds: float) -> float:

@@ -2,6 +2,8 @@
 
 import multiprocessing
 import os
+import resource
+import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -90,6 +92,25 @@ def made(new: Path) -> list[str]:
     for path in paths:
         path.rmdir() if path.is_dir() else path.unlink()
     return names
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux keeps a limit of address space")
+@pytest.mark.parametrize(("command", "megabytes"), [("solve", 450), ("compare", 700), ("report", 450)])
+def test_a_process_that_gets_no_more_memory_has_its_result_or_one_sentence(
+    command: str, megabytes: int, folder: Path
+) -> None:
+    words = [sys.executable, "-m", "octmip.interfaces.cli", command, *WORDS[command]]
+    wanted = {**os.environ, "OMP_NUM_THREADS": "2"}
+    wanted.pop("OPENBLAS_NUM_THREADS", None)
+    (folder / "new").mkdir(exist_ok=True)
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+
+    ran = subprocess.run(words, cwd=folder, env=wanted, preexec_fn=limit, capture_output=True, text=True, timeout=300)
+    is_result = (ran.returncode, bool(made(folder / "new")) or bool(ran.stdout)) == (0, True)
+    assert is_result or (ran.returncode == 1 and ran.stderr.splitlines()[-1].startswith("octmip: out of memory"))
+    assert "Traceback" not in ran.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a full disk is /dev/full")

@@ -8,13 +8,13 @@ import numpy as np
 import pandas as pd
 
 from octmip.formats.tree_file import TreeFile
-from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.words import percent
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.proof import ProofReport
 from octmip.trees.registry import Run
+from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
@@ -144,7 +144,7 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
     shallower = range(1, _levels(file, problem))
     points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
-    bound = -math.inf if narrow_scope(file.solution, file.settings["depth"]) else file.solution.bound
+    bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
     found = []
     for one, solution in solved:
         other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None

@@ -6,11 +6,11 @@ from typing import Any
 
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.new_rows import choice_of
-from octmip.interfaces.report.text import narrow_scope
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
+from octmip.trees.scope import depth_in_words, narrow_scope
 from octmip.trees.solution import Stop
 from octmip.trees.tree import depth, features_used
 
@@ -40,11 +40,11 @@ def _columns_read(file: TreeFile, wording: Wording) -> str:
 
 def trees_meant(file: TreeFile) -> str:
     """Return the trees over which the bound speaks."""
-    scope = narrow_scope(file.solution, file.settings["depth"])
+    scope = narrow_scope(file.solution)
     return (
         f"among {short_name(scope)}, no tree"
         if scope
-        else f"no tree of depth {file.settings['depth']} with these settings"
+        else f"no tree {depth_in_words(file.settings['depth'])} with these settings"
     )
 
 
@@ -105,7 +105,7 @@ def _proof_sentence(file: TreeFile, measure: Measure) -> str:
 def way_on(file: TreeFile) -> str:
     """Return what finds a better tree, by what the solver ended with."""
     solution = file.solution
-    if solution.is_optimal and (scope := narrow_scope(solution, file.settings["depth"])):
+    if solution.is_optimal and (scope := narrow_scope(solution)):
         return f"it is the best among {short_name(scope)} only"
     return WAYS_ON.get(solution.stop, MORE)
 
@@ -152,8 +152,8 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
     solution = file.solution
     if solution.is_optimal:
-        scope = narrow_scope(solution, file.settings["depth"])
-        among = f"among {short_name(scope)}" if scope else f"of depth {file.settings['depth']}"
+        scope = narrow_scope(solution)
+        among = f"among {short_name(scope)}" if scope else depth_in_words(file.settings["depth"])
         return ("Proven best", "yes", among, "good")
     if not math.isfinite(solution.bound):
         return ("Proven best", "no", "no bound is known", "warn")

@@ -70,7 +70,11 @@ class Space:
 
     def scope(self, mu: float) -> Scope:
         """Return the trees that a bound for a strictness mu speaks about."""
-        trees = f"mu-separated trees: every sample that a leaf keeps lies outside a band of {mu:.3g} at each split"
+        unit = "the widest feature" if self.is_integer else "each feature, the sizes of coefficients summing to 1"
+        trees = (
+            f"mu-separated trees: every sample that a leaf keeps lies outside a band of {mu:.3g} at each split, "
+            f"in units of the range of {unit}"
+        )
         if self.is_exact:
             trees = f"all trees with whole coefficients up to {self.coefficient:g}"
         kind = "integer" if self.is_integer else "real"

@@ -1,0 +1,55 @@
+"""Tables so large that to set up a search of all rows takes more than the time limit: the tree of drawn rows.
+
+Ranks, the order of each column and a copy of the table look at no clock. How long they take follows from the number of
+readings. Where a proof and the search behind it would be late for that reason alone, rows are drawn at random, and the
+leaves of their tree are fitted to all rows.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from octmip.trees.methods.options import ExactOptions, Options
+from octmip.trees.methods.ordering import ordered
+from octmip.trees.problem import Problem
+from octmip.trees.registry import solvers_of
+from octmip.trees.solution import Solution, Stop
+from octmip.trees.solver_call import Call
+
+SETUP_READINGS = 5e6
+"""So many readings (samples times features) are ranked and laid out in a second, at the least."""
+LARGE = 1e6
+"""Readings from which on that time counts."""
+SETUP_SHARE = 0.25
+"""Of the time that is left, in which the drawn rows are set up."""
+
+
+def setup_seconds(problem: Problem, name: str, options: Options) -> float:
+    """Return the seconds in which the core sets up a large table for the exact proof, or for the search; else 0.
+
+    0 where the proof has to be tried: nothing else knows what is asked for, or it writes a file.
+    """
+    is_asked = isinstance(options, ExactOptions) and not (options.proof is None and options.checkpoint is None)
+    can_search = solvers_of(problem)["search"].refusal(problem) is None
+    if name != "exact" or problem.split != "axis" or is_asked or not can_search or problem.features.size < LARGE:
+        return 0.0
+    return problem.features.size / SETUP_READINGS
+
+
+def tree_of_drawn_rows(call: Call) -> Solution:
+    """Return the tree of a search over as many rows, drawn at random, as the time that is left suffices for.
+
+    Its leaves are the best for all rows; those of a size have no fewer samples among all. There is no bound.
+    `details["n_rows"]` is the number of rows drawn.
+    """
+    problem, left = call.problem, call.run.limits.remaining(call.start).seconds
+    n_drawn = max(1, int(SETUP_SHARE * left * SETUP_READINGS / problem.n_features))
+    rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.n_samples)[:n_drawn])
+    drawn = {name: getattr(problem, name)[rows] for name in ("features", "targets", "weights")}
+    found = replace(call, problem=replace(problem, **drawn)).solve("search", None)
+    assert found.tree is not None
+    tree = problem.with_sides(ordered(problem, problem.with_best_leaves(found.tree)))
+    stop = Stop.TIME if found.stop is not Stop.INTERRUPTED else found.stop
+    details = {**found.details, "n_rows": len(rows), "tree_by": "search"}
+    return replace(found, tree=tree, objective=problem.objective(tree), bound=-math.inf, stop=stop, details=details)

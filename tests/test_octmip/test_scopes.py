@@ -1,0 +1,64 @@
+"""A scope is said whole: nothing that narrows it is left out of its words, and no tree inside is below the bound."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.cases.exact.scopes import outcome
+from benchmarks.oracles.scopes import PATTERNS, Said, least_inside
+from octmip import Leaf, Problem, certify, solve
+from octmip.trees.registry import Run
+from octmip.trees.scope import depth_in_words, scope_of
+from octmip.trees.tradeoff.family import Family, solve_in_family
+
+
+def test_no_better_tree_lies_inside_a_scope_that_is_said():
+    lines = [outcome(seed) for seed in range(60)]
+    assert [line for line in lines if line["fault"]] == []
+    assert sum(bool(line["scope"]) for line in lines) > 25
+
+
+def noisy(seed=1, **asked):
+    rng = np.random.default_rng(seed)
+    features = rng.normal(size=(30, 2))
+    return Problem(features, (features.sum(axis=1) > 0) ^ (rng.random(30) < 0.3), **asked)
+
+
+@pytest.mark.parametrize(
+    ("limit", "seed", "asked"),
+    [
+        ("depth", 1, {"depth": 1}),
+        ("leaf_size", 1, {"depth": 2, "leaf_size": 9}),
+        ("splits", 1, {"depth": 2, "max_splits": 1}),
+        ("budget", 1, {"depth": 2, "sensor_budget": 1.0}),
+        ("quantiles", 1, {"depth": 2}),
+    ],
+)
+def test_the_words_name_each_limit_and_without_it_a_better_tree_is_inside(limit, seed, asked):
+    problem = noisy(seed, **asked)
+    solution = solve(problem, "exact")
+    if limit == "quantiles":
+        solution = solve_in_family(problem, Family(2, "exact", 5), Run(), Leaf(0))
+    words = scope_of(problem, solution)
+    assert certify(problem, solution).scope == words
+    assert least_inside(problem, words) == solution.bound == solution.objective
+    weaker = "of depth 5 or less" if limit == "depth" else ""
+    assert least_inside(problem, re.sub(PATTERNS[limit], weaker, words)) < solution.bound
+
+
+def test_limits_that_enumeration_does_not_know_are_named_too():
+    problem = noisy(depth=2, leaf_weight=3.0, monotone={0: 1}, class_order=[False, True])
+    assert scope_of(problem, solve(problem, "exact")).endswith(
+        "with a weight of 3 or more in each leaf, in the order asked for"
+    )
+    lines = replace(noisy(depth=1, split="hyperplane", split_size=2), allowed_splits=[[0, 1]], integer_normals=3)
+    words = scope_of(lines, solve(lines, "cart"))
+    assert words.startswith(
+        "trees of depth 1 or less, with up to 2 features in a split, with whole coefficients up to 3"
+    )
+    assert words.endswith("of the allowed groups of features")
+    assert depth_in_words(None) == "of any depth"
+    with pytest.raises(ValueError, match="names no depth"):
+        Said.read("trees that cut each feature at 5 quantiles at most")
