@@ -36,6 +36,8 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "formats.columns": 3,
         "formats.table": 4,
         "trees.cluster": 1,
+        "trees.methods.memory": 4,
+        "trees.scope": 4,
         "trees.encoding": 4,
         "trees.problem_file": 4,
         "trees.tree_nodes": 4,
