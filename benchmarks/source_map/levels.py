@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 LEVELS: Mapping[str, Mapping[str, int]] = {
     "octmip": {
-        "errors": 0,
+        "errors": -1,
         "trees._native": 0,
         "trees.digits": 0,
         "trees.methods.interruption": 0,
@@ -19,7 +19,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "trees.methods.margin": 1,
         "trees.methods.options": 2,
         "input.names": 1,
-        "input.named_arrays": 1,
+        "input.named_arrays": 0,
         "trees.tree": 1,
         "trees.reached": 2,
         "twin": 1,

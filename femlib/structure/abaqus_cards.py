@@ -5,11 +5,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from femlib.errors import InputError
-from femlib.files import read_bytes
+from femlib.structure.deck_lines import lines_of
 
-MOST_FILES = 100
-"""Files that a deck may include, at most: beyond it they include each other."""
 KINDS = {
     "quad": r"S4|S4R|S4RS|S4RSW|S4R5|S4T|S4RT|CPS4[RI]?|M3D4R?",
     "triangle": r"S3|S3R|S3RS|S3T|S3RT|STRI3|US3|CPS3|M3D3",
@@ -81,7 +78,7 @@ def cards_of(path: Path) -> list[Card]:
     """
     cards: list[tuple[str, dict[str, str], list[tuple[str, ...]]]] = []
     is_open = False
-    for line in _lines(path, [0]):
+    for line in lines_of(path, "abaqus", _included):
         words = tuple(word.strip() for word in line.split(","))
         is_open = is_open and not line.startswith("*") and ("=" in line or words[0].upper() in WORDS)
         if line.startswith("*"):
@@ -95,19 +92,11 @@ def cards_of(path: Path) -> list[Card]:
     return [Card(keyword, options, tuple(rows)) for keyword, options, rows in cards]
 
 
-def _lines(path: Path, n_files: list[int]) -> Iterator[str]:
-    """Give the lines that are no comment, an included file's in its place; *NODE and others may name a file too."""
-    n_files[0] += 1
-    if n_files[0] > MOST_FILES:
-        raise InputError(f"{path} is included by file {MOST_FILES} of a deck; expected fewer; files include each other")
-    text = read_bytes(path, "a mesh file").decode("utf-8-sig", errors="replace")
-    if "\0" in text:
-        raise InputError(f"{path} could not be read as abaqus (it is no text); expected a deck; correct its ending")
-    for line in (line.strip() for line in text.splitlines()):
-        if not line or line.startswith("**"):
-            continue
-        included = re.search(r"^\*.*[,\s]INPUT\s*=\s*\"?([^,\"]+)", line, re.IGNORECASE)
-        if not re.match(r"\*\s*INCLUDE\b", line, re.IGNORECASE):
-            yield line
-        if included:
-            yield from _lines(path.parent / included[1].strip(), n_files)
+def _included(line: str, rest: Iterator[str]) -> tuple[str, str]:
+    """Return a line that is no comment, and the file that it names: *NODE and others may name one beside *INCLUDE."""
+    line = line.strip()
+    if line.startswith("**"):
+        return "", ""
+    named = re.search(r"^\*.*[,\s]INPUT\s*=\s*\"?([^,\"]+)", line, re.IGNORECASE)
+    is_only_that = re.match(r"\*\s*INCLUDE\b", line, re.IGNORECASE)
+    return "" if is_only_that else line, named[1].strip() if named else ""

@@ -22,6 +22,7 @@ SHELLS = {
     "CTRIA3": ("triangle", range(4, 7), (7, 8), range(14, 17)),
     "CTRIAR": ("triangle", range(4, 7), (7, 8), range(14, 17)),
     "CQUAD8": ("quad8", (*range(4, 10), 12, 13), (18, 19), range(14, 18)),
+    "CQUAD9": ("quad9", (*range(4, 10), 12, 13, 14), (18, 19), ()),  # gmsh's name
     "CTRIA6": ("triangle6", range(4, 10), (12, 13), range(14, 17)),
 }
 """Kind and the fields of nodes, of the material's direction and the offset, and of the thickness at corners."""

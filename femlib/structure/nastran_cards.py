@@ -10,10 +10,8 @@ from pathlib import Path
 
 from femlib.checked import fortran_number
 from femlib.errors import InputError
-from femlib.files import read_bytes
+from femlib.structure.deck_lines import lines_of
 
-MOST_FILES = 100
-"""Files that a deck may include, at most: beyond it they include each other."""
 SMALL, LARGE = 8, 16
 """Columns of a field."""
 NAMED = (
@@ -62,7 +60,7 @@ def cards_of(path: Path) -> tuple[list[Card], dict[int, str], bool]:
     InputError
         If a file cannot be read or is no text, files include each other, or a line continues no card.
     """
-    lines = list(_lines(path, [0]))
+    lines = list(lines_of(path, "nastran", _included))
     names = {int(found["id"]): found["name"].strip() for line in lines for own in NAMED if (found := own.match(line))}
     is_rounded = lines[:1] == ["$ Created by Gmsh"] and not any(line.startswith("GRID*") for line in lines)
     cards: list[Card] = []
@@ -78,23 +76,14 @@ def cards_of(path: Path) -> tuple[list[Card], dict[int, str], bool]:
     return cards, names, is_rounded
 
 
-def _lines(path: Path, n_files: list[int]) -> Iterator[str]:
-    """Give the lines of a file, those of an included one in its place."""
-    n_files[0] += 1
-    if n_files[0] > MOST_FILES:
-        raise InputError(f"{path} is included by file {MOST_FILES} of a deck; expected fewer; files include each other")
-    text = read_bytes(path, "a mesh file").decode("utf-8-sig", errors="replace")
-    if "\0" in text:
-        raise InputError(f"{path} could not be read as nastran (it is no text); expected bulk data; correct its ending")
-    lines = iter(text.splitlines())
-    for line in lines:
-        if not re.match(r"\s*INCLUDE\b", line, re.IGNORECASE):
-            yield line
-            continue
-        named = line.strip()[7:].strip(" =")
-        while named[:1] in ("'", '"') and named.count(named[0]) < 2 and (more := next(lines, None)) is not None:
-            named += more.strip()  # a long name goes on in the next line
-        yield from _lines(path.parent / named.partition("$")[0].strip(" '\""), n_files)
+def _included(line: str, rest: Iterator[str]) -> tuple[str, str]:
+    """Return a line, or the file that it includes."""
+    if not re.match(r"\s*INCLUDE\b", line, re.IGNORECASE):
+        return line or " ", ""
+    named = line.strip()[7:].strip(" =")
+    while named[:1] in ("'", '"') and named.count(named[0]) < 2 and (more := next(rest, None)) is not None:
+        named += more.strip()  # a long name goes on in the next line
+    return "", named.partition("$")[0].strip(" '\"")
 
 
 def _bulk(lines: list[str]) -> list[str]:

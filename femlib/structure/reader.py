@@ -17,6 +17,7 @@ The nodes of every element set are a node set of the same name.
 
 import contextlib
 import io
+import re
 import warnings
 from collections.abc import Mapping, Sequence
 from importlib import import_module
@@ -56,6 +57,8 @@ UNREAD = {
     b'type="String"': "it has texts as data, which are not read; take them out of its field data",
 }
 """What meshio does not read of a .vtu file, and the reason that it does not give."""
+OLD_GMSH = re.compile(rb"\s*(?:\$NOD\s|\$MeshFormat\s+(?!4\.1|2\.2)([0-9.]{1,4}) )")
+"""Beginning of a file of another version of gmsh's format than meshio reads."""
 OWN_SETS = ("gmsh:geometrical", "gmsh:bounding_entities", "gmsh:dim_tags")
 """What meshio keeps of gmsh's geometry; no set of the user's."""
 
@@ -139,6 +142,12 @@ def _read_by_meshio(path: Path, kind: str, reader: Any) -> FileMesh:
         with contextlib.redirect_stderr(said), limited_memory(ROOM + ROOM_PER_BYTE * len(content)):
             mesh = reader.read(str(path))
     except Exception as error:  # a reader fails in any way at what is not its format
+        old = OLD_GMSH.match(content) if kind == "gmsh" else None
+        if old:
+            raise InputError(
+                f"{path} is MSH {old[1].decode() if old[1] else '1'}; expected MSH 4.1 or 2.2; save it again "
+                "(gmsh's option Mesh.MshFileVersion, or: gmsh old.msh -save -format msh41 -o new.msh)"
+            ) from error
         raise _unreadable(path, kind, f"{type(error).__name__}: {error}".rstrip(": ")) from error
     if said.getvalue():  # a block that is not closed, an entry that is skipped: what is read is not the whole file
         raise _unreadable(path, kind, said.getvalue())

@@ -105,6 +105,7 @@ MISSING_WORDS = frozenset(
         "null",
         "nil",
         "?",
+        ".",
         "-",
         "--",
         "---",

@@ -34,9 +34,9 @@ def by_name(given: Any, names: Sequence[str], what: str) -> tuple[Floats, tuple[
         a name is lacking, another number of columns, or a value that is no number.
     """
     _refuse_quantity(given, what)
-    columns = _columns(given)
+    columns = columns_of(given)
     if columns is None:
-        rows = np.atleast_2d(_numbers(given, what))
+        rows = np.atleast_2d(numbers_in(given, what))
         if rows.ndim != 2 or rows.shape[1] != len(names):
             raise DataError(
                 f"{what}: shape {np.shape(given)}; expected {len(names)} columns, one for each of the readings "
@@ -52,15 +52,23 @@ def by_name(given: Any, names: Sequence[str], what: str) -> tuple[Floats, tuple[
             "expected the names of all readings; rename the columns, or add one that is empty (NaN) for a reading that "
             "was not taken"
         )
-    found = [np.atleast_1d(_numbers(columns[name], f"{what}, column {name!r}")) for name in names]
+    found = [np.atleast_1d(numbers_in(columns[name], f"{what}, column {name!r}")) for name in names]
     lengths = {column.shape for column in found}
     if len(lengths) > 1 or len(next(iter(lengths))) != 1:
         raise DataError(f"{what}: columns of shapes {sorted(lengths)}; expected one number for each repeat in all")
     return np.column_stack(found), extra
 
 
-def _columns(given: Any) -> dict[str, Any] | None:
-    """Return the columns by name; None where they have none, or are only numbered."""
+def columns_of(given: Any) -> dict[str, Any] | None:
+    """Return the columns by name; None where they have none, or are only numbered.
+
+    Raises
+    ------
+    DataError
+        a name stands twice, or the rows are not there yet.
+    """
+    if hasattr(given, "collect") and hasattr(given, "lazy"):
+        raise DataError(f"a {type(given).__name__} is a query without rows yet; expected a table; collect() it first")
     if isinstance(given, Mapping):
         names: Sequence[Any] = list(given)
     elif getattr(getattr(given, "dtype", None), "names", None):
@@ -93,20 +101,46 @@ def _refuse_quantity(given: Any, what: str) -> None:
             )
 
 
-def _numbers(given: Any, what: str) -> Floats:
-    """Return numbers of any shape, NaN where masked, None or NA."""
+def unmasked(values: Any) -> Any:
+    """Return what may be a masked array as a plain one, NaN where a number is masked and None where a text is."""
+    if not isinstance(values, np.ma.MaskedArray) or not np.ma.is_masked(values):
+        return values
+    is_number = values.dtype.kind in "bf" or (values.dtype.kind in "iu" and values.dtype.itemsize < 8)
+    plain = values.data.astype(np.float64 if is_number else object)
+    plain[np.ma.getmaskarray(values)] = np.nan if is_number else None
+    return plain
+
+
+def settled(given: Any) -> Any:
+    """Return a column of another library as an array, of objects where some are missing: whole numbers stay whole."""
+    if not hasattr(given, "to_numpy") or isinstance(given, np.ndarray):
+        return given
+    if getattr(given, "null_count", 0):
+        return np.array(given.to_pylist() if hasattr(given, "to_pylist") else given.to_list(), dtype=object)
+    if hasattr(given, "isna") and given.isna().to_numpy().any():  # pandas, some of whose types become float64
+        return given.to_numpy(dtype=None if isinstance(given.dtype, np.dtype) else object)
+    return given.to_numpy()
+
+
+def numbers_in(given: Any, what: str) -> Floats:
+    """Return numbers of any shape, NaN where masked, None or NA.
+
+    Raises
+    ------
+    DataError
+        some are none.
+    """
     _refuse_quantity(given, what)
-    if hasattr(given, "to_numpy") and not isinstance(given, np.ndarray):
-        given = given.to_numpy()
+    given = settled(given)
     array = np.ma.array(given) if isinstance(given, list | tuple | np.ma.MaskedArray) else np.asarray(given)
     mask = np.ma.getmaskarray(array) if isinstance(array, np.ma.MaskedArray) else np.zeros(array.shape, dtype=bool)
     plain = np.ma.getdata(array)
     if plain.dtype.kind in "cmM":
         raise DataError(f"{what}: values of type {plain.dtype}; expected numbers; convert them to real ones first")
     if plain.dtype.kind == "O":
-        plain = np.array([np.nan if _is_missing(value) else value for value in plain.ravel()]).reshape(plain.shape)
+        plain = np.array([np.nan if _is_missing(value) else value for value in plain.ravel()], dtype=object)
     try:
-        found = plain.astype(np.float64)
+        found = plain.astype(np.float64).reshape(array.shape)
     except (TypeError, ValueError) as error:
         raise DataError(f"{what}: values that are no numbers ({error}); expected numbers, NaN if missing") from error
     found[mask] = np.nan

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.input.named_arrays import unmasked
 
 ClassWeight = Mapping[Any, float] | Literal["balanced"] | None
 
@@ -149,7 +150,7 @@ def labels_of(values: ArrayLike) -> NDArray[Any]:
     ProblemError
         a label is missing or infinite.
     """
-    labels = np.array(values)
+    labels = np.array(unmasked(values))
     is_absent = np.zeros(labels.shape, dtype=bool)
     if labels.dtype.kind == "f":
         is_absent = ~np.isfinite(labels)

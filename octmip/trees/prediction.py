@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
+from octmip.input.named_arrays import columns_of, numbers_in
 from octmip.trees import tree as reference
 from octmip.trees.tree import Leaf, Node, Split, depth, features_used, leaf_index, leaves, nodes
 
@@ -18,22 +19,25 @@ LEAST_ROWS = 1000
 """Rows below which the lists of the tree take longer than the predictions."""
 
 
-def predict(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:
+def predict(tree: Node, features: Any) -> NDArray[np.int64]:
     """Return the class index of every row of `features` (n_samples, n_features), shape (n_samples,).
 
-    Readings of float32 are compared as they are, without rounding a threshold. Fastest where rows lie one after the
+    Columns of a frame are taken in their order, as a tree knows no names; what is masked is missing. Readings of
+    float32 are compared as they are, without rounding a threshold. Fastest where rows lie one after the
     other (C order) and splits are of one feature.
 
     Raises
     ------
     TreeError
         a reading that a split asks for is missing (NaN), and it has no side for it; or its column is not there.
+    DataError
+        some are no numbers.
     """
     labels = np.array([leaf.label for leaf in leaves(tree)], dtype=np.int64)
-    return labels[reached_leaves(tree, features)]
+    return labels[reached_leaves(tree, _array(features))]
 
 
-def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.float64]:
+def predict_values(tree: Node, features: Any) -> NDArray[np.float64]:
     """Return the number that a regression tree predicts for every row of `features`, shape (n_samples,).
 
     The products of a linear leaf are rounded to float64 and added from the first feature to the last.
@@ -42,8 +46,21 @@ def predict_values(tree: Node, features: NDArray[np.float64]) -> NDArray[np.floa
     ------
     TreeError
         a leaf predicts a class, not a number; a prediction is beyond float64; or a reading is missing.
+    DataError
+        some are no numbers.
     """
+    features = _array(features)
     return reference.predict_values(tree, features, reached_leaves(tree, features))
+
+
+def _array(features: Any) -> NDArray[Any]:
+    """Return rows of numbers of any library as an array, NaN where one is missing."""
+    if type(features) is np.ndarray and features.dtype.kind in "fiub":
+        return features
+    columns = columns_of(features)
+    if columns is None:
+        return numbers_in(features, "features")
+    return np.column_stack([numbers_in(column, f"features, column {name!r}") for name, column in columns.items()])
 
 
 def reached_leaves(tree: Node, features: NDArray[np.float64]) -> NDArray[np.int64]:

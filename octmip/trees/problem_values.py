@@ -1,22 +1,29 @@
 """The values that a problem is given, each checked and returned as the type that `Problem` keeps."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.errors import ProblemError
+from octmip.errors import DataError, ProblemError
 from octmip.input.cells import BEYOND, beyond_exact
+from octmip.input.named_arrays import columns_of, numbers_in, settled, unmasked
 
 
 def names_of_columns(features: object) -> tuple[str, ...] | None:
-    """Return the names of the columns of a data frame; None for an array, or where the columns are only numbered."""
-    columns = getattr(features, "column_names", getattr(features, "columns", None))
-    if columns is None or all(isinstance(name, int | np.integer) for name in columns):
-        return None
-    return tuple(str(name) for name in columns)
+    """Return the names of columns; None for an array, or where they are only numbered.
+
+    Raises
+    ------
+    ProblemError
+        a name stands twice, or the rows of a query are not there yet.
+    """
+    try:
+        columns = columns_of(features)
+    except DataError as error:
+        raise ProblemError(f"features: {error}") from error
+    return None if columns is None else tuple(columns)
 
 
 BLOCK = 1 << 20
@@ -43,11 +50,11 @@ def features_of(
     ProblemError
         some value is no number, infinite, or (without `takes_missing`) missing; of a data frame, its columns are named.
     """
-    names = names_of_columns(values)
-    if names is None:
+    if names_of_columns(values) is None:
         return numbers_of(values, "features", 2, takes_missing=takes_missing, kept=kept)
-    columns = [_numbers_of_column(values, j, name) for j, name in enumerate(names)]
-    wrong = [name for name, column in zip(names, columns, strict=True) if not _are_usable(column, takes_missing)]
+    given = columns_of(values) or {}
+    columns = [_numbers_of_column(column, name) for name, column in given.items()]
+    wrong = [name for name, column in zip(given, columns, strict=True) if not _are_usable(column, takes_missing)]
     if wrong:
         shown = ", ".join(map(repr, wrong[:5])) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
         what = (
@@ -63,35 +70,23 @@ def features_of(
     return numbers_of(np.column_stack(found) if found else np.zeros((0, 0)), "features", 2, takes_missing=takes_missing)
 
 
-def _numbers_of_column(frame: Any, position: int, name: str) -> NDArray[np.float64] | None:
-    """Return a column of a data frame as numbers, NaN where missing; None where it holds something else.
+def _numbers_of_column(given: Any, name: str) -> NDArray[np.float64] | None:
+    """Return a named column as numbers, NaN where missing; None where it holds something else.
 
     Raises
     ------
     ProblemError
         it holds a whole number beyond 2^53.
     """
-    column = frame.iloc[:, position] if hasattr(frame, "iloc") else _settled_column(frame, position)
+    column = settled(given)
     try:
-        if hasattr(column, "iloc") and (column.dtype.kind == "O" or not isinstance(column.dtype, np.dtype)):
-            numbers = np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
-        else:
-            numbers = np.asarray(column, dtype=np.float64)
-    except (TypeError, ValueError):
+        numbers = numbers_in(column, name)
+    except DataError:
         return None
     row = beyond_exact(column, numbers)
     if row is not None:
         raise ProblemError(f"features holds a whole number in row {row} of {name!r}, {BEYOND}")
     return numbers
-
-
-def _settled_column(frame: Any, position: int) -> Any:
-    """Return a column of a frame of polars or a table of Arrow as an array, of objects where some are missing."""
-    column = frame.to_series(position) if hasattr(frame, "to_series") else frame.column(position)
-    if column.null_count:
-        listed = column.to_pylist() if hasattr(column, "to_pylist") else column.to_list()
-        return np.array([math.nan if cell is None else cell for cell in listed], dtype=object)
-    return np.asarray(column.to_numpy())
 
 
 def _are_usable(numbers: NDArray[np.float64] | None, takes_missing: bool) -> bool:
@@ -129,6 +124,9 @@ def numbers_of(
     ProblemError
         some value is no finite number (nor, with `takes_missing`, missing), or the number of dimensions is another.
     """
+    values = unmasked(values)
+    if (kind := getattr(values, "dtype", None)) is not None and getattr(kind, "kind", "") in "cmM":
+        raise ProblemError(f"{name} holds values of type {kind}; expected numbers; convert them to real ones first")
     try:
         array = values if _is_settled(values, kept) else np.array(values, dtype=np.float64)
     except (TypeError, ValueError) as error:

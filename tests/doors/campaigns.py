@@ -73,6 +73,8 @@ DISPLAYS: dict[str, tuple[str, Blocks, list[str]]] = {
     "all repeats equal": ("dial gauge, 0.05 mm", shown(0.05, FORCES, 3, sd=0.0005), []),
     "a coarse channel beside fine ones": ("two loggers", shown((0.02, 1e-4, 1e-4), FORCES, 5), []),
     "exact zeros": ("tared logger, 0.0001 mm", tared(shown(1e-4, FORCES, 4)), []),
+    "two repeats of each load": ("display, 0.01 mm", shown(0.01, FORCES, 2), []),
+    "two repeats, a pair repeated": ("logger that holds a sample", held(shown(1e-4, FORCES, 2), 60.0), []),
     "exact zeros, three repeats": ("tared logger, 0.0001 mm", tared(shown(1e-4, (0.0, 60.0), 3)), []),
     "exact zeros, twelve repeats": ("tared logger, 0.0001 mm", tared(shown(1e-4, FORCES, 12)), []),
     "a row repeated": ("logger that holds a sample", held(shown(1e-4, FORCES, 6), 40.0), []),
@@ -149,5 +151,13 @@ ROWS = [
         _in({force: np.repeat(rows[:1], 4, axis=0) for force, rows in fine().items()}),
         told,
         Refused(("all repeats", "--noise")),
+    ),
+    Row(
+        "diagnose",
+        "numpy",
+        "one load is read twice, all others once",
+        _in({force: rows[: 1 + (force == 20.0)] for force, rows in fine().items()}),
+        told,
+        Refused(("at most one load of one test was read twice", "repeat the readings of two loads", "--noise")),
     ),
 ]

@@ -123,6 +123,13 @@ NASTRAN = {
 NODES = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,1,0\n5,1,1,0\n6,2,1,0\n"
 SHELLS = "*ELEMENT,TYPE=S4,ELSET=SKIN\n1,1,2,5,4\n2,2,3,6,5\n"
 EIGHT = "*NODE\n1,0,0\n2,2,0\n3,2,2\n4,0,2\n5,1,0\n6,2,1\n7,1,2\n8,0,1\n9,1,1\n"
+NINE = (
+    "".join(
+        f"GRID,{k},,{x}.,{y}.,0.\n"
+        for k, (x, y) in enumerate([(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)], start=1)
+    )
+    + "CQUAD9,1,1,1,2,3,4,5,6,+E1\n+E1,7,8,9\n"
+)
 SIX = "*NODE\n1,0,0\n2,2,0\n3,0,2\n4,1,0\n5,1,1\n6,0,1\n"
 INSTANCES = """*Part, name=Plate
 *Node
@@ -180,6 +187,9 @@ def element(name: str) -> str:
     return f"{nodes}*ELEMENT, TYPE={name}, ELSET=SKIN\n1, {', '.join(str(k + 1) for k in range(n))}\n"
 
 
+VERSIONS = {"a1.msh": 1.0, "a40.msh": 4.0, "a4.msh": 4.1}
+
+
 def gmsh_file(name: str, order: int = 1, is_long: bool = False) -> Callable[[Path], Path]:
     """Return what lets gmsh mesh two squares of triangles, all in `skin`, the second in `bay` too."""
 
@@ -187,7 +197,7 @@ def gmsh_file(name: str, order: int = 1, is_long: bool = False) -> Callable[[Pat
         gmsh = pytest.importorskip("gmsh")
         gmsh.initialize(interruptible=False)
         wanted = {"General.Terminal": 0, "Mesh.MeshSizeMin": 9, "Mesh.MeshSizeMax": 9, "Mesh.ElementOrder": order}
-        wanted |= {"Mesh.BdfFieldFormat": 2 if is_long else 1, "Mesh.MshFileVersion": 4.1 if "4" in name else 2.2}
+        wanted |= {"Mesh.BdfFieldFormat": 2 if is_long else 1, "Mesh.MshFileVersion": VERSIONS.get(name, 2.2)}
         for option, value in wanted.items():
             gmsh.option.setNumber(option, value)
         for x in (0, 1):
@@ -319,6 +329,13 @@ ROWS = [
             answer((8, 0, 8, 0), 2.0, GROUPS))
         for name, order in (("a2.msh", 1), ("a2.msh", 2), ("a4.msh", 1), ("a4.msh", 2))
     ),
+    *(
+        Row(DOOR, "gmsh 4.15", f"version {version}", gmsh_file(name), read,
+            Refused((f"is MSH {version};", "expected MSH 4.1 or 2.2", "Mesh.MshFileVersion")))
+        for name, version in (("a1.msh", 1), ("a40.msh", 4))
+    ),
+    Row(DOOR, "gmsh 4.15, kept", "nine nodes", written("a.bdf", NINE), read,
+        answer((4, 1, 0, 0), 4.0, {"property:1": 1})),
     Row(DOOR, "gmsh 4.15", "short fields", gmsh_file("a.bdf"), read,
         answer((8, 0, 8, 0), 2.0, {"property:1": 4, "property:2": 4}, f"8 {ROUNDED}")),
     Row(DOOR, "gmsh 4.15", "long fields", gmsh_file("a.bdf", is_long=True), read,

@@ -247,6 +247,7 @@ ROWS: list[Row] = [
         "closer",
     ),
     refused("pandas", "complex numbers", of_pandas(lambda: [1j, None] * 6), "'x'", "complex"),
+    refused("pandas", "intervals", of_pandas(lambda: pd.Series(pd.interval_range(0, 12))), "'x'", "of type Interval"),
     refused("pyarrow", "lists", of_arrow([[1], [2]] * 6), "'x'", "expected numbers or text"),
     refused("pyarrow", "bytes", of_arrow([b"a", b"b"] * 6), "'x'", "of type bytes"),
 ]

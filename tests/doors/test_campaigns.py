@@ -40,6 +40,17 @@ def test_white_noise_is_not_called_correlated_and_correlated_noise_is() -> None:
     assert sum(noise_of(seed, 0.6) for seed in range(10)) >= 9
 
 
+def test_the_variance_of_few_repeats_leaves_room_for_what_they_cannot_tell() -> None:
+    """The mean of true over estimated variance is 1, not d / (d - 2) with d = 6 degrees of freedom, which is 1.5."""
+    n, nan = 12, np.full(12, np.nan)
+    names, loads = ("a", "b"), np.repeat(np.arange(6.0), 2)
+    ratios = [
+        1.0 / np.diag(estimate_noise(Campaign(names, (), ("t",) * n, loads, np.zeros((n, 0)), y, nan, nan)).covariance)
+        for y in np.random.default_rng(8).standard_normal((120, n, 2))
+    ]
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.2)
+
+
 def test_a_diagnosis_goes_to_another_process_and_back() -> None:
     blocks = shown(1e-4, FORCES, 6)
     campaign = gathered(TWIN, [Recorded(1.25 * rows, {"force": force}) for force, rows in blocks.items()])

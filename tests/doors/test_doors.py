@@ -14,6 +14,7 @@ from octmip.errors import OctmipError
 from tests.doors.row import Refused, Row
 
 TABLES: tuple[str, ...] = (
+    "arrays",
     "campaigns",
     "class_orders",
     "class_weights",

@@ -161,4 +161,7 @@ def test_names_of_features_speak_of_the_columns_and_classes_without_names_are_th
         table.to_sql("readings", base)
         for names, answers in ((None, [0, 1]), (tree.classes_, ["bad", "good"])):
             text = sql_expression(tree.tree_, tree.columns_.feature_names, names)
+            heads = [text, source := c_source(tree.tree_, tree.columns_.feature_names, names)]
+            assert [("the index of a class" in head) for head in heads] == [names is None] * 2
+            assert "It is given reading[0], and reads:" in source
             assert [one for (one,) in base.execute(f"SELECT {text} FROM readings")] == answers * 10

@@ -50,6 +50,17 @@ def test_streed_takes_numbers_and_has_balanced_accuracy():
     assert errors(streed("balanced-accuracy"), np.array([[0.5], [1.5], [2.5], [3.5]]), np.array([0, 0, 1, 1])) == 0
 
 
+def test_the_regressor_of_streed_misses_an_optimum_under_its_default_bound_alone():
+    rows = ["111", "011", "101", "110", "000", "110", "111", "011", "100", "010"]
+    features, targets = np.array([list(row) for row in rows], dtype=float), np.array([0, 3, 3, 0, 1, 3, 2, 2, 3, 3.0])
+    paid = {}
+    for bound in ("kmeans", "equivalent"):
+        peer = pytest.importorskip("pystreed").STreeDRegressor(max_depth=3, regression_lower_bound=bound)
+        left = ((np.asarray(peer.fit(features, targets).predict(features)) - targets) ** 2).sum()
+        paid[bound] = left / ((targets - targets.mean()) ** 2).sum() + 0.01 * (peer.get_n_leaves() - 1)
+    assert paid == {"kmeans": pytest.approx(0.5598, abs=1e-4), "equivalent": pytest.approx(0.55)}
+
+
 def test_scikit_learn_sends_missing_values_to_the_side_of_more_rows_whatever_their_weight():
     model = DecisionTreeClassifier(max_depth=1)
     model.fit([[0.0]] * 3 + [[1.0]] * 2, [0, 0, 0, 1, 1], sample_weight=[1, 1, 1, 100, 100])

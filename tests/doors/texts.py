@@ -168,6 +168,23 @@ def _catman() -> str:
     return "\n".join([*head, "", header, *about, "", body])
 
 
+def _joined(units: str) -> str:
+    """Return the truth as two files, the second with its columns the other way round, units under both headers."""
+    top, *rows = text().strip().split("\n")
+    again = [",".join(row.split(",")[::-1]) for row in (top, units, *rows[10:])]
+    return "\n".join([top, units, *rows[:10], *again]) + "\n"
+
+
+def _numbers(cell: str, group: str, decimal: str, separator: str) -> str:
+    """Return the truth with numbers of grouped digits."""
+    marks = str.maketrans({",": group, ".": decimal})
+    rows = [
+        separator.join([t, *(cell.format(f"{x:,.4f}".translate(marks)) for x in (f, a, b)), y])
+        for t, f, a, b, y in zip(TEST, FORCE, G1, G2, STATE, strict=True)
+    ]
+    return "\n".join([separator.join(("test", "force", "g1", "g2", "state")), *rows]) + "\n"
+
+
 R_NAMES = "\n".join(
     [" ".join(f'"{n}"' for n in frame().columns)]
     + [
@@ -183,6 +200,8 @@ FORTRAN = "test,force,g1,g2,state\n" + "".join(
     f"{t},{f:.1f}D0,{a / 1e3:.7f}D+03,{b / 1e-2:.5f}d-02,{y}\n".replace("D0,", "D+00,", 1)
     for t, f, a, b, y in zip(TEST, FORCE, G1, G2, STATE, strict=True)
 )
+BOX = "".join(f"| {row} |\n" for row in text("|").strip().split("\n"))
+BOX = "+---+---+\n" + BOX.replace("\n", "\n+---+---+\n", 1) + "+---+---+\n24 rows in set (0.01 sec)\n"
 WITH_UNITS = "test,force,g1 [microstrain],g2 (µm/m),state"
 DASHES = text("|").replace("\n", "\n" + "+".join("-" * 6 for _ in range(5)) + "\n", 1)
 MARKDOWN = "".join(f"| {row} |\n" for row in text("|").strip().split("\n")).replace(
@@ -229,6 +248,20 @@ MADE: dict[tuple[str, str], Callable[[Path], Path]] = {
     ("a logger, kept", "blanks behind commas"): kept(text().replace(",", ", ")),
     ("a logger, kept", "CRLF and empty lines"): kept(text().replace("\n", "\r\n\r\n")),
     ("Fortran, kept", "exponents with D"): kept(FORTRAN),
+    ("a logger, kept", "UTF-16 without a byte-order mark"): kept(text(), "utf-16-le"),
+    ("cmd's copy, kept", "two files joined, each with a byte-order mark"): kept(
+        "\ufeff" + text().replace("t1,", "\ufefft1,", 1)
+    ),
+    ("a logger, kept", "a row Unit with brackets"): kept(lines(units="Unit,(N),(microstrain),(um/m),")),
+    ("a logger, kept", "serial numbers above the units"): kept(
+        lines(units="S/N,1044,2231,2232,\nUnit,N,microstrain,um/m,")
+    ),
+    ("a logger, kept", "joined files, columns in another order"): kept(_joined(",N,microstrain,um/m,")),
+    ("pandas", "to_string, names of rows from 0"): lambda folder: kept(frame().to_string())(folder),
+    ("MySQL 8, kept", "a box of bars, and words below it"): kept(BOX),
+    ("Excel, kept", "decimal commas in quotes"): kept(_numbers('"{}"', ",", ".", ",")),
+    ("Excel, kept", "groups of digits and decimal commas"): kept(_numbers("{}", ".", ",", ";")),
+    ("LibreOffice, kept", "Swiss groups of digits"): kept(_numbers("{}", "'", ".", ";")),
 }
 ROWS = [
     *(Row("octmip diagnose CAMPAIGN", *key, make, campaign, CAMPAIGN) for key, make in MADE.items()),
@@ -237,6 +270,9 @@ ROWS = [
 UNITS = {
     "units behind the names": (WITH_UNITS, 1.0),
     "units over a stroke": ("test,force/N,g1/microstrain,g2/(um/m),state", 1.0),
+    "units behind dashes": ("test,force - N,g1 \u2013 microstrain,g2 - um/m,state", 1.0),
+    "units behind colons and low lines": ("test,force_N,g1: microstrain,g2_um/m,state", 1.0),
+    "millistrain behind a comma": ('test,force,"g1, millistrain","g2, mm/m",state', 1e-3),
     "strain for microstrain": ("test,force [N],g1 [m/m],g2 [m/m],state", 1e-6),
     "per cent for microstrain": ("test,force,g1 (%),g2 (%),state", 1e-4),
 }
@@ -254,6 +290,10 @@ ROWS += [
     for case, made in UNITS.items()
 ]
 REFUSED = {
+    "units that change where files were joined": (
+        _joined(",N,microstrain,um/m,").replace(",um/m,microstrain,N,", ",m/m,m/m,N,"),
+        ("line 14", "the units of the columns are others", "its own file"),
+    ),
     "another quantity": (
         _scaled("test,force,g1 [mm],g2,state", 1.0),
         ("column g1 is in 'mm'", "expected microstrain", "convert the column"),
@@ -262,12 +302,14 @@ REFUSED = {
     "a row that was cut": (text()[:-8], ("line 25: 4 cells but the header has 5",)),
     "a comment that may be a row": (text().replace("t1,", "#t1,", 1), ("line 10 begins with '#t'", "delete the line")),
     "two separators": (text().replace("\n", "\n", 1) + text(";").split("\n", 1)[1], ("between semicolons",)),
+    "a character of zero": (text().replace("t1", "t1\0", 1), ("line 10 holds a NUL", "write the file again")),
+    "an archive under the name of a text": ("PK\x03\x04" + "\x01" * 40, ("is an archive", "export the table as CSV")),
     "no header": (text().split("\n", 1)[1], ("column 'test' is missing",)),
     "a statistic below the rows": (text() + "Average,1,800,500,\n", ("'Average'", "delete the row")),
     "a name nearly the twin's": (_scaled("test,force,G1,g2,state", 1.0), ("'G1'", "write 'g1'")),
     "thousands of ambiguous commas": (
-        text("\t").replace("800.", "1,800."),
-        ("column g1 is '1,", "no thousands separators"),
+        "test\tforce\tg1\tg2\n" + "".join(f"t{k}\t{k}\t1,80{k}\t500\n" for k in range(9)),
+        ("column g1 holds '1,80", "may be 180", "write the numbers without marks"),
     ),
 }
 ROWS += [

@@ -12,6 +12,7 @@ from octmip.errors import CertificateError, ProblemError
 from octmip.trees.encoding import costs as grid
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
+from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Stop, closing_tolerance
 from octmip.trees.tree import n_splits
@@ -108,9 +109,12 @@ def test_costs_beyond_float64_are_refused_with_a_way_out(weight, cost):
         Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[weight, weight], loss=ClassCosts([[0, cost], [cost, 0]]))
 
 
-def test_an_objective_whose_rounding_hides_a_split_is_not_called_optimal():
-    problem = Problem([[2.0], [2.0], [0.0]], [0, 1, 0], depth=1, weights=[1e12, 1e12 + 1, 1e-12])
-    solution = branch_and_bound(problem)
+@pytest.mark.parametrize(
+    ("solver", "split"), [(branch_and_bound, {}), (two_feature_branch_and_bound, {"split": "hyperplane"})]
+)
+def test_an_objective_whose_rounding_hides_a_split_is_not_called_optimal(solver, split):
+    problem = Problem([[2.0], [2.0], [0.0]], [0, 1, 0], depth=1, weights=[1e12, 1e12 + 1, 1e-12], **split)
+    solution = solver(problem)
     better = Split(0, 1.0, Leaf(0), Leaf(1))
     assert problem.exact_objective(solution.tree) - problem.exact_objective(better) == Fraction(1e-12)
     assert (solution.stop, solution.is_optimal) == (Stop.NUMERICS, False)

@@ -155,7 +155,7 @@ def test_the_one_gauge_that_wanders_has_a_part_of_its_own():
 
 
 def test_a_run_without_repeats_takes_the_noise_of_the_campaign():
-    campaign, run = measured(1), measured(2, repeats=2)
+    campaign, run = measured(1), measured(2, repeats=1)
     noise, notes = noise_of_run(run, estimate_noise(campaign))
     assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(np.full(20, SD), rel=0.1)
     assert "campaign's is used" in notes[0]

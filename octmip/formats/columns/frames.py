@@ -6,11 +6,11 @@ reads. Its types are kept: whole numbers with missing cells stay whole, where nu
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pandas as pd
 
 from octmip.errors import DataError, needed_by
 from octmip.input.messages import shown
+from octmip.input.named_arrays import unmasked
 
 if TYPE_CHECKING:
     import pyarrow
@@ -31,7 +31,14 @@ def frame_of(table: Any) -> Any:
     if hasattr(table, STREAM) and not isinstance(table, pd.DataFrame | pd.Series):
         with needed_by(f"a {type(table).__name__} as samples"):
             import pyarrow
-        table = _of_arrow(pyarrow.table(table))
+        try:
+            table = _of_arrow(pyarrow.table(table))
+        except pyarrow.ArrowInvalid as error:  # such as 128-bit integers of polars
+            raise DataError(
+                f"X is a {type(table).__name__} that Arrow cannot take ({error}); cast its column"
+            ) from error
+    if getattr(getattr(table, "dtype", None), "names", None):  # a structured array
+        table = pd.DataFrame({name: unmasked(table[name]) for name in table.dtype.names})
     if hasattr(table, "collect") and hasattr(table, "lazy"):
         raise DataError(
             f"X is a {type(table).__name__}, a query without rows yet; expected a table; collect() it first"
@@ -54,16 +61,6 @@ def series_of(values: Any) -> Any:
             labels = labels.cast("large_string")
         return pd.Series(pd.arrays.ArrowExtensionArray(labels), name=getattr(values, "name", None))
     return unmasked(values)
-
-
-def unmasked(values: Any) -> Any:
-    """Return what may be a masked array as a plain one, NaN where a number is masked and None where a text is."""
-    if not isinstance(values, np.ma.MaskedArray) or not np.ma.is_masked(values):
-        return values
-    is_number = values.dtype.kind in "bf" or (values.dtype.kind in "iu" and values.dtype.itemsize < 8)
-    plain = values.data.astype(np.float64 if is_number else object)
-    plain[np.ma.getmaskarray(values)] = np.nan if is_number else None
-    return plain
 
 
 def _of_arrow(table: "pyarrow.Table") -> pd.DataFrame:

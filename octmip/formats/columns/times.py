@@ -89,7 +89,7 @@ def time_form_of(texts: Sequence[str]) -> str | None:
         raise DataError(
             f"holds {shown(texts[0])}, which may be minutes and seconds or hours and minutes; write 0:05:12.3"
         )
-    forms = [form for form in TIMES if texts and instants_of(texts, form) is not None]
+    forms = time_forms_of(texts)
     if any("%d/%m" in form or "%d-%m" in form for form in forms) and any(
         "%m/%d" in form or "%m-%d" in form for form in forms[1:]
     ):
@@ -103,6 +103,11 @@ def time_form_of(texts: Sequence[str]) -> str | None:
             "15:09:26+01:00"
         )
     return forms[0] if forms else None
+
+
+def time_forms_of(texts: Sequence[str]) -> list[str]:
+    """Return every form that all of the texts have."""
+    return [form for form in TIMES if texts and instants_of(texts, form) is not None]
 
 
 def _has_zone_name(text: str) -> bool:

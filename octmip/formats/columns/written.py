@@ -150,4 +150,6 @@ def _numbers(texts: Sequence[str], style: str, sign: str) -> Floats | None:
         if is_beyond(plain):
             raise DataError(f"holds {shown(text)}, {BEYOND}, or leave it out")
         out.append(float(part["minus"] + plain))
+        if np.isinf(out[-1]):
+            raise DataError(f"holds {shown(text)}, which is too large for float64; correct it, or leave it out")
     return np.array(out)

@@ -178,11 +178,11 @@ def _with_first(
         out = pd.concat([both, frame.iloc[:, 2:]], axis=1)
         return out.set_axis(header, axis=1), (f"day and time are read together as the column {header[0]}",)
     begin = layout.rows.splitlines()[row.number - 1].lstrip()[:1]
-    counts = first.dtype.kind == "i" and first.tolist() == [*range(1, len(first) + 1)]
+    counts = first.dtype.kind == "i" and first.tolist()[:1] in ([0], [1]) and bool((first.diff()[1:] == 1).all())
     counts = counts and (layout.separator != "," or len(first) > FEW)  # 1,5 may be a number with a decimal comma
     if not (first.is_unique and (begin == '"' or not is_value(row.cells[0]) or counts)):
         raise DataError(
             f"{source.name}, line {row.number}: {ragged(len(row.cells), len(header))}, and name every column"
         )
     out = frame.iloc[:, 1:].set_axis(header, axis=1)
-    return out, (f"the rows of {source.name} have names, as R writes them, which are left out",)
+    return out, (f"the rows of {source.name} have names, as R and pandas write them, which are left out",)

@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from octmip.errors import DataError
+from octmip.formats.table.joined import in_one_order
 from octmip.formats.table.left_out import rows_of
 from octmip.formats.table.lines import SEPARATORS, TAIL, is_value, plain_rows, width_of
 from octmip.formats.table.top import top_of
@@ -69,16 +70,16 @@ def layout_of(name: str, text: str, form: str) -> Layout:
     DataError
         no header stands above the rows, a line may be a row and may be none, or decimal commas and points are mixed.
     """
-    told = re.match(r'"?sep=([,;|\t])"?\r?\n', text, re.IGNORECASE)  # which Excel reads
-    lines = [(k, line) for k, line in _head(text) if k > 1 or not told]
-    separator = told[1] if told else _separator(name, lines, form)
+    excel = re.match(r'"?sep=([,;|\t])"?\r?\n', text, re.IGNORECASE)  # which Excel reads
+    lines = [(k, line) for k, line in _head(text) if k > 1 or not excel]
+    separator = excel[1] if excel else _separator(name, lines, form)
     top = top_of(name, lines, separator)
     decimal = _decimal(name, text, separator)
     notes = (f"numbers are read with decimal commas, as the cells stand between {SEPARATORS[separator]}",)
+    text, joined = in_one_order(name, text, top, separator)
     rows, left_out = rows_of(name, text, top, separator)
-    return Layout(
-        separator, decimal, top.header, top.units, top.line, top.n_cells, rows, (*left_out, *notes * (decimal == ","))
-    )
+    told = (*left_out, *joined, *notes * (decimal == ","))
+    return Layout(separator, decimal, top.header, top.units, top.line, top.n_cells, rows, told)
 
 
 def _head(text: str) -> list[tuple[int, str]]:

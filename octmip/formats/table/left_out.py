@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from octmip.errors import DataError
-from octmip.formats.table.lines import TAIL, comment_text, is_comment, is_value, split_rows
+from octmip.formats.table.lines import RULE, TAIL, comment_text, is_comment, is_value, split_rows
 from octmip.formats.table.top import Top
 from octmip.input.messages import shown
 
@@ -151,6 +151,10 @@ def _after_the_end(body: str, top: Top, separator: str) -> Iterator[Span]:
         line = body[begin:stop]
         if not begin or line.count('"') % 2 or body.count('"', 0, begin) % 2:
             return
+        if RULE.fullmatch(line):
+            yield begin, stop
+            stop = begin - 1
+            continue
         row = next(split_rows([(1, line)], separator), None)
         if row is None or not _is_word(row.cells, top.n_cells, separator):
             return

@@ -1,5 +1,6 @@
 """Where a table comes from: a file, plain or compressed by gzip, or standard input."""
 
+import codecs
 import gzip
 import io
 import re
@@ -13,7 +14,18 @@ from octmip.input import files
 from octmip.input.files import PathLike, decoded, read_bytes
 
 STANDARD_INPUT = "-"
-GZIP, PARQUET, ARCHIVE = b"\x1f\x8b", b"PAR1", b"PK\x03\x04"
+GZIP, PARQUET = b"\x1f\x8b", b"PAR1"
+NO_TEXT = {
+    b"PK\x03\x04": "an archive, such as a workbook (.xlsx, .ods)",
+    b"\xd0\xcf\x11\xe0": "a workbook (.xls)",
+    b"\xfd7zXZ\x00": "compressed by xz",
+    b"BZh91AY": "compressed by bzip2",
+    b"\x28\xb5\x2f\xfd": "compressed by Zstandard",
+    b"ARROW1\0": "an Arrow file (Feather)",
+    b"SQLite format 3": "a database of SQLite",
+    b"\x89HDF": "an HDF5 file",
+}
+"""What files begin with that hold tables, but no text."""
 PIECE = 2**20  # bytes that are unpacked at a time
 SMALL = 2**26  # unpacked bytes that any packed table may have
 MOST_TIMES = (
@@ -58,6 +70,7 @@ class Source:
             they cannot be read, are too many, or are no gzip although they begin so.
         """
         packed = read_bytes(self.path) if self.held is None else self.held
+        _refuse_no_text(packed, self.name)
         return unpacked(packed, self.name) if packed.startswith(GZIP) else packed
 
     def text(self) -> tuple[str, tuple[str, ...]]:
@@ -70,7 +83,11 @@ class Source:
         """
         content = self.content()
         try:
-            return _with_line_feeds(decoded(content, self.name)), ()
+            text = _with_line_feeds(decoded(_marked(content), self.name))
+            if "\0" in text:
+                line = text[: text.index("\0")].count("\n") + 1
+                raise DataError(f"{self.name}, line {line} holds a NUL character; expected text; write the file again")
+            return text, ()
         except DataError:
             try:
                 text = content.decode("cp1252")
@@ -85,10 +102,32 @@ class Source:
             )
 
 
+def _marked(content: bytes) -> bytes:
+    """Return a text in UTF-16 without a byte-order mark with one: every other byte of its first line is zero."""
+    head = content[:200]
+    for mark, zeros, letters in (
+        (codecs.BOM_UTF16_LE, head[1::2], head[::2]),
+        (codecs.BOM_UTF16_BE, head[::2], head[1::2]),
+    ):
+        if len(head) > 3 and not any(zeros) and all(letters):
+            return mark + content
+    return content
+
+
+def _refuse_no_text(content: bytes, name: str) -> None:
+    what = next((what for mark, what in NO_TEXT.items() if content.startswith(mark)), "")
+    if what:
+        raise DataError(
+            f"{name} is {what}; expected text (.csv, .tsv), plain or packed by gzip, or .parquet; export the table as "
+            "CSV"
+        )
+
+
 def _with_line_feeds(text: str) -> str:
     """Return a text whose lines end with a line feed; some end with a carriage return, which a quoted cell may hold."""
     is_alone = "\r" in text and ("\n" not in text or (text.count("\r") != text.count("\r\n") and '"' not in text))
-    text = text.lstrip("\ufeff").rstrip(PADDING)  # files that were joined have several byte-order marks
+    text = text.lstrip("\ufeff").rstrip(PADDING)
+    text = text.replace("\n\ufeff", "\n") if "\ufeff" in text else text  # files that were joined have several marks
     text = text.replace("\r\n", "\n").replace("\r", "\n") if is_alone else text
     return MINUS.sub(r"\1\2-", text) if "\u2212" in text else text
 
@@ -114,11 +153,7 @@ def _name(path: Path) -> str:
 
 
 def _form_of(content: bytes, name: str) -> str:
-    if content.startswith(ARCHIVE):
-        raise DataError(
-            f"{name} is an archive, such as a workbook (.xlsx, .ods); expected text (.csv, .tsv) or .parquet; export "
-            "the sheet as CSV"
-        )
+    _refuse_no_text(content, name)
     return "parquet" if content.startswith(PARQUET) else "csv"
 
 

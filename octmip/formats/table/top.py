@@ -16,12 +16,14 @@ from octmip.formats.table.lines import (
     split_rows,
     width_of,
 )
-from octmip.formats.table.units import is_unit
+from octmip.formats.table.units import is_unit, unit_in
 
 END_OF_HEADER = "***End_of_Header***"
 """Ends what stands before the header in a LabVIEW measurement file."""
 CAMPBELL = ("TOA5", "TOACI1")
 """First cell of a table of a Campbell logger, whose next line is the header."""
+MOST_ABOVE = 4
+"""Rows between a header and its units: serial numbers, ranges, channels."""
 RATE = re.compile(r"\d+(?:[.,]\d+)? ?[kM]?Hz")
 
 
@@ -75,6 +77,7 @@ def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
     n_cells = width_of(rows[start:])
     first, numeric = _first_row(rows, start, n_cells)
     number, names, first = _header(name, lines, rows, start, first, n_cells, separator)
+    first = _below_units(rows, number, first, numeric)
     between, first = _between(rows, number, first, len(names), numeric, lines)
     before = [row for row in rows if row.number < number]
     if not start:
@@ -84,7 +87,7 @@ def top_of(name: str, lines: Sequence[tuple[int, str]], separator: str) -> Top:
     text_of, used = dict(lines), {row.number for row in rows} | {number}
     return Top(
         header=_without_comment(names, n_cells),
-        units=tuple(cell.strip("[]()") for cell in units)[:n_cells],
+        units=tuple(map(unit_in, units))[:n_cells],
         line=number,
         first=begin,
         n_cells=n_cells,
@@ -165,6 +168,19 @@ def _is_whole(names: Sequence[str]) -> bool:
     return all(names) and len(set(names)) == len(names) and not is_units(names)
 
 
+def _below_units(rows: Sequence[Line], number: int, first: int, numeric: Sequence[int]) -> int:
+    """Return the place of the first row, which stands below a row of units, as those of serial numbers do not."""
+    begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
+    for k in range(min(begin + MOST_ABOVE, len(rows) - 1), begin - 1, -1):
+        cells = rows[k].cells
+        named = [cells[j] for j in numeric if j < len(cells) and cells[j]]
+        rest = "".join(unit_in(cell) for j, cell in enumerate(cells) if j not in numeric)
+        are_codes = bool(rest) or max(map(len, named), default=0) < 2  # A, N may be a class and an answer
+        if named and not any(map(is_value, named)) and is_units(cells) and (k == begin or not are_codes):
+            return max(first, k + 1)
+    return first
+
+
 def _between(
     rows: Sequence[Line],
     number: int,
@@ -175,16 +191,17 @@ def _between(
 ) -> tuple[list[Line], int]:
     """Return the rows between header and first row that hold none, and the place of the first that may be one.
 
-    These are units, a word alone, what a Campbell logger made of each column, and whatever words stand above an empty
-    line, as HBM's catman writes them.
+    These are units and what stands above them, a word alone, what a Campbell logger made of each column, and whatever
+    words stand above an empty line, as HBM's catman writes them.
     """
     begin = next((k for k, row in enumerate(rows) if row.number > number), len(rows))
+    units = max((k for k in range(begin, first) if is_units(rows[k].cells)), default=begin)
     if rows[0].cells[0] in CAMPBELL:
         return list(rows[begin:first]), first
     number_first = rows[first].number if first < len(rows) else 0
     blank = {k for k, line in lines if not line.strip()}
     is_apart = number_first - 1 in blank and first - begin > 1
-    for k in range(begin, first):
+    for k in range(units, first):
         cells = rows[k].cells
         is_word = len(cells) == 1 and n_names > 1 and not is_value(cells[0])
         holds_values = any(cells[j] and is_value(cells[j]) for j in numeric if j < len(cells))

@@ -1,4 +1,4 @@
-"""Units as loggers write them, in a row under the header or behind a name: `g1 [mm]`, `g1 (mm)`, `Force/N`.
+"""Units as loggers write them, in a row under the header or behind a name: `g1 [mm]`, `Force/N`, `g1 - mm`.
 
 A unit is a quantity and its size in the SI unit of that quantity. Temperatures begin at zeros of their own, so no
 factor converts one to another.
@@ -20,7 +20,8 @@ _QUANTITIES = {
         "ft": 0.3048,
     },
     "strain": {"strain": 1.0, "m/m": 1.0, "mm/m": 1e-3, "millistrain": 1e-3, "um/m": 1e-6, "ue": 1e-6, "nm/m": 1e-9}
-    | dict.fromkeys(("microstrain", "ustrain", "ustr", "umm/mm", "uε", "uepsilon"), 1e-6),
+    | dict.fromkeys(("microstrain", "ustrain", "ustr", "umm/mm", "uε", "uɛ", "uE", "uepsilon"), 1e-6)
+    | dict.fromkeys(("ppm", "10^-6", "1e-6", "1E-6"), 1e-6),
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
     "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
@@ -44,11 +45,15 @@ _QUANTITIES = {
     "temperature in degrees Fahrenheit": dict.fromkeys(("degF", "°F", "deg F", "F"), 1.0),
 }
 _LOGGER = frozenset({"TS", "RN", "unitless", "bool", "text", "date", "none", "string"})
+_LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
+"""What a row of units has in a column of words, in any case."""
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
 _BEHIND = re.compile(
     r"(?P<name>.*?[^\s_,;/])[\s_,;/]*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>|\{(?P<d>[^}]*)\})"
 )
 _OVER = re.compile(r"(?P<name>\S.*?)\s*(?:/| in )\s*(?P<unit>\S+(?:/\S+)?)")
+_APART = re.compile(r"(?P<name>.*[^\s_,:\u2013—-])(?:\s*[,:\u2013—-]\s*|_(?=..|N$))(?P<unit>[^\s_,:]+)")
+"""Of these only what is a unit counts, since names have dashes too; `g1 - min` is the least reading of g1."""
 
 
 def plain_unit(text: str) -> str:
@@ -61,13 +66,27 @@ _UNITS = {plain_unit(unit): (quantity, size) for quantity, units in _QUANTITIES.
 
 
 def is_unit(text: str) -> bool:
-    """Whether a text is the name of a unit, in brackets or without."""
+    """Whether a text is the name of a unit, in brackets or without, or says that units stand beside it."""
     plain = plain_unit(text)
-    return plain in _UNITS or plain in _LOGGER
+    return plain in _UNITS or plain in _LOGGER or not unit_in(text)
+
+
+def unit_in(cell: str) -> str:
+    """Return the unit in a cell of a row of units, without brackets; "" where it only says that units stand here."""
+    bare = cell.strip("[]()")
+    return "" if bare.rstrip(" :").lower() in _LABELS else bare
 
 
 def unit_behind(name: str) -> tuple[str, str]:
     """Return a column's name without the unit behind it, and that unit, "" where there is none."""
+    apart = _APART.fullmatch(name.strip())
+    if (
+        apart is not None
+        and apart["unit"] != "min"
+        and not apart["unit"].isdigit()
+        and plain_unit(apart["unit"]) in _UNITS
+    ):
+        return apart["name"], apart["unit"]
     for pattern in (_BEHIND, _OVER):
         found = pattern.fullmatch(name.strip())
         if found is not None:

@@ -44,8 +44,8 @@ class Fault:
     first: int
 
 
-FEWEST_REPEATS = 3
-"""A cell with fewer repeats says nothing about its own noise."""
+FEWEST_DEGREES = 2
+"""Repeats beyond the first of each cell, of one gauge over all cells, with fewer of which nothing is known of noise."""
 ROUNDING = 1e-12
 """Standard deviation over the greatest reading up to which repeats are equal: means round in the last digits."""
 ENOUGH_FOR_HALVES = 16
@@ -289,8 +289,9 @@ class Campaign:
 
     @property
     def has_repeats(self) -> bool:
-        """Whether some cell has enough repeats to estimate the noise."""
-        return any(int(cell.count.max()) >= FEWEST_REPEATS for cell in self.cells)
+        """Whether the repeats of all cells together are enough to estimate the noise."""
+        beyond = np.sum([np.maximum(cell.count - 1, 0) for cell in self.cells], axis=0)
+        return int(beyond.max()) >= FEWEST_DEGREES
 
     def spreads(self) -> NDArray[np.float64]:
         """Return the standard deviation of the repeats of every cell (n_cells, n_gauges), NaN of fewer than two.

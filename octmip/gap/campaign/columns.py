@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.formats.columns.spellings import DAYS
-from octmip.formats.columns.times import days_in, instants_of, time_form_of
-from octmip.formats.columns.written import words_of
+from octmip.formats.columns.times import days_in, instants_of, time_form_of, time_forms_of
+from octmip.formats.columns.written import DIGITS, form_of, read_texts, words_of
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.units import factor_between, unit_behind
 from octmip.input.cells import is_missing_word, plain_number
@@ -87,13 +87,41 @@ class CampaignColumns:
         if column.dtype.kind in "iuf":
             values = column.to_numpy(dtype=np.float64, na_value=np.nan)
         else:
-            values = np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
+            grouped = self._grouped(name, words)
+            values = (
+                grouped
+                if grouped is not None
+                else np.array([self._number(text, row, name, words) for row, text in enumerate(self.texts(name))])
+            )
         infinite = np.flatnonzero(np.isinf(values))
         if infinite.size:
             raise DataError(
                 f"row {self.numbers[infinite[0]]}, column {name} is {values[infinite[0]]}; expected a finite number; "
                 "leave it empty if missing"
             )
+        return values
+
+    def _grouped(self, name: str, words: bool) -> Floats | None:
+        """Return the numbers (n_rows,) of a column with digits in groups or decimal commas, None where it is none.
+
+        Raises
+        ------
+        DataError
+            a comma may do either.
+        """
+        texts = self.texts(name)
+        there = [bool(text) and not (words and is_missing_word(text)) for text in texts]
+        present = [text for text, is_there in zip(texts, there, strict=True) if is_there]
+        if not present or all(plain_number(text) is not None for text in present):
+            return None
+        try:
+            form = form_of(list(dict.fromkeys(present)))
+            if form not in DIGITS:
+                return None
+            values = np.full(len(texts), np.nan)
+            values[there] = read_texts(present, form)
+        except DataError as error:
+            raise DataError(f"{self.table.name}: column {name} {error}") from error
         return values
 
     def _number(self, text: str, row: int, name: str, words: bool) -> float:
@@ -167,7 +195,8 @@ class CampaignColumns:
         return values, notes
 
     def _written(self, texts: Sequence[str], present: Sequence[str]) -> tuple[Floats, tuple[str, ...]]:
-        form = time_form_of(present)
+        told, why = self._rising(texts, present)
+        form = told or time_form_of(present)
         if form == DAYS and (day := self._day()) is not None:
             joined = [f"{d} {t}" if d and t else "" for d, t in zip(day, texts, strict=True)]
             return self._written(joined, [text for text in dict.fromkeys(joined) if text])
@@ -187,7 +216,28 @@ class CampaignColumns:
             return seconds, (
                 f"Column time is read as {words_of(form).replace('in days (6:00 is 0.25)', 'in seconds')}.",
             )
-        return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0])
+        return self._from_first(seconds - np.nanmin(seconds), words_of(form).partition(", in days")[0] + why)
+
+    def _rising(self, texts: Sequence[str], present: Sequence[str]) -> tuple[str, str]:
+        """Return the form of dates that may be read in two ways, and why it is taken; "" where nothing tells it.
+
+        Readings are in the order of time: where one way keeps it and the other does not, the one is meant. Within one
+        day both are the same to the second.
+        """
+        found: dict[str, Floats] = {}
+        known = set(present)
+        for form in time_forms_of(present):
+            parts = instants_of([text for text in texts if text in known], form)
+            assert parts is not None
+            days, rest = parts
+            seconds = days * SECONDS + rest / 1e9
+            found[form] = seconds - seconds.min()
+        rises = [form for form, seconds in found.items() if (np.diff(seconds) >= 0.0).all()]
+        if len(found) < 2:
+            return "", ""
+        if len({tuple(seconds.tolist()) for seconds in found.values()}) == 1:
+            return next(iter(found)), " (day and month may be exchanged, which changes no time here)"
+        return (rises[0], ", which keeps the rows in the order of time") if len(rises) == 1 else ("", "")
 
     def _day(self) -> tuple[str, ...] | None:
         """Return the days (n_rows,) of times of day, None where no column has them."""

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import digamma, polygamma
+from scipy.stats import chi2, norm
 
 from octmip.errors import DataError
-from octmip.gap.campaign.campaign import FEWEST_REPEATS, Campaign
+from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.display import left_by, steps_of
 from octmip.gap.campaign.noise import Noise, NoisePart
 from octmip.gap.campaign.noise_parts import parts_of
@@ -24,6 +25,8 @@ from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]
 
+LEAST_DEGREES = 0.5
+"""Degrees of freedom beyond two, at least: the mean of a variance from two or fewer has no end."""
 SIGNIFICANT = 4.0
 """Standard deviations beyond which a property of the noise is reported and used."""
 MILD = 1e-5
@@ -57,7 +60,7 @@ def estimate_noise(campaign: Campaign, fallback: Campaign | None = None) -> Nois
     blocks = [np.nan_to_num(block[:, scatter.usable]) for block in scatter.scaled]
     parts, inflation, independent = parts_of(blocks)
     scale = _scales(scatter, inflation / independent)
-    kurtosis, heavy = _kurtosis(np.concatenate(scatter.scaled)[:, scatter.usable], inflation)
+    kurtosis, heavy = _kurtosis(scatter, inflation)
     uneven = any(abs(s - 1.0) > 1e-9 for s in scale.values()) or _gauges_differ(scatter, kurtosis, inflation)
     names = {
         "heavy_tailed_noise": heavy,
@@ -87,8 +90,8 @@ def _fits(campaign: Campaign, run: Campaign) -> bool:
 def _no_repeats(campaign: Campaign) -> str:
     cell = campaign.cells[0]
     return (
-        f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): every load of every test was read fewer than "
-        f"{FEWEST_REPEATS} times, so the noise cannot be estimated; repeat the readings, or give a commissioning "
+        f"row {campaign.row_number(int(cell.rows[0]))} ({cell.name}): at most one load of one test was read twice, and "
+        "none more often, so the noise cannot be estimated; repeat the readings of two loads, or give a commissioning "
         "run with repeats, or the standard deviation of one reading (noise_sd, --noise)"
     )
 
@@ -198,15 +201,20 @@ def _moderated(variance: Floats, degrees: Floats) -> Floats:
     microarray experiments", Statist. Appl. Genet. Mol. Biol. 3, section 6.2, with the sample's mean trigamma.
     """
     if len(variance) < 3:
-        return variance
+        return _expected(variance, degrees)
     half = degrees / 2.0
     e = np.log(variance) - digamma(half) + np.log(half)
     excess = float(np.var(e, ddof=1) - np.mean(polygamma(1, half)))
     if excess <= MILD:
-        return np.full_like(variance, np.exp(float(np.average(e, weights=degrees))))
+        return _expected(np.full_like(variance, np.exp(float(np.average(e, weights=degrees)))), degrees.sum())
     prior = 2.0 * float(brentq(lambda h: float(polygamma(1, h)) - excess, 1e-3, 1e6))
     common = np.exp(float(e.mean()) + float(digamma(prior / 2.0)) - np.log(prior / 2.0))
-    return np.asarray((prior * common + degrees * variance) / (prior + degrees))
+    return _expected((prior * common + degrees * variance) / (prior + degrees), prior + degrees)
+
+
+def _expected(variance: Floats, degrees: Floats | float) -> Floats:
+    """Return the mean of the inverse gamma posterior of variances (n,) estimated with so many degrees of freedom."""
+    return np.asarray(variance * degrees / np.maximum(degrees - 2.0, LEAST_DEGREES))
 
 
 def _scales(scatter: _Scatter, inflation: float) -> dict[Load, float]:
@@ -227,15 +235,19 @@ def _scales(scatter: _Scatter, inflation: float) -> dict[Load, float]:
     for load in sorted(squares, key=amounts_of):
         total, degrees = squares[load]
         ratio = max(total / degrees / whole, LEAST_RATIO) if degrees > 0 else 1.0
-        z = abs(np.log(ratio)) / np.sqrt(2.0 * inflation / max(degrees, 1.0))
-        scale[load] = ratio if z > SIGNIFICANT and max(ratio, 1 / ratio) > SCALE_SIGNIFICANT else 1.0
+        independent = max(degrees, 1.0) / inflation
+        chance = float(min(chi2.cdf(ratio * independent, independent), chi2.sf(ratio * independent, independent)))
+        is_significant = chance < norm.sf(SIGNIFICANT) and max(ratio, 1 / ratio) > SCALE_SIGNIFICANT
+        scale[load] = ratio if is_significant else 1.0
     return scale
 
 
-def _kurtosis(scaled: Floats, inflation: float) -> tuple[float, bool]:
+def _kurtosis(scatter: _Scatter, inflation: float) -> tuple[float, bool]:
+    scaled = np.concatenate(scatter.scaled)[:, scatter.usable]
     values = scaled[np.isfinite(scaled)]
     excess = float(np.mean(values**4) / np.mean(values**2) ** 2 - 3.0)
-    return excess, excess > max(0.5, SIGNIFICANT * np.sqrt(24.0 * inflation / values.size))
+    degrees = float(scatter.degrees[scatter.usable].sum())
+    return excess, excess > max(0.5, SIGNIFICANT * np.sqrt(24.0 * inflation / degrees))
 
 
 def _gauges_differ(scatter: _Scatter, kurtosis: float, inflation: float) -> bool:

@@ -87,10 +87,14 @@ def _different(blocks: Sequence[Floats], serial: Serial) -> list[int]:
 
 def _shared(blocks: Sequence[Floats], serial: Serial, inflation: float, found: Floats) -> Floats:
     """Return the directions with those added that stand out: over all periods, then over the long ones."""
-    pooled = np.concatenate(blocks)
-    found = _with_outstanding(found, pooled, len(pooled) / inflation)
+    found = _with_outstanding(found, np.concatenate(blocks), _degrees(blocks) / inflation)
     slow = [_slow(block, serial) for block in blocks if len(block) >= 2 * SHORTEST]
     return _with_outstanding(found, np.concatenate(slow), sum(map(len, slow))) if slow else found
+
+
+def _degrees(blocks: Sequence[Floats]) -> int:
+    """Return the readings beyond the first of each cell, which its mean takes."""
+    return sum(len(block) - 1 for block in blocks)
 
 
 def _slow(block: Floats, serial: Serial) -> Floats:
@@ -139,7 +143,7 @@ def _has_trend(cosines: Sequence[Floats]) -> bool:
 
 def _part_along(blocks: Sequence[Floats], direction: Floats, is_single: bool) -> NoisePart:
     """Return what one gauge has, or gauges share, in a direction."""
-    variance = float(np.mean((np.concatenate(blocks) @ direction) ** 2))
+    variance = float(np.sum((np.concatenate(blocks) @ direction) ** 2)) / max(_degrees(blocks), 1)
     pattern = np.outer(direction, direction)
     scores = [coefficients(block @ direction[:, None]) for block in blocks if len(block) >= SHORTEST]
     serial = fit(scores, SINGLE if is_single else SHARED, has_trend=not is_single)  # a drift of one gauge is an effect

@@ -242,11 +242,21 @@ def _past(channel: _Channel, level: float, sign: float, otherwise: float | None)
 
 
 def counted_once(campaign: Campaign) -> Campaign:
-    """Return the campaign with readings that a channel held through a cell recorded once: they are one reading."""
+    """Return the campaign with readings that a channel held through a cell recorded once: they are one reading.
+
+    A logger that repeats a sample repeats all of its channels, so where all stand still their chances multiply.
+    """
     readings = np.array(campaign.readings)
-    for channel in _channels(campaign, np.zeros_like(readings)):
-        for _, rows in channel.cells:
-            values = channel.values[rows]
-            if len(rows) > 1 and (values == values[0]).all() and channel.chance ** (len(rows) - 1) < HELD:
+    channels = _channels(campaign, np.zeros_like(readings))
+    for cell in campaign.cells:
+        held = [
+            (channel, rows, channel.chance ** (len(rows) - 1))
+            for channel in channels
+            if len(rows := cell.rows[np.isfinite(channel.values[cell.rows])]) > 1
+            and (channel.values[rows] == channel.values[rows[0]]).all()
+        ]
+        together = float(np.prod([chance for *_, chance in held])) if len(held) == len(channels) else 1.0
+        for channel, rows, chance in held:
+            if min(chance, together) < HELD:
                 readings[rows[1:], channel.gauge] = np.nan
     return replace(campaign, readings=readings)

@@ -100,12 +100,12 @@ def _code(words: list[str], heard: Heard) -> int:
         return 1
     except Exception as error:
         if is_out_of_memory(error) or address_space_left() < LEAST_MEMORY:
-            sentence = "out of memory; give fewer rows or columns, or let the process have more"
+            said = "out of memory; give fewer rows or columns, or let the process have more"
         elif isinstance(error, OSError):  # files have their own sentences by now, so this is standard output
-            sentence = f"standard output cannot be written ({error.strerror})"
+            said = f"standard output cannot be written ({error.strerror})"
         else:
             raise
-        print(f"octmip: {sentence}", file=sys.stderr)
+        print(f"octmip: {said}", file=sys.stderr)
         return 1
 
 

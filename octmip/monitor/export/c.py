@@ -124,7 +124,8 @@ def c_source(
         )
     own = own_tree(tree, columns, class_names)
     kind, none = ("const char *", "0") if own.answers_text else ("double ", "NAN")
-    given = f"It is given reading[0] to reading[{len(own.columns) - 1}], and reads{'' if own.read else ' none'}:"
+    places = " to ".join(f"reading[{k}]" for k in sorted({0, max(0, len(own.columns) - 1)}))
+    given = f"It is given {places}, and reads{'' if own.read else ' none'}:"
     nothing = "a null pointer" if own.answers_text else "NaN"
     head = (legend or Legend()).lines(own, "reading[{}]".format, _cells, nothing, given)
     lines = [comment(head), GUARD, f"{kind}{name}(const double *reading)", "{"]

@@ -48,7 +48,8 @@ class Legend:
         """
         target = f"{quoted(self.target)}{self._unit(self.target)}: " if self.target else ""
         values = f"one of {', '.join(map(quoted, own.answers))}" if own.answers else "a number"
-        lines = [f"Answers {target}{values};"]
+        what = "the index of a class, as the classes have no names, " if own.are_indices else ""
+        lines = [f"Answers {target}{what}{values};"]
         lines.append(f"{none} where the tree has no answer, as a cell that it asks for is missing or unknown.")
         if self.readings.loads:
             at = ", ".join(f"{quoted(name)} {exact(value)}" for name, value in self.readings.loads.items())

@@ -85,6 +85,7 @@ def _told(own: OwnTree, legend: Legend) -> dict[str, Any]:
     return {
         "readings": readings,
         "answers": list(own.answers),
+        "answers_are": "indices of classes" if own.are_indices else "values",
         "target": {"name": legend.target, "unit": legend.readings.units.get(legend.target, "")},
         "loads": dict(legend.readings.loads),
     }

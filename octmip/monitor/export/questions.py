@@ -118,12 +118,15 @@ class OwnTree:
         positions of those that it reads.
     answers
         the values that it may answer: all classes, none of a tree of numbers.
+    are_indices
+        whether these are indices of classes that have no names.
     """
 
     root: Part
     columns: tuple[Column, ...]
     read: tuple[int, ...]
     answers: tuple[Any, ...]
+    are_indices: bool = False
 
     @property
     def answers_text(self) -> bool:
@@ -164,7 +167,7 @@ def own_tree(tree: Node, columns: Columns | Sequence[str], class_names: Sequence
     answers = () if is_number else _class_values(tree, class_names)
     writer = _Writer(columns.columns, places, answers)
     used = sorted({places[feature][0] for feature in read})
-    return OwnTree(writer.part(tree), columns.columns, tuple(used), answers)
+    return OwnTree(writer.part(tree), columns.columns, tuple(used), answers, class_names is None and not is_number)
 
 
 def _class_values(tree: Node, class_names: Sequence[Any] | None) -> tuple[Any, ...]:

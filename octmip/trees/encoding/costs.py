@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.problem import Problem
+from octmip.trees.solution import closing_tolerance
 from octmip.trees.tree import Node, complexity, predict
 
 MOST = 2**62  # larger whole numbers do not enter the native core
@@ -83,6 +84,20 @@ class IntegerCosts:
     def value(self, whole: int) -> float:
         """Return the largest float64 not above a whole-numbered objective or bound, in the problem's units."""
         return rounded_down(self.base + whole * power_of_two(-self.exponent))
+
+    def closing(self, problem: Problem, tree: Node | None, objective: float, bound: float) -> float:
+        """Return the tolerance under which a bound proves a tree optimal, whose search ended; -1 where it does not.
+
+        What rounding may hide is less than a sample's worth: see `closing_tolerance`. Half a unit in the objective's
+        last place may be too much, and the tree's own rounding, which is often none, is not.
+        """
+        if not self.is_rounded:
+            return 0.0 if bound >= objective else -1.0
+        tolerance = closing_tolerance(objective, bound, problem.least_saving)
+        if tolerance < 0 and tree is not None:
+            rounding = float(abs(problem.exact_objective(tree) - Fraction(objective)))
+            tolerance = closing_tolerance(objective, bound, problem.least_saving, rounding)
+        return tolerance
 
     def whole_objective(self, problem: Problem, tree: Node) -> int:
         """Return the objective of a tree as the core counts it."""

@@ -9,7 +9,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +50,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.proof import log_header
 from octmip.trees.scope import limits_in_words
 from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance
+from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.tree import Node
 
 SOLVER = "exact"
@@ -339,12 +338,7 @@ class _Search:
 
     def _is_proven(self, costs: IntegerCosts) -> bool:
         """Whether a search to its end proves the tree optimal: what rounding may hide is less than a sample's worth."""
-        if not costs.is_rounded:
-            return True
-        tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving)
-        if tolerance < 0 and self.tree is not None:  # half a unit is too much: the tree's own rounding, often none
-            rounding = float(abs(self.problem.exact_objective(self.tree) - Fraction(self.objective)))
-            tolerance = closing_tolerance(self.objective, self.bound, self.problem.least_saving, rounding)
+        tolerance = costs.closing(self.problem, self.tree, self.objective, self.bound)
         self.tolerance = max(0.0, tolerance)
         return tolerance >= 0
 

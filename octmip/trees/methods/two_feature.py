@@ -48,7 +48,7 @@ from octmip.trees.methods.native_call import (
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof, log_header
-from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop, closing_tolerance
+from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 
 SOLVER = "two-feature exact"
@@ -159,8 +159,8 @@ def two_feature_branch_and_bound(
     bound, stop = result.bound, result.stop
     lower = costs.value(bound)
     # Unless a limit ended the search, only rounding is left between bound and tree: a proof where it hides no sample.
-    tolerance = max(0.0, closing_tolerance(objective, lower, problem.least_saving)) if stop == Stop.OPTIMAL else 0.0
-    met = lower >= objective - tolerance
+    tolerance = costs.closing(problem, tree, objective, lower)
+    met = tolerance >= 0.0 and (stop == Stop.OPTIMAL or lower >= objective)
     solution = Solution(
         tree=tree,
         objective=objective,
@@ -171,7 +171,7 @@ def two_feature_branch_and_bound(
         solver=SOLVER,
         version=_native.__version__,
         seed=seed,
-        tolerance=tolerance,
+        tolerance=tolerance if met else 0.0,
         details=_details(problem, is_open=not met and stop == "finished")
         | ({} if file is None or state is None else file.resumed_from(before)),
     )

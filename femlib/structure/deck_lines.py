@@ -1,0 +1,46 @@
+"""The lines of a deck in text, those of the files that it includes in their places."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from femlib.errors import InputError
+from femlib.files import read_bytes
+
+MOST_FILES = 100
+"""Files that a deck may include, at most: beyond it they include each other."""
+Included = Callable[[str, Iterator[str]], tuple[str, str]]
+
+
+def lines_of(path: Path, kind: str, included: Included, n_files: list[int] | None = None) -> Iterator[str]:
+    """Give the lines of a deck.
+
+    Parameters
+    ----------
+    path : Path
+        Of the deck.
+    kind : str
+        Its format, as a sentence names it.
+    included : callable
+        Takes a line and the ones behind it, and returns what of it stays, "" for nothing, and the file that it names.
+    n_files : list of int
+        How many were opened, by those that include this one.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or is no text, or files include each other.
+    """
+    n_files = [0] if n_files is None else n_files
+    n_files[0] += 1
+    if n_files[0] > MOST_FILES:
+        raise InputError(f"{path} is included by file {MOST_FILES} of a deck; expected fewer; files include each other")
+    text = read_bytes(path, "a mesh file").decode("utf-8-sig", errors="replace")
+    if "\0" in text:
+        raise InputError(f"{path} could not be read as {kind} (it is no text); expected a deck; correct its ending")
+    lines = iter(text.splitlines())
+    for line in lines:
+        kept, name = included(line, lines)
+        if kept:
+            yield kept
+        if name:
+            yield from lines_of(path.parent / name, kind, included, n_files)
