@@ -3,19 +3,12 @@
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 
 def has_ccx() -> bool:
     """Return whether the program can be run."""
     return shutil.which("ccx") is not None
-
-
-def need_ccx() -> None:
-    """End a command that needs the program where it is not on the path."""
-    if not has_ccx():
-        sys.exit("ccx is not on the path; install CalculiX (Debian package calculix-ccx)")
 
 
 def run_deck(deck: Path) -> None:

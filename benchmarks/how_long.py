@@ -16,6 +16,7 @@ from sklearn.datasets import make_classification
 
 from benchmarks.cpu import cpu_limit, cpu_seconds
 from benchmarks.main_program import run_main
+from benchmarks.small_svg import shrink
 from octmip import Problem, solve
 from octmip.interfaces.plot.style import DISTINCT, INK, quiet_frame
 
@@ -105,6 +106,7 @@ def main() -> None:
         print(f"| {t.depth} | {t.n_features} | {t.n_samples:,} | {t.seconds:.3g} | {words} |")
     with matplotlib.rc_context({"svg.hashsalt": "octmip"}):
         diagram(found, limit).savefig(PICTURE, metadata={"Date": None})
+    shrink(PICTURE)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from benchmarks.case import Case
 from benchmarks.cpu import Stopwatch
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
+from benchmarks.small_svg import shrink
 from benchmarks.tables import Line
 from octmip.interfaces.cli.stages import term_as_interrupt
 
@@ -60,6 +61,7 @@ def main() -> None:
         _write_csv(shown, options.csv)
     if options.picture:
         module.picture(shown, Path(options.picture))
+        shrink(Path(options.picture))
     if hasattr(module, "summary"):
         print(module.summary(shown), file=sys.stderr)
 

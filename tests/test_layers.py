@@ -5,6 +5,7 @@ The table is `benchmarks/source_map/levels.py`; the map in docs/developing.md is
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -25,8 +26,13 @@ def sources(folder: str) -> list[Path]:
     return sorted(file for file in files if "target" not in file.parts and ".venv" not in file.parts)
 
 
-def imports(code: str) -> Iterator[str]:
-    """Yield the full dotted name of everything that a module imports, wherever in it."""
+@cache
+def imports(code: str) -> tuple[str, ...]:
+    """Return the full dotted name of everything that a module imports, wherever in it."""
+    return tuple(_imports(code))
+
+
+def _imports(code: str) -> Iterator[str]:
     for node in ast.walk(ast.parse(code)):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)

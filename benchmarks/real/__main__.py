@@ -3,11 +3,11 @@
 import argparse
 from pathlib import Path
 
-from benchmarks.real import beam, bridge
+from benchmarks.real import beam
 from benchmarks.real.answer import write_answers
 from benchmarks.real.quadrotor import diagnosis as quadrotor
 
-SETS = {"beam": beam.answers, "bridge": bridge.answers, "quadrotor": quadrotor.answers}
+SETS = {"beam": beam.answers, "quadrotor": quadrotor.answers}
 
 
 def main() -> None:

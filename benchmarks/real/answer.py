@@ -2,14 +2,13 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.real.by_diagnosis import Said
-from benchmarks.real.evidence import Judged
 
 CREDIBLE = 0.95
 MOST_CAUSES = 6
@@ -34,15 +33,12 @@ class Answer:
         share of the gap that the first closes; None where it is not asked.
     note
         what was held out for it.
-    sharpness
-        power of the probabilities by which the set is formed, settled on cases whose truth is told.
     """
 
     case: str
-    judged: tuple[Judged | Said, ...]
+    judged: tuple[Said, ...]
     closed: float | None
     note: str = ""
-    sharpness: float = 1.0
 
     @property
     def sound_probability(self) -> float:
@@ -50,7 +46,7 @@ class Answer:
         return sum(one.probability for one in self.judged if not one.causes)
 
     @property
-    def first(self) -> Judged | Said:
+    def first(self) -> Said:
         """The most probable hypothesis."""
         return self.judged[0]
 
@@ -61,14 +57,14 @@ class Answer:
             "case": self.case,
             "sound_probability": round(self.sound_probability, 4),
             "causes": _causes(self.judged),
-            "set95": credible_set(sharpened(self.judged, self.sharpness)),
+            "set95": credible_set(self.judged),
             "unexplained_probability": round(unknown, 4),
             **({} if self.closed is None else {"closed": round(self.closed, 4)}),
             **({"note": self.note} if self.note else {}),
         }
 
 
-def _causes(judged: Sequence[Judged | Said]) -> list[dict[str, Any]]:
+def _causes(judged: Sequence[Said]) -> list[dict[str, Any]]:
     """Return the causes of the first hypothesis, then others, each with the probability that it acts at all."""
     acts: dict[tuple[str, str], float] = {}
     sizes: dict[tuple[str, str], tuple[np.ndarray, str]] = {}
@@ -92,14 +88,7 @@ def _causes(judged: Sequence[Judged | Said]) -> list[dict[str, Any]]:
     ]  # fmt: skip
 
 
-def sharpened(judged: Sequence[Judged | Said], power: float) -> list[Judged | Said]:
-    """Return the hypotheses with their probabilities raised to a power."""
-    raised = np.array([one.probability for one in judged]) ** power
-    shares = (raised / raised.sum()).tolist()
-    return [replace(one, probability=share) for one, share in zip(judged, shares, strict=True)]
-
-
-def credible_set(judged: Sequence[Judged | Said], share: float = CREDIBLE) -> list[list[str]]:
+def credible_set(judged: Sequence[Said], share: float = CREDIBLE) -> list[list[str]]:
     """Return few causes of which one acts with this probability: the one that helps most is added until they do.
 
     A hypothesis of several causes is held by any one of them; ("sound", "") stands for none.
@@ -118,5 +107,6 @@ def credible_set(judged: Sequence[Judged | Said], share: float = CREDIBLE) -> li
 
 
 def write_answers(path: Path, answers: Sequence[Answer]) -> None:
-    """Write the answers of a set as JSON."""
-    path.write_text(json.dumps({"cases": [answer.row() for answer in answers]}, indent=1) + "\n")
+    """Write the answers of a set as JSON, one case a line."""
+    rows = ",\n".join(json.dumps(answer.row()) for answer in answers)
+    path.write_text(f'{{"cases": [\n{rows}\n]}}\n')

@@ -17,9 +17,8 @@ from scipy.optimize import least_squares
 from scipy.signal import medfilt
 
 from benchmarks.real.answer import Answer
-from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, asked, said
+from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, Named, asked, said
 from benchmarks.real.decay import decay_of
-from benchmarks.real.evidence import Named
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, Odds
 from octmip.gap.doors.function import FunctionTwin, function_twin

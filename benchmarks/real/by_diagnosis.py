@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.real.evidence import Named
 from femlib.arrays import FloatArray
 from octmip.gap import Diagnosis, FunctionTwin, Odds, Recorded, diagnose, gathered
 from octmip.gap.inference.inference import Judged
@@ -14,6 +13,15 @@ from octmip.twin import Effect
 COUNT, UNKNOWN = (0.30, 0.45, 0.20), (0.03, 0.01, 0.002)
 """Odds of no, one and two effects; of something unknown alone and beside one or two."""
 Z90 = 1.645
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A cause as the answer names it."""
+
+    kind: str
+    place: str
+    unit: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,13 +1,10 @@
-"""The same flights and stretches through `octmip.gap.diagnose`: the other column of the tables in docs/gap.
+"""Flights and stretches whose truth is told, each judged without itself.
 
-`python -m benchmarks.real.through_gap SET --data FOLDER` judges every practice and commissioning case, each left out of
-what it is judged by, and prints the probability of the truth: by the diagnosis, and by the folder's own evidence where
-the set has one (the beam has none).
+`python -m benchmarks.real.through_gap SET --data FOLDER` prints the probability of the truth.
 """
 
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,46 +12,12 @@ import pandas as pd
 
 from benchmarks.real import beam
 from benchmarks.real.answer import Answer
-from benchmarks.real.by_diagnosis import COUNT, UNKNOWN, asked, said
-from benchmarks.real.evidence import Named
 from benchmarks.real.quadrotor import diagnosis as quadrotor
+from benchmarks.real.quadrotor.diagnosis import Causes
 from benchmarks.real.quadrotor.flight import read_flights
-from benchmarks.real.quadrotor.normal import WITHIN
-from femlib.arrays import FloatArray
-from octmip.gap import FunctionTwin, Odds
 
-Causes = frozenset[tuple[str, str]]
-
-
-@dataclass(frozen=True, slots=True)
-class Told:
-    """A case whose truth is told.
-
-    Attributes
-    ----------
-    case, truth
-        name, and what acted.
-    plain, gap
-        probabilities of sets of causes by the evidence of this folder, None where it has none, and by the diagnosis.
-    """
-
-    case: str
-    truth: Causes
-    plain: Mapping[Causes, float] | None
-    gap: Mapping[Causes, float]
-
-
-def by_gap(
-    readings: FloatArray, tests: Sequence[FloatArray], twin: FunctionTwin, noise: Sequence[float], odds: Odds
-) -> dict[Causes, float]:
-    """Return the probability of each set of causes (kind, place) by `octmip.gap.diagnose`, several tests as the run."""
-    found = said(asked(readings, tests, twin, noise, odds), lambda effect: Named(*_named(effect), ""))
-    return {frozenset((c.kind, c.place) for c in one.causes): one.probability for one in found}
-
-
-def _named(effect: str) -> tuple[str, str]:
-    kind, _, place = effect.partition(" ")
-    return kind, place
+Told = tuple[str, Causes, Mapping[Causes, float]]
+"""Name of a case, what acted, and the probabilities of sets of causes."""
 
 
 def shares_of(answer: Answer) -> dict[Causes, float]:
@@ -68,25 +31,11 @@ def shares_of(answer: Answer) -> dict[Causes, float]:
 
 def told_flights(folder: Path) -> Iterator[Told]:
     """Yield every practice and commissioning flight, judged without itself."""
-    flights = read_flights(folder)
-    practice = pd.read_csv(folder / "practice.csv", index_col="flight")
+    flights, practice = read_flights(folder), quadrotor.practice_of(folder)
     for name, flight in flights.items():
-        if flight.role == "blind":
-            continue
-        known = quadrotor.learn(folder, flights, flight.airframe, name)
-        causes = quadrotor.told_causes(*map(str, practice.loc[name])) if name in practice.index else []
-        shares = {
-            f"{one.causes[0].kind} {one.causes[0].place}": one.prior
-            for one in quadrotor.hypotheses(known)
-            if len(one.causes) == 1 and one.causes[0].kind != "unknown"
-        }
-        usual = np.mean(list(shares.values()))
-        odds = Odds(COUNT, UNKNOWN, effects={effect: float(share / usual) for effect, share in shares.items()})
-        n = len(WITHIN)
-        tests = [*(one.readings[:n] for one in known.sound), *(one.steady for one in known.told)]
-        gap = by_gap(flight.readings[:n], tests, known.twin, list(WITHIN.values()), odds)
-        truth = frozenset((kind, place) for kind, place, _ in causes)
-        yield Told(name, truth, shares_of(quadrotor.answer(flight, known)), gap)
+        if flight.role != "blind":
+            found = quadrotor.answer(flight, quadrotor.learn(folder, flights, flight.airframe, name))
+            yield name, frozenset((kind, place) for kind, place, _ in practice.get(name, [])), shares_of(found)
 
 
 def told_stretches(folder: Path) -> Iterator[Told]:
@@ -100,7 +49,7 @@ def told_stretches(folder: Path) -> Iterator[Told]:
         acted = case in practice.index and practice.condition[case] != "sound"
         if acted:
             print(case, practice.detail[case], found.first.sizes.round(1).tolist())
-        yield Told(case, frozenset({("support_moved", "support")} if acted else set()), None, shares_of(found))
+        yield case, frozenset({("support_moved", "support")} if acted else set()), shares_of(found)
 
 
 def main() -> None:
@@ -110,16 +59,10 @@ def main() -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder of the set")
     given = parser.parse_args()
     told = list((told_stretches if given.set == "beam" else told_flights)(given.data))
-    for one in told:
-        acted = "; ".join(f"{kind} {place}" for kind, place in sorted(one.truth)) or "sound"
-        by = {name: shares.get(one.truth, 0.0) for name, shares in _evidence(one).items()}
-        print(f"{one.case} {acted}: {', '.join(f'{name} {share:.3f}' for name, share in by.items())}")
-    for name in _evidence(told[0]):
-        print(f"{name}: {summary([(one.truth, _evidence(one)[name]) for one in told])}")
-
-
-def _evidence(one: Told) -> dict[str, Mapping[Causes, float]]:
-    return ({} if one.plain is None else {"plain": one.plain}) | {"gap": one.gap}
+    for case, truth, shares in told:
+        acted = "; ".join(f"{kind} {place}" for kind, place in sorted(truth)) or "sound"
+        print(f"{case} {acted}: {shares.get(truth, 0.0):.3f}")
+    print(summary([(truth, shares) for _, truth, shares in told]))
 
 
 def summary(told: Sequence[tuple[Causes, Mapping[Causes, float]]]) -> str:

@@ -9,6 +9,7 @@ from html import escape
 from itertools import pairwise
 from pathlib import Path
 
+from benchmarks.small_svg import small
 from benchmarks.source_map.arrows import ROOT, Arrows, python_arrows, rust_arrows
 from benchmarks.source_map.layout import BEND, BOX, ROW, WIDTH, Layout, Place
 from benchmarks.source_map.levels import LEVELS, part_of
@@ -67,7 +68,7 @@ def svg() -> str:
     page = f'<rect class="page" width="{WIDTH}" height="{top:.0f}"/>'
     tip = '<marker id="tip" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
     tip += '<path d="M 0 0 L 8 4 L 0 8"/></marker>'
-    return "\n".join([head, f"<style>{STYLE}</style>", f"<defs>{tip}</defs>", page, *blocks, "</svg>"]) + "\n"
+    return small("\n".join([head, f"<style>{STYLE}</style>", f"<defs>{tip}</defs>", page, *blocks, "</svg>"]))
 
 
 def _line(package: str, name: str) -> str:

@@ -11,9 +11,6 @@ matplotlib.use("Agg")  # no display is needed, nor looked for
 
 from benchmarks.main_program import run_main
 from benchmarks.uav import baselines, numbers
-from benchmarks.uav.complexity.cells import bayes_limits, study_cells
-from benchmarks.uav.complexity.lines import run
-from benchmarks.uav.complexity.report import write_complexity
 from benchmarks.uav.report import write_results
 from benchmarks.uav.study import DEPTHS, StudyLimits, run_study
 from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
@@ -34,18 +31,14 @@ def main() -> None:
     data = build_dataset(means, Recipe(), seed=options.seed)
     print(f"{data.source}: {len(data.features)} readings of {len(data.gauges)} gauges; solving ...", flush=True)
     outcomes = run_study(data, StudyLimits(options.seconds, options.mio_seconds), options.seed, options.jobs)
-    # One seed and one restart show the shape; `python -m benchmarks.uav.studies complexity` does it in full.
-    lines = run(study_cells([options.seed], ["errors"]), means, restarts=1, n_jobs=options.jobs)
     folder = Path(options.out)
     write_results(folder, wing, simulated, reference, data, outcomes, time.perf_counter() - start)
-    write_complexity(folder, lines, bayes_limits(means), ["errors"])
     (folder / "numbers.md").write_text(numbers.text_of(list(numbers.rows_of(data, DEPTHS, options.seconds))))
     beside = baselines.rows_of(data, options.seed, options.seconds, options.jobs)
     (folder / "baselines.md").write_text(baselines.text_of(beside))
     print((folder / "table.md").read_text())
     print((folder / "numbers.md").read_text())
     print((folder / "baselines.md").read_text())
-    print((folder / "complexity.md").read_text())
     print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
 
 

@@ -8,10 +8,8 @@ import numpy as np
 from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
-from benchmarks.data import SHARED
 from benchmarks.uav.bayes import bayes_limit
-from femlib.dataset import Dataset, MeanStrains, published_strains, simulated_strains
-from femlib.wing import uav_wing
+from femlib.dataset import Dataset
 from octmip import Limits, Problem, Solution, certify, predict
 from octmip.trees.registry import Method
 from octmip.trees.solver import solve
@@ -68,11 +66,6 @@ class Outcome:
     cell: Cell
     solution: Solution
     row: dict[str, object]
-
-
-def strains_of(source: str) -> MeanStrains:
-    """Return the mean strains of the "published" table or of femlib's "wing"."""
-    return simulated_strains(uav_wing()) if source == "wing" else published_strains(SHARED / "uav" / "strains.csv")
 
 
 def problem_of(data: Dataset, cell: Cell) -> Problem:

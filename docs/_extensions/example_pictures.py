@@ -71,10 +71,13 @@ def pages_with_pictures() -> list[Path]:
 
 def draw(folder: Path, pages: list[Path]) -> None:
     """Put the pictures of all pages into a folder."""
+    from benchmarks.small_svg import shrink
+
     folder.mkdir(parents=True, exist_ok=True)
     for page in pages:
         with drawn_pictures(page) as pictures:
             for picture in pictures:
+                shrink(picture)
                 (folder / picture.name).write_bytes(picture.read_bytes())
 
 

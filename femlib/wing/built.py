@@ -1,7 +1,7 @@
 """A wing that one would build: fitted to the published strains within the bounds of real materials (docs/wing.md).
 
 The skin is a sandwich of one layup inboard and a lighter one outboard, 5 mm apart; web and ribs are plywood. Regions
-and gauge rows stand near where `python -m benchmarks.wing.buildable` puts them.
+and gauge rows stand near where the fit puts them.
 """
 
 import numpy as np

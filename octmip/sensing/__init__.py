@@ -2,12 +2,13 @@
 
 placement   the sensors that the best tree reads and the value of each further one, with a bound; sensors chosen by
             rules and designs of experiment, to compare with
-shared      trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
+sensor_sets trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
 failed_gauge  the failed gauge found at a stated false-alarm rate, and its reading replaced by what the others say
 """
 
 from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
 from octmip.sensing.failed_gauge import FaultDetector, Imputation, power
+from octmip.sensing.joint_solution import JointSolution, certify_joint
 from octmip.sensing.placement import (
     Placement,
     label_bound,
@@ -16,15 +17,12 @@ from octmip.sensing.placement import (
     placement_on,
     problem_on,
 )
-from octmip.sensing.shared.budget import shared_budget
-from octmip.sensing.shared.solution import BaselineSplit, JointCertificate, JointSolution, certify_joint
+from octmip.sensing.sensor_sets import shared_budget
 
 __all__ = [
-    "BaselineSplit",
     "FaultDetector",
     "Imputation",
     "InformationDesign",
-    "JointCertificate",
     "JointSolution",
     "Placement",
     "by_chance",

@@ -2,7 +2,7 @@
 
 The library holds the states, each parameter at its levels. Readings are drawn from it, with noise, and for each
 parameter a tree is solved on them: a wrong level costs as much as it is off. Under a budget the trees share their
-sensors (`octmip.sensing.shared`). What the trees are off is counted on readings that no tree has seen.
+sensors (`octmip.sensing.sensor_sets`). What the trees are off is counted on readings that no tree has seen.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.monitor import Library, ModelSelector, ParameterTree, grid_states, library_of
 from octmip.monitor.library import DEFAULT_LEVELS, Applied
-from octmip.sensing.shared.budget import shared_budget
+from octmip.sensing.sensor_sets import shared_budget
 from octmip.trees.losses import ClassCosts
 from octmip.trees.prediction import predict
 from octmip.trees.problem import Problem

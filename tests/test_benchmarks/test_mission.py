@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.oracles.page_check import check_page
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import WEAR, Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import GUST, MOST, STEP, Capable, chance_of_failing
@@ -166,7 +167,7 @@ def test_the_interval_of_a_share_is_wilsons():
     assert wilson(50, 100) == pytest.approx((0.4038, 0.5962), abs=1e-4)
 
 
-# The page (what every mission page keeps is tested with octmip.interfaces.report.mission)
+# The page
 
 
 def held(page: str) -> dict:
@@ -192,3 +193,20 @@ def test_the_page_says_what_the_flight_says(aircraft: Aircraft, flight: Flight):
         assert step["belief"][0]["median"] == pytest.approx(median, abs=1e-4)
         assert step["truth"] == pytest.approx([own.truth["mu1"], own.truth["mu2"]], abs=1e-4)
         assert step["at"] == pytest.approx(own.at, abs=0.01)
+
+
+def test_the_page_holds_in_every_window_and_its_controls_move_it(browser, aircraft: Aircraft, flight: Flight, tmp_path):
+    path = tmp_path / "mission.html"
+    path.write_text(flight_page(aircraft, flight))
+    assert check_page(path, browser) == []
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    page.goto(path.as_uri())
+    step, last = page.locator("#step"), len(flight.steps) - 1
+    assert step.inner_text() == f"step {last} of {last}"
+    page.locator("#slider").fill("30")
+    page.locator("#on").click()
+    assert step.inner_text() == f"step 31 of {last}"
+    assert page.locator("#reason").inner_text() == flight.steps[31].reason
+    page.keyboard.press("Home")
+    assert page.locator("#tree1 .lit").count() >= 2
+    page.close()

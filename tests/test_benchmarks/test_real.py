@@ -1,10 +1,9 @@
 """Real data: what the pages say of them holds. Read beside the project; skipped where they are not there."""
 
-import numpy as np
 import pytest
 
 from benchmarks.data import SHARED
-from benchmarks.real import measured, pazy, published
+from benchmarks.real import measured, pazy
 from femlib.wing import reduced_twin, tapered_wing
 from femlib.wing.loads import GRAVITY
 from octmip.gap import diagnose, read_campaign
@@ -62,17 +61,6 @@ def test_a_mount_turns_the_tip_as_a_rigid_body_does(coarse):
     share = change / coarse.predict({}, 1.0)
     assert share[2] == pytest.approx(share[1], rel=0.3)
     assert share[0] == pytest.approx(0.75 * share[1], rel=0.3)
-
-
-@needs_uav
-def test_the_published_table_is_read_as_a_campaign():
-    readings = published.campaign(without=published.INSIDE)
-    assert len(readings.cells) == 8
-    assert len(readings.gauges) == 20
-    kept = [k for k in range(24) if f"g{k + 1:02d}" not in published.INSIDE]
-    mean = published.means()[0, 0, 3.0][kept]
-    cell = next(c for c in readings.cells if c.load_factor == 3.0 and not c.state.any())
-    assert np.abs(cell.mean - mean).max() < 5.0 * np.sqrt(published.VARIANCE / published.REPEATS)
 
 
 @pytest.fixture(scope="module")

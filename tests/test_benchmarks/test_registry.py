@@ -10,7 +10,6 @@ import pytest
 
 from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
-from benchmarks.cases import calibration_beside
 from benchmarks.cases.exact import boundaries, large
 from benchmarks.data import SHARED, numeric_sets, published, synthetic_uav
 from benchmarks.registry import FAMILIES, family
@@ -152,13 +151,3 @@ def test_a_plan_that_cannot_be_is_refused(arguments, message, monkeypatch, capsy
     with pytest.raises(SystemExit):
         blind_main()
     assert message in capsys.readouterr().err
-
-
-@needs_data
-def test_shares_of_ours_of_cart_and_of_a_forest_are_compared_on_new_rows(monkeypatch):
-    monkeypatch.setattr(calibration_beside, "TABLES", ("iris",))
-    lines = list(calibration_beside.results(1.0, [1]))
-    assert [line["learner"] for line in lines] == list(calibration_beside.LEARNERS)
-    assert all(line["n_training"] + line["n_new"] == 150 for line in lines)
-    assert all(0 <= line["ece"] < 0.2 and line["brier"] < 0.3 and line["wrong"] < 0.2 for line in lines)
-    assert "| iris | 75 |" in calibration_beside.summary(lines)

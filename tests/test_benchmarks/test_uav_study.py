@@ -3,17 +3,14 @@
 import json
 from pathlib import Path
 
-import numpy as np
 import pytest
 from sklearn.linear_model import LinearRegression
 
-from benchmarks.uav import baselines, states, study
+from benchmarks.uav import baselines, study
 from benchmarks.uav.report import write_results
 from benchmarks.uav.tables import METHOD_NAMES
 from femlib.dataset import Dataset, Recipe, build_dataset, simulated_strains
 from femlib.wing import Wing, uav_wing
-from octmip import predict, solve
-from octmip.formats.tree_file import read_tree_file
 
 KEYS = {
     *(
@@ -120,25 +117,3 @@ def test_models_without_a_tree_stand_beside_the_default_in_training_and_on_new_r
     nearest = 20 * (LinearRegression().fit(features, levels).predict(data.features[~data.is_train]) / 20).round()
     assert by_line["mae_test"] == pytest.approx(abs(nearest.clip(0, 80) - data.mu1[~data.is_train]).mean())
     assert baselines.text_of(rows).count("\n") == 6 + 14
-
-
-def test_the_composed_tree_names_the_state_that_its_two_trees_name_and_is_exported(
-    data: Dataset, tmp_path: Path
-) -> None:
-    one = states.composed(data, 10.0)
-    told = data.states_percent[predict(one.solution.tree, data.features)][data.is_train]
-    for k, label in enumerate(states.LABELS):
-        cell = study.Cell("axis", label, data.gauges, "all", states.DEPTH_OF_ONE, "exact", 10.0, 0)
-        problem = study.problem_of(data, cell)
-        alone = solve(problem, "exact").tree
-        assert (told[:, k] == np.array(problem.class_names)[predict(alone, problem.features)]).mean() > 0.99
-    row = states.row_of(data, one)
-    assert row["unseen wrong %"] == pytest.approx(100 * float((told_unseen(one, data)).mean()), abs=0.05)
-    states.export(tmp_path, one)
-    assert read_tree_file(tmp_path / "composed.json").tree == one.solution.tree
-    assert "const char *state(const double *reading)" in (tmp_path / "composed.c").read_text()
-
-
-def told_unseen(one: states.StateTree, data: Dataset) -> np.ndarray:
-    """Whether the tree misnames each unseen reading."""
-    return (predict(one.solution.tree, data.features) != data.states)[~data.is_train]

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from benchmarks.shells.case import DIAGONALS
-from benchmarks.shells.estimates import blade, cylinder_frequency
+from benchmarks.shells.modes import blade, cylinder_frequency
 from benchmarks.shells.plates import razzaque_skew_plate, square_plate
 from benchmarks.shells.strips import curved_beam, raasch_hook, straight_beam
 from femlib import sensors

@@ -7,7 +7,7 @@ import pytest
 
 from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
-from octmip.sensing.shared.budget import shared_budget
+from octmip.sensing.sensor_sets import shared_budget
 from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
 from octmip.trees.registry import ASKED_OF_CLASSES
 from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier

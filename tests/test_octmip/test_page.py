@@ -21,7 +21,7 @@ TEMPLATE = """{% extends "base.html" %}{% from "parts.html" import cards, table,
 def _template(monkeypatch: pytest.MonkeyPatch) -> None:
     from jinja2 import ChoiceLoader, DictLoader
 
-    environment = page._environment()
+    environment = page._environment(None)
     monkeypatch.setattr(environment, "loader", ChoiceLoader([DictLoader({"try.html": TEMPLATE}), environment.loader]))
 
 

@@ -57,10 +57,8 @@ class Cracked(Asset):
 ANSWERS: Mapping[str, tuple[str, ...]] = {
     "solve": ("hard.csv", "--label", "y", "--depth", "5", "--holdout", "0.2", "--json"),
     "certify": ("tree.json", "small.csv", "--proof", "proof.log", "--json"),
-    "edit": ("tree.json", "small.csv", "--set", "ROOT=?", "--json"),
     "predict": ("tree.json", "long.csv", "--json"),
     "compare": ("hard.csv", "--label", "y", "--depth", "4", "--json"),
-    "benchmark": ("tables", "--depth", "3", "--json"),
     "near-optimal": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
     "sensors": ("hard.csv", "--label", "y", "--depth", "3", "--json"),
     "frontier": ("hard.csv", "--label", "y", "--over", "depth", "--depth", "5", "--folds", "3", "--json"),

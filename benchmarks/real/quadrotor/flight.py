@@ -1,4 +1,4 @@
-"""A flight as readings: steady commands in the coordinates of the mixing, how they differ by the way, what shakes.
+"""A flight as readings: steady commands in the coordinates of the mixing, and how they differ by the way.
 
 Both logs give the commands of thrust, roll, pitch and yaw: log B as such, log A through the mixing of its four motors.
 They are counted in grams of one rotor, so that +1 of each is +1 g on M3's pattern (1, 1, -1, 1).
@@ -16,21 +16,14 @@ from femlib.arrays import FloatArray
 GRAMS = 15.0 / 65536.0
 """Nominal thrust of one rotor by its command [g]."""
 AXES = ("thrust", "roll", "pitch", "yaw")
-SHAKEN = {"A": ("ax", "ay", "az"), "B": ("gyro_roll", "gyro_pitch", "gyro_yaw", "acc_z")}
-TIED = {"A": (("ax", "ay"), ("ax", "az"), ("ay", "az")), "B": (("gyro_roll", "gyro_pitch"), ("gyro_pitch", "gyro_yaw"))}
-"""Channels whose steps go together or against each other, by which rotor is out of balance."""
 HEIGHT, SETTLE, LEAVE, HALFWAY = 0.42, 0.4, 0.15, 14.5
 """Least height of the hover [m]; cut off its beginning and end [s]; time between the two hovers [s]."""
 OUT, BACK = (6.2, 9.2), (20.1, 23.1)
 """Stretches in which the flight moves along x, forward and back [s]."""
 
 STEADY = (*AXES, "yaw_way")
-READINGS = (
-    *STEADY,
-    *(f"step_{axis}" for axis in AXES),
-    *(f"shake_{name}" for names in SHAKEN.values() for name in names),
-    *(f"tie_{one}_{other}" for pairs in TIED.values() for one, other in pairs),
-)
+WITHIN = dict(zip(STEADY, (0.07, 0.07, 0.07, 0.08, 0.11), strict=True))
+"""Standard deviation of each within a day, settled on the commissioning flights left out one at a time [g]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,21 +32,16 @@ class Flight:
 
     Attributes
     ----------
-    name, airframe, log, role
+    name, airframe, role
         as the table of tests gives them.
     readings
-        (n_readings,) in the order of `READINGS`; NaN is not logged.
-    out, back
-        (4,) steady commands of the first and the second hover [g].
+        (n_readings,) in the order of `STEADY` [g].
     """
 
     name: str
     airframe: str
-    log: str
     role: str
     readings: FloatArray
-    out: FloatArray
-    back: FloatArray
 
 
 def commands(table: pd.DataFrame) -> FloatArray:
@@ -73,23 +61,13 @@ def hovers(table: pd.DataFrame) -> list[tuple[float, float]]:
     return [(float(part[0]) + SETTLE, float(part[-1]) - LEAVE) for part in parts]
 
 
-def read_flight(folder: Path, name: str, airframe: str, log: str, role: str) -> Flight:
+def read_flight(folder: Path, name: str, airframe: str, role: str) -> Flight:
     """Return the readings of a flight."""
     table = pd.read_csv(folder / f"{name}.csv.gz")
-    time, both, steady = table["time"].to_numpy(dtype=float), hovers(table), commands(table)
-    out, back = (part.mean(axis=0) for part in _parts(time, steady, both))
+    time, steady = table["time"].to_numpy(dtype=float), commands(table)
+    out, back = (part.mean(axis=0) for part in _parts(time, steady, hovers(table)))
     way = [float(part.mean()) for part in _parts(time, steady[:, 3], [OUT, BACK])]
-    found = dict(zip(STEADY, (*(out + back) / 2.0, way[0] - way[1]), strict=True))
-    for axis, column in zip(AXES, steady.T, strict=True):
-        found[f"step_{axis}"] = float(np.log(_steps(time, column, both)))
-    for channel in SHAKEN[log]:
-        found[f"shake_{channel}"] = float(np.log(_steps(time, table[channel], both)))
-    for one, other in TIED[log]:
-        first, second = (table[name] / table[name].diff().std() for name in (one, other))
-        joined, apart = (_steps(time, first + sign * second, both) ** 2 for sign in (1.0, -1.0))
-        found[f"tie_{one}_{other}"] = (joined - apart) / (joined + apart)
-    readings = np.array([found.get(reading, np.nan) for reading in READINGS])
-    return Flight(name, airframe, log, role, readings, out, back)
+    return Flight(name, airframe, role, np.array([*(out + back) / 2.0, way[0] - way[1]]))
 
 
 def _parts(time: FloatArray, signal: FloatArray, stretches: Sequence[tuple[float, float]]) -> list[FloatArray]:
@@ -97,16 +75,10 @@ def _parts(time: FloatArray, signal: FloatArray, stretches: Sequence[tuple[float
     return [signal[(time >= begin) & (time <= end)] for begin, end in stretches]
 
 
-def _steps(time: FloatArray, signal: pd.Series | FloatArray, both: Sequence[tuple[float, float]]) -> float:
-    """Return the rms over both hovers of the rms of the steps from sample to sample."""
-    parts = _parts(time, np.asarray(signal, dtype=float), both)
-    return float(np.sqrt(np.mean([np.mean(np.diff(part) ** 2) for part in parts])))
-
-
 def read_flights(folder: Path) -> dict[str, Flight]:
     """Return all flights of a folder by name."""
     tests = pd.read_csv(folder / "tests.csv")
     return {
-        str(row.flight): read_flight(folder, str(row.flight), str(row.airframe), str(row.log), str(row.role))
+        str(row.flight): read_flight(folder, str(row.flight), str(row.airframe), str(row.role))
         for row in tests.itertuples()
     }

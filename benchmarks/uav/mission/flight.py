@@ -11,9 +11,9 @@ from benchmarks.uav.mission.capable import Capable
 from benchmarks.uav.mission.histories import MOST_STEPS, Histories, draw
 from benchmarks.uav.mission.outside import example_signature
 from benchmarks.uav.mission.planner import TIGHT_STEPS, WIDE_STEPS
+from benchmarks.uav.mission.player import MissionStep
 from benchmarks.uav.mission.policies import Brain, Pilot, Policy
 from benchmarks.uav.mission.simulation import damage_at, readings_at
-from octmip.interfaces.report.mission import MissionStep
 from octmip.monitor import Belief, Finding, Library, Result
 
 Floats = NDArray[np.float64]

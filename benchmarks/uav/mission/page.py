@@ -5,7 +5,7 @@ import numpy as np
 from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import CRITICAL, Aircraft
 from benchmarks.uav.mission.flight import NAMES, POLICY, Flight
-from octmip.interfaces.report.mission import Course, Region, mission_page
+from benchmarks.uav.mission.player import Course, Region, mission_page
 from octmip.monitor import ParameterTree
 
 KINDS = {

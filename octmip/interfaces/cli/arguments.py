@@ -133,13 +133,13 @@ def add_everyday_arguments(
     seconds: float = math.inf,
     has_target: bool = False,
     chooses: bool = False,
-    of_folder: bool = False,
+    or_folder: bool = False,
 ) -> None:
     """Add the table, the label (or a target of numbers and its loss), the depth and the time.
 
-    A command that `chooses` a tree where no depth is given needs none; one `of_folder` reads all tables of a folder.
+    A command that `chooses` a tree where no depth is given needs none; one `or_folder` reads folders too.
     """
-    add_label_arguments(group_of(parser, DATA), is_required=not has_target, of_folder=of_folder)
+    add_label_arguments(group_of(parser, DATA), is_required=not has_target, or_folder=or_folder)
     without = " (default: chosen by cross-validation, for new rows; any beside --leaf-penalty)" if chooses else ""
     levels = f"levels of splits{without}"
     group_of(parser, TREE).add_argument("--depth", metavar="D", type=int, required=not chooses, help=levels)

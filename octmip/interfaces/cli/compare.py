@@ -1,195 +1,230 @@
-"""Run every method on one table: `octmip.interfaces.cli.options.compare` says how the command is called."""
+"""Every method on a table or on those of a folder: `octmip.interfaces.cli.options.compare` says how it is called."""
 
 import argparse
-import time
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
+import importlib
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any
 
-from octmip.errors import DataError, ProblemError, SolverError, is_out_of_memory
-from octmip.formats.tree_file import finite_or_none
-from octmip.input.names import visible
-from octmip.interfaces.cli.answer import ProgressLine, describe, print_json, print_notes, rounded, score_json
-from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
-from octmip.interfaces.cli.gap_times import GAPS, GapTimes
-from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
-from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.certificate import certify
-from octmip.trees.methods import interruption
-from octmip.trees.methods.interruption import held_back
-from octmip.trees.methods.options import METHODS
-from octmip.trees.problem import Problem
-from octmip.trees.registry import chosen_method, read_options, taken
-from octmip.trees.solution import Limits, Stop, relative_gap
-from octmip.trees.solver import solve
-from octmip.trees.tradeoff import baselines_of, score, score_of
+import numpy as np
+import pandas as pd
 
-TIMES = tuple(f"{100 * gap:g} %" for gap in GAPS)
+from octmip.errors import DataError, OctmipError
+from octmip.formats.table import read_table
+from octmip.formats.table.source import form_by_ending
+from octmip.input.files import make_folder, write_bytes
+from octmip.input.names import visible
+from octmip.interfaces.cli.answer import print_json, then_written
+from octmip.interfaces.cli.arguments import limits_of
+from octmip.interfaces.cli.compare_table import compared, methods_of, reasons, run_one_table, table_of
+from octmip.interfaces.cli.options.compare import PICTURE, ROWS
+from octmip.interfaces.cli.picture import write_picture
+from octmip.interfaces.cli.samples.table_problem import read_problem
+from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.solution import Limits
+
+SHIFT = 1.0
+"""Seconds added before the geometric mean, so that a table of milliseconds does not decide it."""
+RATIOS = (1, 2, 10)
+"""Times the seconds of the quickest method, of the printed profile."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What the methods found on one table.
+
+    Attributes
+    ----------
+    table
+        name of its file.
+    n_samples
+        its rows; 0 where it cannot be asked about.
+    measures
+        names of what its loss measures.
+    rows
+        as of `octmip compare`, one for each method that ran; with an entry `error` where it did not answer.
+    notes
+        sentences about what became of the table, or why it cannot be asked about.
+    """
+
+    table: str
+    n_samples: int
+    measures: tuple[str, ...]
+    rows: Sequence[Mapping[str, Any]]
+    notes: tuple[str, ...]
+
+    def by(self, method: str) -> Mapping[str, Any]:
+        """Return the row of a method, that of one without an answer where it has none."""
+        return next((row for row in self.rows if row["method"] == method), {})
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run every method and show them."""
-    limits = limits_of(arguments)
-    asked = read_problem(arguments)
-    rows = compared(arguments, asked, limits)
-    baselines = _baselines(asked, arguments.seed) if arguments.baselines else []
+    """Run all; of a folder show the methods, then the rows of each table."""
+    if not Path(arguments.data).is_dir():
+        if arguments.out is not None:
+            raise DataError(f"--out is for a folder of tables, and {arguments.data} is none; take --json instead")
+        return run_one_table(arguments)
+    _refuse_of_one_table(arguments)
+    limits, methods = limits_of(arguments), methods_of(arguments)
+    if arguments.out:
+        importlib.import_module("octmip.interfaces.plot")  # matplotlib is an extra: missing, it is named before work
+        make_folder(arguments.out)
+    found = _found(arguments, _tables(arguments.data), limits)
     with held_back():
-        _show(arguments, asked, rows, baselines)
+        summary = [_summary(method, found, limits.seconds) for method in methods]
+        write = partial(_write, found=found, methods=methods)
+        with then_written(arguments.out, write, is_quiet=arguments.json):
+            _show(arguments, found, summary)
     return 0
 
 
-def _show(
-    arguments: argparse.Namespace, asked: TableProblem, rows: list[dict[str, Any]], baselines: list[dict[str, Any]]
-) -> None:
-    problem = asked.problem
-    if arguments.json:
-        beside: dict[str, Any] = {"baselines": baselines} if arguments.baselines else {}
-        notes = {"notes": list(asked.notes)}
-        print_json({"n_samples": problem.n_samples, "baseline": problem.baseline, "rows": rows, **beside, **notes})
-        return
-    measures = problem.loss.measured
-    held = () if asked.held_out is None else tuple(f"{name} held out" for name in measures)
-    print_notes(asked.notes)
-    print(table_of(rows, (*measures, *held), measures))
-    if baselines:
-        named = [{**_shown(row, measures), "baseline": row["method"]} for row in baselines]
-        print("\n" + markdown_table(named, ("baseline", *measures, *held, "seconds")))
-    if asked.held_out is not None:
-        print(f"\n{problem.n_samples} training samples, {len(asked.held_out.codes)} held out")
-    for sentence in reasons([*rows, *baselines]):
-        print(f"\n{sentence}")
+def _refuse_of_one_table(arguments: argparse.Namespace) -> None:
+    """Raise a DataError where an option is given that one table alone can have."""
+    for name in ("holdout", "test", "baselines"):
+        if getattr(arguments, name):
+            raise DataError(f"--{name} is for one table, and {arguments.data} is a folder; leave it out")
 
 
-def table_of(rows: Sequence[Mapping[str, Any]], columns: tuple[str, ...], measures: tuple[str, ...]) -> str:
-    """Return the printed table of methods, with columns for its measures among those that all have."""
-    before = ("objective", "bound", "gap %", "gap to best bound %", "splits", "tree by", "seconds")
-    every = ("method", *columns, *before, *(f"to {gap}" for gap in TIMES), "stop")
-    return markdown_table([_shown(row, measures) for row in rows], every)
+def _tables(folder: str) -> list[Path]:
+    """Return the tables of a folder in the order of their names.
 
-
-def reasons(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield a sentence for each method that did not answer, or whose bound is not about all trees."""
-    for row in rows:
-        if "error" in row:
-            yield f"{row['method']}: {visible(row['error'])}"
-        elif not row.get("scope_is_whole", True):
-            yield f"{row['method']}: its bound holds for {visible(row['scope'])} only"
-
-
-def compared(arguments: argparse.Namespace, asked: TableProblem, limits: Limits) -> list[dict[str, Any]]:
-    """Return a row for each method; after a signal those that are known, if there are any.
-
-    Each says how far it can be from the optimum, by the best bound of any method that speaks about all trees.
+    Raises
+    ------
+    DataError
+        it holds no table.
     """
-    rows: list[dict[str, Any]] = []
-    methods = methods_of(arguments)
-    _refuse_options_of_none(arguments, asked.problem, methods)
-    for method in methods:
+    tables = [path for path in sorted(Path(folder).iterdir()) if path.is_file() and form_by_ending(path)]
+    if not tables:
+        raise DataError(
+            f"{folder} holds no table; expected files that end with .csv, .tsv, .parquet or .gz; name another"
+        )
+    return tables
+
+
+def _found(arguments: argparse.Namespace, tables: Sequence[Path], limits: Limits) -> list[Found]:
+    """Return what was found on each table; after a signal on those that are known, if there are any.
+
+    Raises
+    ------
+    OctmipError
+        no table can be used, with the reason of the first.
+    """
+    found: list[Found] = []
+    for path in tables:
         try:
-            row = _row(arguments, asked, method, limits)
-        except BaseException:  # between two solves a signal makes any error, of an import for instance
-            if rows and interruption.is_heard():
+            found.append(_on_table(arguments, path, limits))
+        except OctmipError as error:
+            if is_heard() and not found:
+                raise KeyboardInterrupt from error
+            if is_heard():
                 break
-            raise
-        if "error" in row and rows and interruption.is_heard():
-            break
-        rows.append(row)
-        if row.get("stop") == Stop.INTERRUPTED:
-            break
-    _add_gap_to_best_bound(rows)
-    return rows
-
-
-def _baselines(asked: TableProblem, seed: int) -> list[dict[str, Any]]:
-    """Return a row for each baseline; after a signal those that are known."""
-    problem = asked.problem
-    rows: list[dict[str, Any]] = []
-    for name, train in baselines_of(problem).items():
-        start = time.perf_counter()
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a linear model that has not converged is still a baseline
-                predictor = train(seed)
+            if len(tables) == 1:
+                raise
+            found.append(Found(path.name, 0, (), (), (" ".join(str(error).split()),)))
         except KeyboardInterrupt:
+            if not found:
+                raise
+        if is_heard():
             break
-        except ValueError as error:  # scikit-learn's, of a class with one sample for instance, and ours
-            rows.append({"method": name, "error": " ".join(str(error).split())})
-            continue
-        seconds = time.perf_counter() - start
-        held = asked.held_out and score_json(score_of(problem, predictor, asked.held_out))
-        training = score_json(score_of(problem, predictor))
-        rows.append({"method": name, **(training or {}), "held_out": held, "seconds": seconds})
-    return rows
+    if not any(one.n_samples for one in found):
+        raise DataError(f"no table of {arguments.data} can be used; the first fault: {found[0].notes[0]}")
+    return found
 
 
-def methods_of(arguments: argparse.Namespace) -> list[Any]:
-    """Return the methods that the arguments name, all without a name."""
-    if not arguments.methods:
-        return list(METHODS[1:])  # those that cannot answer say why
-    names = [name.strip() for name in arguments.methods.split(",")]
-    unknown = [name for name in names if name not in METHODS[1:]]
-    if unknown:
-        raise DataError(f"--methods names {unknown[0]!r}; expected some of {', '.join(METHODS[1:])}")
-    return names
+def _on_table(arguments: argparse.Namespace, path: Path, limits: Limits) -> Found:
+    own = {"data": str(path)}
+    if arguments.label is None and arguments.target is None:
+        own["label"] = read_table(path).columns[-1]
+    of_table = argparse.Namespace(**{**vars(arguments), **own})
+    asked = read_problem(of_table)
+    rows = compared(of_table, asked, limits)
+    problem, notes = asked.problem, tuple(f"note: {visible(note)}" for note in asked.notes)
+    return Found(path.name, problem.n_samples, problem.loss.measured, tuple(rows), notes)
 
 
-def _refuse_options_of_none(arguments: argparse.Namespace, problem: Problem, methods: list[Any]) -> None:
-    """Raise a DataError where none of the methods takes an option that is given; the others go without it."""
-    takes = {name for method in methods for name in taken(problem, method)} & set(nameable(()))
-    for name in words_of(arguments):
-        if name not in takes:
-            raise DataError(
-                f"--option names {name!r}; expected what one of the methods takes: {', '.join(sorted(takes))}; "
-                "leave it out, or name another of --methods"
-            )
-
-
-def _row(arguments: argparse.Namespace, asked: TableProblem, method: Any, limits: Limits) -> dict[str, Any]:
-    problem = asked.problem
-    try:
-        chosen_method(problem, method)  # or the reason why there is none
-        with ProgressLine(f"{method}: ") as progress:
-            times = GapTimes(progress)
-            words = {name: word for name, word in words_of(arguments).items() if name in taken(problem, method)}
-            options = read_options(problem, method, words)
-            run = {"seed": arguments.seed, "n_jobs": arguments.threads, "progress": times}
-            solution = solve(problem, method, limits, options=options, **run)
-        if solution.tree is None:
-            return {"method": method, "error": f"no tree found (stop: {solution.stop})"}
-        row = describe(problem, solution, certify(problem, solution))
-        held = asked.held_out and score_json(score(problem, solution.tree, asked.held_out))
-        by = solution.details.get("tree_by", method)
-        times.end(solution)
-        reached = {"seconds_to_gap": times.reached(), "gaps": times.gaps}
-        return row | reached | {"method": method, "held_out": held, "tree_by": by}
-    except Exception as error:
-        if not isinstance(error, ProblemError | SolverError) and not is_out_of_memory(error):
-            raise
-        return {"method": method, "error": " ".join(str(error).split())}
-
-
-def _add_gap_to_best_bound(rows: list[dict[str, Any]]) -> None:
-    proven = [row for row in rows if row.get("bound") is not None]
-    over_all = [row["bound"] for row in proven if row["scope_is_whole"]]
-    best = max(over_all, default=float("-inf"))
-    for row in rows:
-        if "objective" in row:
-            row["gap_to_best_bound"] = finite_or_none(relative_gap(row["objective"], best))
-
-
-def _shown(row: Mapping[str, Any], measures: tuple[str, ...]) -> dict[str, Any]:
-    """Return a row under the headings of the printed table, its figures rounded."""
-    gaps = {"gap %": row.get("gap"), "gap to best bound %": row.get("gap_to_best_bound")}
-    reached = row.get("seconds_to_gap", {})
-    held = row.get("held_out") or {}
+def _summary(method: str, found: Sequence[Found], limit: float) -> dict[str, Any]:
+    """Return a method's figures over all tables; a mean is None where nothing is known to take it of."""
+    rows = [row for one in found if "objective" in (row := one.by(method))]
+    best = [min(row["objective"] for row in one.rows if "objective" in row) for one in found if one.by(method) in rows]
+    gaps = [row["gap_to_best_bound"] for row in rows if row["gap_to_best_bound"] is not None]
+    proven = [seconds_to_proof(row) for row in rows]
+    spent = [max(row["seconds"], 0.0 if math.isinf(limit) else limit) for row in rows]
+    seconds = [end if proof is None else proof for proof, end in zip(proven, spent, strict=True)]
+    ratios = ratios_of(method, found)
     return {
-        **row,
-        **{name: rounded(row.get(name)) for name in measures},
-        **{f"{name} held out": rounded(held.get(name)) for name in measures},
-        **{f"to {gap}": None if reached.get(gap) is None else round(reached[gap], 3) for gap in TIMES},
-        **{name: None if gap is None else round(100 * gap, 2) for name, gap in gaps.items()},
-        "splits": row.get("n_splits"),
-        "tree by": row.get("tree_by"),
-        "seconds": None if "seconds" not in row else round(row["seconds"], 3),
-        "stop": row.get("stop", "no answer"),
+        "method": method,
+        "tables": len(rows),
+        "proven": sum(proof is not None for proof in proven),
+        "best tree": sum(row["objective"] <= least for row, least in zip(rows, best, strict=True)),
+        "mean gap to best bound %": round(100 * float(np.mean(gaps)), 2) if gaps else None,
+        "seconds to proof": round(shifted_mean(seconds), 3) if any(proof is not None for proof in proven) else None,
+        **{f"within {ratio} x": _share(ratios, ratio) for ratio in RATIOS},
     }
+
+
+def seconds_to_proof(row: Mapping[str, Any]) -> float | None:
+    """Return the seconds until a row's tree was proven, None where it was not."""
+    return row["seconds_to_gap"]["0 %"] if row.get("is_optimal") else None
+
+
+def ratios_of(method: str, found: Sequence[Found]) -> list[float]:
+    """Return a method's seconds until the proof over those of the quickest, for each table that any method proves.
+
+    +inf where it proves nothing itself.
+    """
+    ratios = []
+    for one in found:
+        proofs = {row["method"]: proof for row in one.rows if (proof := seconds_to_proof(row)) is not None}
+        if proofs:
+            ratios.append(proofs.get(method, math.inf) / max(min(proofs.values()), 1e-9))
+    return ratios
+
+
+def shifted_mean(seconds: Sequence[float]) -> float:
+    """Return the geometric mean of seconds, each with `SHIFT` added, less `SHIFT`."""
+    return math.exp(float(np.mean(np.log(np.array(seconds) + SHIFT)))) - SHIFT
+
+
+def _share(ratios: Sequence[float], most: float) -> str | None:
+    return f"{100 * sum(ratio <= most for ratio in ratios) / len(ratios):.0f} %" if ratios else None
+
+
+def _show(arguments: argparse.Namespace, found: Sequence[Found], summary: list[dict[str, Any]]) -> None:
+    if arguments.json:
+        tables = [{"table": one.table, "n_samples": one.n_samples, "rows": list(one.rows)} for one in found]
+        print_json({"methods": summary, "tables": tables})
+        return
+    print(markdown_table(summary))
+    asked = [set(reasons(one.rows)) for one in found if one.rows]
+    of_all = set.intersection(*asked)
+    for sentence in sorted(of_all):
+        print(f"\n{sentence}")
+    for one in found:
+        print(f"\n{visible(one.table)}: {one.n_samples} samples")
+        if one.rows:
+            print("\n" + table_of(one.rows, one.measures, one.measures))
+        for sentence in (*reasons(one.rows), *one.notes):
+            if sentence not in of_all:
+                print(f"\n{sentence}")
+
+
+def _write(folder: str, found: Sequence[Found], methods: Sequence[str]) -> None:
+    """Write the rows as CSV, and profile and gaps over time as a picture."""
+    from octmip.interfaces.plot import benchmark_figure
+
+    rows = [{"table": one.table, "n_samples": one.n_samples, **_flat(row)} for one in found for row in one.rows]
+    write_bytes(Path(folder) / ROWS, pd.DataFrame(rows).to_csv(index=False).encode())
+    answered = [name for name in methods if any("objective" in one.by(name) for one in found)]
+    gaps = {name: [one.by(name).get("gaps", []) for one in found] for name in answered}
+    figure = benchmark_figure({name: ratios_of(name, found) for name in answered}, gaps)
+    write_picture(Path(folder) / PICTURE, figure)
+
+
+def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row with one value in each entry: the seconds to a gap under its percentage."""
+    plain = {name: value for name, value in row.items() if not isinstance(value, dict | list)}
+    return plain | {f"seconds to {gap}": value for gap, value in row.get("seconds_to_gap", {}).items()}

@@ -28,10 +28,8 @@ from octmip.trees.solution import ProofError
 COMMANDS = {
     "solve": "find the best tree for a table, and prove how good it is",
     "certify": "recompute what a tree file claims, from tree and data alone",
-    "edit": "say what a change of a tree costs: the best tree that has given splits, proven",
     "predict": "apply a tree file to a table",
-    "compare": "run every method on a table and show their gaps side by side",
-    "benchmark": "run every method on every table of a folder: how many each proves, how fast, and the gap meanwhile",
+    "compare": "run every method on a table, or on each of a folder, and show their gaps and times side by side",
     "near-optimal": "count all trees near the optimum, list the best, draw samples",
     "sensors": "show what each sensor is worth: the optimum without it, and where it must be read",
     "frontier": "show the least cost against depth, sensor budget or leaf penalty",
@@ -89,7 +87,7 @@ def _code(words: list[str], heard: Heard) -> int:
             heard.raises = False
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {_with_options(_one_line(error), words)}", file=sys.stderr)
+        print(f"{name}: {_with_options(_one_line(error))}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError | WriteError) else 2
     except KeyboardInterrupt:
         print(f"octmip: {heard.word}", file=sys.stderr)
@@ -132,10 +130,9 @@ def _one_line(error: OctmipError) -> str:
     return visible(shown)
 
 
-def _with_options(message: str, words: list[str]) -> str:
+def _with_options(message: str) -> str:
     """Return a message with the options of a command in place of the names that a problem has for them."""
-    options = OPTIONS | ({"fixed_splits": "--set"} if words[:1] == ["edit"] else {})
-    return re.sub(rf"(?<!['\w])({'|'.join(options)})\b", lambda found: options[found[0]], message)
+    return re.sub(rf"(?<!['\w])({'|'.join(OPTIONS)})\b", lambda found: OPTIONS[found[0]], message)
 
 
 def _run(words: list[str]) -> int:

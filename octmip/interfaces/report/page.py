@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -50,6 +50,7 @@ def render(
     template: str,
     *,
     masthead: Masthead | None = None,
+    folder: Path | None = None,
     styles: Sequence[str] = (),
     scripts: Sequence[str] = (),
     **context: Any,
@@ -62,19 +63,21 @@ def render(
         name of a file of `octmip/interfaces/report/templates` that extends base.html.
     masthead
         heading and asset that stand in place of the template's own.
+    folder
+        where else template and further files may lie.
     styles, scripts
         names of further files there, used after style.css and base.js.
     **context
         values for the template; one that it names and that is not given is an error. `facts`, the pairs of names and
         texts in the footer, is needed by every page (`page_facts`).
     """
-    environment = _environment()
-    texts = [_source(name) for name in ("base.js", *scripts)]
+    environment = _environment(folder)
+    texts = [_source(environment, name) for name in ("base.js", *scripts)]
     page = environment.get_template(template).render(
         context,
         masthead=masthead or Masthead(),
         policy=POLICY.format(" ".join(f"'sha256-{_digest(text)}'" for text in texts)),
-        styles=[Markup(_source(name)) for name in ("style.css", *styles)],
+        styles=[Markup(_source(environment, name)) for name in ("style.css", *styles)],
         scripts=[Markup(text) for text in texts],
     )
     return page + "\n"
@@ -110,9 +113,10 @@ def count(value: int) -> str:
 
 
 @cache
-def _environment() -> jinja2.Environment:
+def _environment(folder: Path | None) -> jinja2.Environment:
+    own: list[jinja2.BaseLoader] = [jinja2.PackageLoader("octmip.interfaces.report")]
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("octmip.interfaces.report"),
+        loader=jinja2.ChoiceLoader(own if folder is None else [*own, jinja2.FileSystemLoader(folder)]),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
@@ -158,9 +162,9 @@ def _readable(value: Any) -> Any:
     raise TypeError(f"a page was given {value!r} of type {type(value).__name__}; expected text or a whole number")
 
 
-@cache
-def _source(name: str) -> str:
-    return files("octmip.interfaces.report").joinpath("templates", name).read_text(encoding="utf-8")
+def _source(environment: jinja2.Environment, name: str) -> str:
+    assert environment.loader is not None
+    return environment.loader.get_source(environment, name)[0]
 
 
 def _digest(text: str) -> str:

@@ -212,14 +212,14 @@ def middle(low: float, high: float) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class _Known:
+class _Vertex:
     """A tree and its point of the hull."""
 
     complexity: int
     cost: float
     tree: Node
 
-    def slope_to(self, smaller: "_Known") -> float:
+    def slope_to(self, smaller: "_Vertex") -> float:
         """Return the penalty at which a smaller tree costs the same."""
         return (smaller.cost - self.cost) / (self.complexity - smaller.complexity)
 
@@ -234,7 +234,7 @@ class _Tracer:
     free: Problem
     run: Run  # of every solve
     grown: Solution | None = None  # CART's tree, where it is there already
-    best: dict[int, _Known] = field(default_factory=dict)  # by complexity
+    best: dict[int, _Vertex] = field(default_factory=dict)  # by complexity
     bounds: dict[float, float] = field(default_factory=dict)  # by penalty
     tolerance: float = 0.0
     n_solves: int = 0
@@ -242,7 +242,7 @@ class _Tracer:
 
     def add(self, tree: Node) -> None:
         tree = ordered(self.free, tree)  # a pruning need not keep the order that its tree keeps
-        known = _Known(complexity(tree), _objective(self.free, tree), tree)
+        known = _Vertex(complexity(tree), _objective(self.free, tree), tree)
         if known.complexity not in self.best or known.cost < self.best[known.complexity].cost:
             self.best[known.complexity] = known
 
@@ -325,7 +325,7 @@ class _Tracer:
             self.add(solution.tree)
         return solution
 
-    def hull(self) -> list[_Known]:
+    def hull(self) -> list[_Vertex]:
         """Return the lower convex hull from the cheapest tree (the smallest of equals) to the single leaf."""
         at = min(self.best.values(), key=lambda known: (known.cost, known.complexity))
         hull = [at]
@@ -346,7 +346,7 @@ class _Tracer:
             trees.append(PathTree(known.tree, known.cost, known.complexity, low, high, is_proven))
         return PenaltyPath(self.free, tuple(trees), bounds, self.n_solves, is_whole, self.is_interrupted)
 
-    def _is_proven(self, known: _Known, penalties: Sequence[float]) -> bool:
+    def _is_proven(self, known: _Vertex, penalties: Sequence[float]) -> bool:
         """Whether no tree is better at any of some penalties."""
         cost, bounds = self.free.exact_objective(known.tree), tuple(sorted(self.bounds.items()))
         prices = [cost + Fraction(penalty) * known.complexity for penalty in penalties]

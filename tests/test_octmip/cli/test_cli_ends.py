@@ -22,10 +22,8 @@ DATA, DEPTH, OUT = "data.csv", ("--label", "y", "--depth", "1"), ("--out", "new/
 WORDS: Mapping[str, tuple[str, ...]] = {
     "solve": (DATA, *DEPTH, *OUT),
     "certify": ("tree.json", DATA, "--proof", "proof.log"),
-    "edit": ("tree.json", DATA, "--set", "ROOT=a", *OUT),
     "predict": ("tree.json", DATA, "--label", "y", *OUT),
-    "compare": (DATA, *DEPTH, "--methods", "exact"),
-    "benchmark": ("tables", "--depth", "1", "--methods", "exact", *OUT),
+    "compare": ("tables", "--depth", "1", "--methods", "exact", *OUT),
     "near-optimal": (DATA, *DEPTH),
     "sensors": (DATA, *DEPTH, "--out", "new/made.svg"),
     "frontier": (DATA, *DEPTH, "--over", "depth", "--out", "new/made.svg"),

@@ -165,7 +165,7 @@ def test_doctor_works_where_the_installation_does_not(module):
     assert module in done.stdout
 
 
-LONG = ("solve", "compare", "benchmark", "near-optimal", "sensors", "frontier")
+LONG = ("solve", "compare", "near-optimal", "sensors", "frontier")
 """Commands with more options than a screen takes."""
 
 

@@ -89,7 +89,7 @@ def test_a_comparison_that_is_interrupted_between_two_solves_shows_what_it_has(
             signal.raise_signal(signal.SIGTERM)
         return certify(problem, solution)
 
-    monkeypatch.setattr("octmip.interfaces.cli.compare.certify", signalled)
+    monkeypatch.setattr("octmip.interfaces.cli.compare_table.certify", signalled)
     words = ["compare", str(hard), "--label", "y", "--depth", "2", "--methods", "cart,search", "--seconds", "1"]
     assert main([*words, "--json"]) == 0
     assert [row["method"] for row in json.loads(capsys.readouterr().out)["rows"]] == ["cart"]

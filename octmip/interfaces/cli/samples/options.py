@@ -7,14 +7,12 @@ from octmip.interfaces.cli.samples.file_arguments import reads
 TABLE_HELP = "table: .csv, .tsv (also .gz), .parquet, or - for standard input"
 
 
-def add_label_arguments(group: argparse._ArgumentGroup, is_required: bool = True, of_folder: bool = False) -> None:
-    """Add the table and its label, or a folder of tables and the label of each."""
-    label = "column with the class of each row"
-    if of_folder:
-        group.add_argument("data", metavar="FOLDER", help="folder with tables: .csv, .tsv (also .gz), .parquet")
-        label += " (default: the last of each table)"
-    else:
-        reads(group.add_argument("data", metavar="DATA", help=TABLE_HELP))
+def add_label_arguments(group: argparse._ArgumentGroup, is_required: bool = True, or_folder: bool = False) -> None:
+    """Add the table and its label; where it may be a folder of tables, that of each."""
+    table, label = TABLE_HELP, "column with the class of each row"
+    if or_folder:
+        table, label = f"{table}; or a folder of tables", f"{label} (default of a folder: the last of each table)"
+    reads(group.add_argument("data", metavar="DATA", help=table))
     group.add_argument("--label", metavar="COL", required=is_required, help=label)
 
 

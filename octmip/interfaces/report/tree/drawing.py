@@ -136,7 +136,7 @@ def draw_tree(
         the leaf, counted from the left, whose way from the root is lit; None: no way.
     """
     values = [leaf.value for leaf in leaves(tree) if isinstance(leaf, ValueLeaf)] or [0.0]
-    known = _Known(wording, answer or _answer, counts, seen, way, min(values), max(values))
+    known = _Drawn(wording, answer or _answer, counts, seen, way, min(values), max(values))
     root = _sized(tree, known, 0)
     _spread(root, max(_leaf_widths(root)))
     heights = _level_heights(root, 0, {})
@@ -150,7 +150,7 @@ def _answer(leaf: Leaf, wording: Wording) -> str:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Known:
+class _Drawn:
     """What is drawn of every node, and the ends of the leaves' numbers."""
 
     wording: Wording
@@ -187,7 +187,7 @@ class _Sized:
     span: float = 0.0
 
 
-def _sized(node: Node, known: _Known, first: int) -> _Sized:
+def _sized(node: Node, known: _Drawn, first: int) -> _Sized:
     """Return a node whose leaves begin with the `first` from the left."""
     if isinstance(node, Leaf):
         return _sized_leaf(node, known, first)
@@ -205,7 +205,7 @@ def _sized(node: Node, known: _Known, first: int) -> _Sized:
     return out
 
 
-def _sized_leaf(node: Leaf, known: _Known, index: int) -> _Sized:
+def _sized_leaf(node: Leaf, known: _Drawn, index: int) -> _Sized:
     counts = known.counts[index]
     spread = known.seen.spread(index) if known.seen else None
     name, total = known.answer(node, known.wording), int(known.counts.sum())

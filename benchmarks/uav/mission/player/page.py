@@ -1,13 +1,12 @@
 """The page that plays a mission: one HTML file with its own style, script and data, nothing from elsewhere."""
 
-import datetime
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from octmip.errors import DataError
+from benchmarks.uav.mission.player.data import Asset, fixed_data, steps_data
+from benchmarks.uav.mission.player.record import Course, MissionStep, Region
 from octmip.input.names import shown
-from octmip.interfaces.report.mission.data import Asset, fixed_data, steps_data, traced_gauges
-from octmip.interfaces.report.mission.record import Course, MissionStep, Region, check_steps
 from octmip.interfaces.report.page import page_facts, render
 from octmip.monitor import Library, ParameterTree
 from octmip.twin import Twin
@@ -21,18 +20,16 @@ FEW = 3
 def mission_page(
     steps: Sequence[MissionStep],
     library: Library,
-    trees: Sequence[ParameterTree] = (),
+    trees: Sequence[ParameterTree],
     *,
-    twin: Twin | None = None,
-    limits: Mapping[str, float] | None = None,
-    names: Mapping[str, str] | None = None,
-    traced: Sequence[str] = (),
-    course: Course | None = None,
-    regions: Sequence[Region] = (),
-    title: str = "Mission of an asset",
-    about: str = "",
-    data: str = "",
-    made: datetime.date | None = None,
+    twin: Twin,
+    limits: Mapping[str, float],
+    traced: Sequence[str],
+    course: Course,
+    regions: Sequence[Region],
+    title: str,
+    about: str,
+    data: str,
 ) -> str:
     """Return the page of a mission.
 
@@ -41,76 +38,44 @@ def mission_page(
     steps
         the mission: readings, what a `Monitor` made of them, decisions.
     library
-        the states of the monitor's filter, or of its selector where it has no filter; its gauges order the readings.
+        the states of the monitor's filter; its gauges order the readings.
     trees
         the trees at work, one per parameter; the way of each reading is shown in them.
     twin
-        the model: the strain of the believed state is drawn beside the readings, and where it says where its gauges
-        lie, the structure. None: the nearest state of the library is drawn.
+        the model: the strain of the believed state is drawn beside the readings, and the structure.
     limits
         by parameter, the value beyond which caution is needed.
-    names
-        by parameter, what the page calls it.
     traced
-        gauges whose strain is drawn; none: the three that move most, those that the trees read first.
+        gauges whose strain is drawn.
     course
-        the way of the asset, for steps that say where it is.
+        the way of the asset.
     regions
         the parts of the structure that the parameters are about.
     title, about
         heading, and one line below it.
     data
         where the readings are from, for the footer.
-    made
-        day of the page; today by default.
-
-    Raises
-    ------
-    DataError
-        there is no step, a reading has another length, a name is unknown.
     """
-    asset = Asset(
-        library, tuple(trees), twin, limits or {}, names or {}, tuple(traced) or traced_gauges(library, trees)
-    )
-    check_steps(list(steps), len(library.gauges))
-    _check_names(asset, regions)
+    asset = Asset(library, tuple(trees), twin, limits, tuple(traced))
     entries = steps_data(asset, steps)
     fixed = fixed_data(asset, course, regions)
     return render(
         "mission.html",
+        folder=Path(__file__).parent,
         styles=("mission.css",),
         scripts=("mission.js",),
-        facts=page_facts(data or None, None, made),
+        facts=page_facts(data),
         title=title,
         about=about,
         summary=_summary(entries),
         figures=_figures(asset, entries),
         mission={**fixed, "steps": entries},
-        parameters=[one["name"] for one in fixed["parameters"]],
+        parameters=library.parameters,
         trees=[one["name"] for one in fixed["trees"]],
-        has_course=course is not None,
-        has_regions=bool(regions),
-        has_structure=fixed["structure"] is not None,
-        has_belief=entries[-1]["belief"] is not None,
-        has_truth=entries[-1]["truth"] is not None,
-        limited=[
-            f"{one['name']} {100 * one['limit']:.3g} %" for one in fixed["parameters"] if one["limit"] is not None
-        ],
+        limited=[f"{name} {100 * limit:.3g} %" for name, limit in limits.items()],
         n_steps=len(entries),
         events=_events(entries)[:MOST_EVENTS],
     )
-
-
-def _check_names(asset: Asset, regions: Sequence[Region]) -> None:
-    parameters, gauges = asset.library.parameters, asset.library.gauges
-    asked = [*asset.limits, *asset.names, *(region.parameter for region in regions)]
-    asked += [tree.parameter for tree in asset.trees]
-    unknown = [name for name in asked if name not in parameters]
-    if unknown:
-        raise DataError(f"the library has no parameter {unknown[0]!r}; expected one of {parameters}")
-    lacking = [name for name in (*asset.traced, *(g for t in asset.trees for g in t.gauges)) if name not in gauges]
-    if lacking:
-        raise DataError(f"the library has no gauge {lacking[0]!r}; expected one of {gauges[:3]}...")
 
 
 def _events(entries: Sequence[Mapping[str, Any]]) -> list[tuple[int, str]]:
@@ -152,9 +117,7 @@ def _figures(asset: Asset, entries: Sequence[Mapping[str, Any]]) -> list[tuple[s
             own = believed[k]
             over = own["median"] > asset.limits.get(name, float("inf"))
             note = f"90 %: {100 * own['low']:.0f} to {100 * own['high']:.0f} %, at the end"
-            figures.append(
-                (f"Believed {asset.called(name)}", f"{100 * own['median']:.0f} %", note, "warn" if over else "")
-            )
+            figures.append((f"Believed {name}", f"{100 * own['median']:.0f} %", note, "warn" if over else ""))
     cautious = sum(entry["cautious"] for entry in entries)
     figures.append(("Steps", f"{len(entries)}", f"{cautious} of them cautious"))
     alarms = sum(bool(entry["alarm"]) for entry in entries)

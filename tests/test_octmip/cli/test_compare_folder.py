@@ -1,4 +1,4 @@
-"""octmip benchmark: every method on every table of a folder."""
+"""octmip compare of a folder: every method on every table of it."""
 
 import json
 import math
@@ -7,7 +7,7 @@ import signal
 import pandas as pd
 import pytest
 
-from octmip.interfaces.cli.benchmark import Found, ratios_of, shifted_mean
+from octmip.interfaces.cli.compare import Found, ratios_of, shifted_mean
 from octmip.interfaces.plot import benchmark_figure
 from octmip.trees.certificate import certify
 
@@ -28,7 +28,7 @@ def folder(tmp_path, data):
 
 
 def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
-    code, out, _ = run("benchmark", folder, *METHODS, "--json")
+    code, out, _ = run("compare", folder, *METHODS, "--json")
     assert code == 0
     answer = json.loads(out)
     assert {one["table"]: one["n_samples"] for one in answer["tables"]} == {
@@ -43,13 +43,13 @@ def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
 
 
 def test_its_table_says_once_what_holds_for_all_and_beside_each_table_what_is_its_own(folder, run):
-    out = run("benchmark", folder, *METHODS)[1]
+    out = run("compare", folder, *METHODS)[1]
     assert out.count("oct_h: method 'oct_h' finds no axis trees") == 1
     assert "empty.csv has 2 columns and 0 rows" in out.split("one.csv: 30 samples")[0]
 
 
 def test_rows_and_picture_are_written(folder, run, tmp_path):
-    assert run("benchmark", folder, *METHODS, "--out", tmp_path / "out" / "deep")[0] == 0
+    assert run("compare", folder, *METHODS, "--out", tmp_path / "out" / "deep")[0] == 0
     rows = pd.read_csv(tmp_path / "out" / "deep" / "rows.csv")
     assert list(rows["table"]) == ["one.csv"] * 3 + ["two.csv.gz"] * 3
     assert (tmp_path / "out" / "deep" / "benchmark.svg").read_text().count("<svg") == 1
@@ -58,17 +58,18 @@ def test_rows_and_picture_are_written(folder, run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("DATA",), "is no folder; expected one with tables; for one table: octmip compare"),
+        (("DATA", "--label", "y", "--out", "figures"), "--out is for a folder of tables"),
+        (("TABLES", "--holdout", "0.2"), "--holdout is for one table"),
         (("EMPTY",), "holds no table; expected files that end with"),
         (("TABLES", "--label", "state"), None),
         (("TABLES", "--label", "nobody"), "no table of"),
         (("TABLES", "--methods", "best"), "--methods names 'best'"),
     ],
 )
-def test_what_cannot_be_benchmarked_is_a_sentence(folder, run, data, tmp_path, words, said):
+def test_what_cannot_be_compared_is_a_sentence(folder, run, data, tmp_path, words, said):
     (tmp_path / "none").mkdir()
     places = {"DATA": data, "EMPTY": tmp_path / "none", "TABLES": folder}
-    code, out, err = run("benchmark", *METHODS, *(places.get(word, word) for word in words))
+    code, out, err = run("compare", *METHODS, *(places.get(word, word) for word in words))
     assert code == (0 if said is None else 2)
     assert (said or "has no column 'state'") in (err if said else out)
 
@@ -82,8 +83,8 @@ def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeyp
         asked.append(problem)
         return certify(problem, solution)
 
-    monkeypatch.setattr("octmip.interfaces.cli.compare.certify", signalled)
-    code, out, _ = run("benchmark", folder, *METHODS, "--json")
+    monkeypatch.setattr("octmip.interfaces.cli.compare_table.certify", signalled)
+    code, out, _ = run("compare", folder, *METHODS, "--json")
     assert code == 0
     assert [one["table"] for one in json.loads(out)["tables"] if one["rows"]] == ["one.csv"]
 

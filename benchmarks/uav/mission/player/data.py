@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.uav.mission.player.record import Course, MissionStep, Region
 from octmip.errors import DataError
 from octmip.input.names import shown, visible
-from octmip.interfaces.report.mission.record import Course, MissionStep, Region
 from octmip.interfaces.report.text import condition
 from octmip.monitor import Belief, CompiledTree, Library, ParameterTree, Refusal
 from octmip.trees.tree import Leaf, Node
@@ -29,50 +29,31 @@ class Asset:
     trees
         those at work.
     twin
-        the model; None: the library's own strains are drawn.
+        the model.
     limits
         by parameter, the value beyond which caution is needed.
-    names
-        by parameter, what the page calls it.
     traced
         gauges whose strain is drawn.
     """
 
     library: Library
     trees: tuple[ParameterTree, ...]
-    twin: Twin | None
+    twin: Twin
     limits: Mapping[str, float]
-    names: Mapping[str, str]
     traced: tuple[str, ...]
 
-    def called(self, parameter: str) -> str:
-        """Return what the page calls a parameter."""
-        return shown(self.names.get(parameter, parameter))
 
-
-def traced_gauges(library: Library, trees: Sequence[ParameterTree]) -> tuple[str, ...]:
-    """Return the three gauges that move most over the library's states, those that the trees read first."""
-    spread = np.ptp(library.strains, axis=0)
-    read = {tree.gauges[j] for tree in trees for j in _features(tree.tree)}
-    order = sorted(range(len(library.gauges)), key=lambda g: (library.gauges[g] not in read, -float(spread[g])))
-    return tuple(library.gauges[g] for g in sorted(order[:3]))
-
-
-def _features(tree: Node) -> set[int]:
-    return set() if isinstance(tree, Leaf) else {*tree.features, *_features(tree.left), *_features(tree.right)}
-
-
-def fixed_data(asset: Asset, course: Course | None, regions: Sequence[Region]) -> dict[str, Any]:
+def fixed_data(asset: Asset, course: Course, regions: Sequence[Region]) -> dict[str, Any]:
     """Return what is the same at every step."""
     parameters = [
-        {"name": asset.called(name), "most": _most(asset.library, k), "limit": asset.limits.get(name)}
+        {"name": name, "most": _most(asset.library, k), "limit": asset.limits.get(name)}
         for k, name in enumerate(asset.library.parameters)
     ]
     return {
         "parameters": parameters,
         "traced": [shown(name) for name in asset.traced],
         "trees": [_tree_data(asset, tree) for tree in asset.trees],
-        "course": None if course is None else _course_data(course),
+        "course": _course_data(course),
         "structure": _structure_data(asset, regions),
     }
 
@@ -95,7 +76,7 @@ def _tree_data(asset: Asset, tree: ParameterTree) -> dict[str, Any]:
             add(node.right, number, "no")
 
     add(tree.tree, -1, "")
-    return {"name": asset.called(tree.parameter), "nodes": nodes}
+    return {"name": tree.parameter, "nodes": nodes}
 
 
 def percent(share: float) -> str:
@@ -113,19 +94,13 @@ def _points(points: Any) -> list[list[float]]:
     return found
 
 
-def _structure_data(asset: Asset, regions: Sequence[Region]) -> dict[str, Any] | None:
-    """Return outline, gauges and regions of the structure; None where nobody says where anything lies."""
-    places = None if asset.twin is None else getattr(asset.twin, "gauge_positions", None)
-    outline = None if asset.twin is None else getattr(asset.twin, "outline", None)
-    if places is None and not regions:
-        return None
-    gauges = []
-    if asset.twin is not None and places is not None:
-        at = dict(zip(asset.twin.gauges, _points(places), strict=True))
-        gauges = [{"name": shown(name), "at": at[name]} for name in asset.library.gauges if name in at]
+def _structure_data(asset: Asset, regions: Sequence[Region]) -> dict[str, Any]:
+    """Return outline, gauges and regions of the structure."""
+    at = dict(zip(asset.twin.gauges, _points(getattr(asset.twin, "gauge_positions", [])), strict=False))
+    gauges = [{"name": shown(name), "at": at[name]} for name in asset.library.gauges if name in at]
     parameters = asset.library.parameters
     known = [{"of": parameters.index(r.parameter), "outline": _points(r.outline)} for r in regions]
-    return {"outline": [] if outline is None else _points(outline), "gauges": gauges, "regions": known}
+    return {"outline": _points(getattr(asset.twin, "outline", [])), "gauges": gauges, "regions": known}
 
 
 def steps_data(asset: Asset, steps: Sequence[MissionStep]) -> list[dict[str, Any]]:
@@ -210,9 +185,6 @@ def _strain_data(asset: Asset, row: Floats, believed: list[dict[str, Any]] | Non
 def _expected(asset: Asset, state: list[float]) -> Floats:
     """Return the strains (n_gauges,) per unit of load of a believed state."""
     library = asset.library
-    if asset.twin is None:
-        nearest = int(np.abs(library.states - np.array(state)).sum(axis=1).argmin())
-        return np.asarray(library.strains[nearest])
     load, factor = library.asked_at
     strains = asset.twin.predict(dict(zip(library.parameters, state, strict=True)), load) / factor
     return np.asarray(strains)[[asset.twin.gauges.index(name) for name in library.gauges]]

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from octmip.errors import DataError
 from octmip.monitor import Refusal, Result
 
 Floats = NDArray[np.float64]
@@ -87,21 +86,3 @@ class Region:
 
     parameter: str
     outline: ArrayLike
-
-
-def check_steps(steps: list[MissionStep], n_gauges: int) -> None:
-    """Check that there are steps and that their readings have one value per gauge.
-
-    Raises
-    ------
-    DataError
-        there is no step, or one has another number of readings.
-    """
-    if not steps:
-        raise DataError("the mission has no step; expected at least one; give the steps that were flown")
-    for number, step in enumerate(steps):
-        if step.reading.shape != (n_gauges,):
-            raise DataError(
-                f"step {number} of the mission has a reading of shape {step.reading.shape}; expected ({n_gauges},), "
-                "one value for each gauge of the library; give NaN where nothing was read"
-            )

@@ -1,1 +1,0 @@
-"""Cases about sets of near-optimal trees."""

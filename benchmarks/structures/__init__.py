@@ -1,1 +1,0 @@
-"""Structures of the user's own beside another program."""

@@ -1,1 +1,0 @@
-"""Risk on the wing: what fearing to miss a critical damage costs."""

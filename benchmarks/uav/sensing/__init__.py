@@ -1,1 +1,0 @@
-"""The sensing study: where to put gauges, what a budget of them buys, for one label and for two together."""

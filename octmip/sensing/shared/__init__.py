@@ -1,1 +1,0 @@
-"""Shared sensors: trees for several labels under one budget."""
