@@ -29,7 +29,7 @@ class NearestTests:
                 self.importers[other].add(file)
 
     def of(self, file: str) -> list[str]:
-        """Return the tests that lead to a source, the nearest first; of a Rust file those that bear its part's name."""
+        """Return the tests that lead to a source, the nearest first; of a Rust file all tests."""
         found, ring = {file: 0}, [file]
         while ring:
             ring = sorted({one for other in ring for one in self.importers[other]} - set(found))
@@ -40,7 +40,7 @@ class NearestTests:
         far = {
             test: (stem not in name, found.get(test, 0) > 1, -self._alike(own, test))
             for test in (self.texts if is_rust else found)
-            if (name := Path(test).stem).startswith("test_") and name not in TOO_LONG and (stem in name or not is_rust)
+            if (name := Path(test).stem).startswith("test_") and name not in TOO_LONG
         }
         return sorted(far, key=far.__getitem__)
 

@@ -1,7 +1,7 @@
 """A mutation run: which wrong changes of the sources, drawn at random, the tests notice.
 
 `python -m benchmarks.run mutants --seed N --draws M [--only octmip/gap] [--limit 60] [--csv FILE]`. Without a seed the
-clock gives one. `--only` is a folder or file of Python, or the native core.
+clock gives one. `--only` is a folder or file of Python, or the native core (with cargo-mutants).
 
 Each mutant is made alone in a copy of the tree. There the tests that are nearest to its module run until the first one
 fails, for `--limit` CPU seconds at most.
