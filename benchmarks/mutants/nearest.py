@@ -38,11 +38,18 @@ class NearestTests:
         stem = Path(file.partition("/src/")[2]).parts[0].removesuffix(".rs") if is_rust else Path(file).stem
         own = _words((self.root / file).read_text(encoding="utf-8"))
         far = {
-            test: (stem not in name, found.get(test, 0) > 1, -self._alike(own, test))
+            test: (
+                stem not in name,
+                not self._names(test, stem) if is_rust else found[test] > 1,
+                -self._alike(own, test),
+            )
             for test in (self.texts if is_rust else found)
             if (name := Path(test).stem).startswith("test_") and name not in TOO_LONG
         }
         return sorted(far, key=far.__getitem__)
+
+    def _names(self, test: str, part: str) -> bool:
+        return re.search(rf"import .*\b{part}\b", self.texts[test]) is not None
 
     def _alike(self, own: set[str], test: str) -> float:
         """Return how many words a test shares with others, the rarer the more, for its length."""
