@@ -23,6 +23,13 @@ LARGE = 1e6
 """Readings from which on that time counts."""
 SETUP_SHARE = 0.25
 """Of the time that is left, in which the drawn rows are set up."""
+SECONDS_OF_ROW = 5e-7
+"""To fit the leaves of a tree of drawn rows to all rows, and to check it."""
+
+
+def search_seconds(problem: Problem, left: float) -> float:
+    """Return the seconds of those that are left in which rows may be drawn and searched: the leaves take the rest."""
+    return left - min(left / 2, problem.n_samples * SECONDS_OF_ROW)
 
 
 def setup_seconds(problem: Problem, name: str, options: Options) -> float:
@@ -44,10 +51,12 @@ def tree_of_drawn_rows(call: Call) -> Solution:
     `details["n_rows"]` is the number of rows drawn.
     """
     problem, left = call.problem, call.run.limits.remaining(call.start).seconds
-    n_drawn = max(1, int(SETUP_SHARE * left * SETUP_READINGS / problem.n_features))
+    seconds = search_seconds(problem, left)
+    n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS / problem.n_features))
     rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.n_samples)[:n_drawn])
     drawn = {name: getattr(problem, name)[rows] for name in ("features", "targets", "weights")}
-    found = replace(call, problem=replace(problem, **drawn)).solve("search", None)
+    share = seconds / left if left else 0.0
+    found = replace(call, problem=replace(problem, **drawn)).solve("search", None, share=share)
     assert found.tree is not None
     tree = problem.with_sides(ordered(problem, problem.with_best_leaves(found.tree)))
     stop = Stop.TIME if found.stop is not Stop.INTERRUPTED else found.stop

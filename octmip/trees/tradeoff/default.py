@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from octmip.trees.drawn_rows import search_seconds
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.methods.ordering import ordered
 from octmip.trees.problem import Problem
@@ -15,8 +16,6 @@ from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.choice import N_FOLDS, SHARE_OF_PATHS, Choice, choose_default
 from octmip.trees.tradeoff.sample import sampled
 
-SECONDS_OF_ROW = 5e-7
-"""To fit the leaves of a tree of drawn rows to all rows, and to check it."""
 FEW_ROWS_DEPTH = 1
 """Where rows are too few to choose by, one split at most."""
 INTERRUPTED_DEPTH = 3
@@ -77,7 +76,7 @@ def solve_default(problem: Problem, run: Run, stage: Callable[[str], None] | Non
         try:
             left = max(0.0, run.limits.seconds - (time.perf_counter() - start))
             if part is not None:
-                left -= min(left / 2, problem.n_samples * SECONDS_OF_ROW)
+                left = search_seconds(problem, left)
             choice = choose_default(part or problem, seconds=left, seed=run.seed, options=run.options, stage=stage)
         except KeyboardInterrupt:
             return _unchosen(problem, INTERRUPTED_DEPTH, replace(run, method="cart"), "interrupted")
