@@ -102,7 +102,7 @@ impl<'a> Blocks<'a> {
             _ => (),
         }
         let is_vain = self.given_up.get(&key).is_some_and(|&(spent, at)| work <= spent && upper >= at);
-        if is_vain || work == 0.0 {
+        if is_vain || work == 0.0 || self.control.is_stopped() {
             return None;
         }
         let columns = if self.samples.is_single { 1.0 } else { MANY_COLUMNS };

@@ -29,7 +29,11 @@ pub(crate) fn promising(prepared: &Prepared, samples: &Samples, control: &Contro
     let n_cuts = (CUTS / features.len().max(1)).clamp(fewest, most);
     let mut found: Vec<(bool, i64, AxisCut)> = Vec::new();
     for feature in features {
-        let mut judged = cuts_of(prepared, &mut chosen, feature, n_cuts, |side| cost(prepared, samples, control, side));
+        if control.is_stopped() {
+            break; // to set up the trees of one cut of many features takes hundredths of a second
+        }
+        let judge = |side: &[u32]| cost(prepared, samples, control, side);
+        let mut judged = cuts_of(prepared, &mut chosen, feature, n_cuts, control, judge);
         judged.sort_by_key(|(cost, root)| (*cost, root.cut));
         found.extend(judged.into_iter().enumerate().map(|(k, (cost, root))| (k > 0, cost, root)));
     }
@@ -43,6 +47,7 @@ fn cuts_of(
     chosen: &mut [u32],
     feature: u32,
     n_cuts: usize,
+    control: &Control,
     cost: impl Fn(&[u32]) -> i64,
 ) -> Vec<(i64, AxisCut)> {
     let ranks = prepared.problem.feature(feature as usize);
@@ -52,7 +57,7 @@ fn cuts_of(
     cuts.dedup();
     let judge = |cut: u32| {
         let (left, right) = chosen.split_at(chosen.partition_point(|&i| ranks[i as usize] <= cut));
-        let has_sides = !left.is_empty() && !right.is_empty();
+        let has_sides = !left.is_empty() && !right.is_empty() && !control.is_stopped();
         has_sides.then(|| (cost(left) + cost(right), AxisCut { feature, cut }))
     };
     cuts.into_iter().filter_map(judge).collect()
