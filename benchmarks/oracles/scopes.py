@@ -92,8 +92,11 @@ def _directions(problem: Problem, said: Said, features: list[int]) -> list[tuple
     found: list[tuple[Floats, int]] = []
     ranges = np.nanmax(problem.features, axis=0) - np.nanmin(problem.features, axis=0)
     x = problem.features / np.where(ranges > 0, ranges, 1.0)
+    # A choice counts a row as often as it weighs, so its quantiles do, too.
+    is_whole = (problem.weights == np.floor(problem.weights)).all()
+    times = problem.weights.astype(int) if is_whole else np.ones(problem.n_samples, dtype=int)
     for j in features:
-        column = _intervals(problem.features[:, j], said.quantiles) if said.quantiles else x[:, j]
+        column = _intervals(problem.features[:, j], times, said.quantiles) if said.quantiles else x[:, j]
         sides = (np.inf, -np.inf) if np.isnan(column).any() else (0.0,)
         found += [(np.where(np.isnan(column), side, column), 1) for side in sides]
     for pair in combinations(features, 2) if said.split_size > 1 else ():
@@ -106,9 +109,9 @@ def _directions(problem: Problem, said: Said, features: list[int]) -> list[tuple
     return found
 
 
-def _intervals(column: Floats, quantiles: int) -> Floats:
-    """Return the interval of each value between quantiles of the column, NaN where it is missing."""
-    values = np.sort(column[~np.isnan(column)])
+def _intervals(column: Floats, times: NDArray[np.int64], quantiles: int) -> Floats:
+    """Return the interval of each value between quantiles of the column, each so many times; NaN where missing."""
+    values = np.sort(np.repeat(column, times)[~np.isnan(np.repeat(column, times))])
     each = np.unique(values)
     if len(each) > quantiles + 1:
         places = values[[k * len(values) // (quantiles + 1) for k in range(1, quantiles + 1)]]
