@@ -92,8 +92,8 @@ def _directions(problem: Problem, said: Said, features: list[int]) -> list[tuple
     found: list[tuple[Floats, int]] = []
     ranges = np.nanmax(problem.features, axis=0) - np.nanmin(problem.features, axis=0)
     x = problem.features / np.where(ranges > 0, ranges, 1.0)
-    # A choice counts a row as often as it weighs, so its quantiles do, too.
-    is_whole = (problem.weights == np.floor(problem.weights)).all()
+    # A choice counts a row as often as it weighs, so its quantiles do, too, where no leaf has a size.
+    is_whole = said.leaf_size == 1 and (problem.weights == np.floor(problem.weights)).all()
     times = problem.weights.astype(int) if is_whole else np.ones(problem.n_samples, dtype=int)
     for j in features:
         column = _intervals(problem.features[:, j], times, said.quantiles) if said.quantiles else x[:, j]
