@@ -6,7 +6,7 @@ little both ways, so that over two features no parting is left out. Imports noth
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations, pairwise
@@ -19,6 +19,7 @@ from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 
 Floats = NDArray[np.float64]
+Cuts = Sequence[Sequence[float]]
 TURN = 1e-7
 
 
@@ -74,10 +75,13 @@ PATTERNS = {
 }
 
 
-def least_inside(problem: Problem, words: str) -> float:
-    """Return the least objective of the trees that some words speak about, with the problem's data and prices."""
+def least_inside(problem: Problem, words: str, cuts: Cuts = ()) -> float:
+    """Return the least objective of the trees that some words speak about, with the problem's data and prices.
+
+    `cuts`: for each feature the thresholds that "quantiles" stands for.
+    """
     said = Said.read(words)
-    return min(_least(problem, said, _directions(problem, said, features)) for features in _paid(problem, said))
+    return min(_least(problem, said, _directions(problem, said, features, cuts)) for features in _paid(problem, said))
 
 
 def _paid(problem: Problem, said: Said) -> Iterator[list[int]]:
@@ -87,16 +91,16 @@ def _paid(problem: Problem, said: Said) -> Iterator[list[int]]:
                 yield [j for j, sensor in enumerate(problem.sensor_index.tolist()) if sensor in chosen]
 
 
-def _directions(problem: Problem, said: Said, features: list[int]) -> list[tuple[Floats, int]]:
+def _directions(problem: Problem, said: Said, features: list[int], cuts: Cuts) -> list[tuple[Floats, int]]:
     """Return the places (n_samples,) of the samples along each direction, and the features that it reads."""
     found: list[tuple[Floats, int]] = []
     ranges = np.nanmax(problem.features, axis=0) - np.nanmin(problem.features, axis=0)
     x = problem.features / np.where(ranges > 0, ranges, 1.0)
-    # A choice counts a row as often as it weighs, so its quantiles do, too, where no leaf has a size.
-    is_whole = said.leaf_size == 1 and (problem.weights == np.floor(problem.weights)).all()
-    times = problem.weights.astype(int) if is_whole else np.ones(problem.n_samples, dtype=int)
     for j in features:
-        column = _intervals(problem.features[:, j], times, said.quantiles) if said.quantiles else x[:, j]
+        column = x[:, j]
+        if said.quantiles:
+            assert len(cuts[j]) <= said.quantiles
+            column = np.where(np.isnan(column), np.nan, np.searchsorted(cuts[j], problem.features[:, j]))
         sides = (np.inf, -np.inf) if np.isnan(column).any() else (0.0,)
         found += [(np.where(np.isnan(column), side, column), 1) for side in sides]
     for pair in combinations(features, 2) if said.split_size > 1 else ():
@@ -107,18 +111,6 @@ def _directions(problem: Problem, said: Said, features: list[int]) -> list[tuple
                 normal = np.array([math.cos(angle), -math.sin(angle)])
                 found.append((points @ (normal / np.abs(normal).sum()), 2))
     return found
-
-
-def _intervals(column: Floats, times: NDArray[np.int64], quantiles: int) -> Floats:
-    """Return the interval of each value between quantiles of the column, each so many times; NaN where missing."""
-    values = np.sort(np.repeat(column, times)[~np.isnan(np.repeat(column, times))])
-    each = np.unique(values)
-    if len(each) > quantiles + 1:
-        places = values[[k * len(values) // (quantiles + 1) for k in range(1, quantiles + 1)]]
-        each = np.unique(np.where(places == each[0], each[1], places))
-    else:
-        each = each[1:]
-    return np.where(np.isnan(column), np.nan, np.searchsorted(each, column, side="right"))
 
 
 def _least(problem: Problem, said: Said, directions: list[tuple[Floats, int]]) -> float:

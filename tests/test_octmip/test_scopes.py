@@ -43,7 +43,8 @@ def test_the_words_name_each_limit_and_without_it_a_better_tree_is_inside(limit,
         solution = solve_in_family(problem, Family(2, "exact", 5), Run(), Leaf(0))
     words = scope_of(problem, solution)
     assert certify(problem, solution).scope == words
-    assert least_inside(problem, words) == solution.bound == solution.objective
+    cuts = solution.details.get("cuts", ())
+    assert least_inside(problem, words, cuts) == solution.bound == solution.objective
     weaker = "of depth 5 or less" if limit == "depth" else ""
     assert least_inside(problem, re.sub(PATTERNS[limit], weaker, words)) < solution.bound
 

@@ -59,7 +59,8 @@ def outcome(seed: int) -> Line:
         return line | {"scope": "", "fault": ""}
     scope = scope_of(asked, solution)
     bound = float(str(solution.details.get("bound_in_scope", solution.bound)))
-    least = least_inside(asked, scope)
+    cuts: Any = solution.details.get("cuts", ())
+    least = least_inside(asked, scope, cuts)
     fault = f"bound {bound}, and a tree inside costs {least}" if bound > least + MARGIN * max(1.0, abs(least)) else ""
     narrow = bool(narrow_scope(solution))
     return line | {"scope": scope, "narrow": narrow, "optimal": solution.is_optimal, "fault": fault}

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 def main(words: "Sequence[str] | None" = None) -> int:
     """Run one command and return its exit code; without words, those of the command line, as a program."""
     ended: list[int] = []
-    # A thread of OpenBLAS takes tens of megabytes of address space and spins for ever where it gets none.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if words is None:
+        # A thread of OpenBLAS takes tens of megabytes of address space and spins for ever where it gets none.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         for number in (_signal.SIGINT, _signal.SIGTERM):
             _signal.signal(number, _end)
         atexit.register(_leave, ended)  # the first that is registered is called last

@@ -153,7 +153,8 @@ def trace_families(
 def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> Solution:
     """Return the best tree of a family for a problem with its depth; `known` is one over readings, at least as good.
 
-    A bound holds for the trees that cut where the family does, and `details["scope"]` says so. Of CART's prunings
+    A bound holds for the trees that cut where the family does, and `details["scope"]` says so; where
+    that is, for each feature, stands in `details["cuts"]`. Of CART's prunings
     `known` itself is returned. Where a tree is searched, a proof gives the bound for some seconds, and its tree where
     it is finished.
 
@@ -172,7 +173,8 @@ def solve_in_family(problem: Problem, family: Family, run: Run, known: Node) -> 
     if grid is None:
         return found
     assert found.tree is not None
-    scope = {} if math.isinf(found.bound) else {"scope": within(problem, grid.scope)}
+    cuts = [places.tolist() for places in grid.cuts]
+    scope = {} if math.isinf(found.bound) else {"scope": within(problem, grid.scope), "cuts": cuts}
     return replace(found, tree=grid.over_readings(found.tree), details={**found.details, **scope})
 
 
