@@ -105,7 +105,7 @@ class _Search:
     limits: Limits
     n_jobs: int
     progress: ProgressCallback | None
-    started: float = field(default_factory=time.perf_counter)
+    started: float = field(default_factory=lambda: time.perf_counter())
     tree: Node | None = None
     objective: float = math.inf
     room: float = math.inf  # what the best tree costs on the grid

@@ -105,7 +105,7 @@ class _Search:
     limits: Limits
     progress: ProgressCallback | None
     rng: np.random.Generator
-    started: float = field(default_factory=time.perf_counter)
+    started: float = field(default_factory=lambda: time.perf_counter())
     tree: Node | None = None
     cost: float = math.inf
     n_nodes: int = 0
