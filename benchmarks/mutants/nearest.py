@@ -6,7 +6,9 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
-TOO_LONG = ("test_blind", "test_tutorial", "test_site", "test_uav_study", "test_installed", "test_distribution")
+TOO_LONG = ("test_blind", "test_uav_study")
+AROUND = 12
+"""The words of so many lines before and behind a line count twice."""
 IMPORT = re.compile(r"^ *from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
 
 
@@ -25,36 +27,42 @@ class NearestTests:
         self.importers = defaultdict(set)
         for file, imports in self.imports.items():
             tables = {f"{Path(file).parent}/{name}.py" for name in re.findall(r'"(\w+)"', self.texts[file])}
-            for other in {self._home(*one) for one in imports} | tables:
+            for other in {self._home(*one) for one in imports} | tables | {f"{Path(file).parent}/conftest.py"}:
                 self.importers[other].add(file)
 
-    def of(self, file: str) -> list[str]:
-        """Return the tests that lead to a source, the nearest first; of a Rust file all tests."""
+    def of(self, file: str, line: int) -> list[str]:
+        """Return the tests of behaviour that lead to a line of a source, the nearest first; of a Rust file all.
+
+        Those of the documentation and of the house stand in no folder of their own.
+        """
         found, ring = {file: 0}, [file]
         while ring:
             ring = sorted({one for other in ring for one in self.importers[other]} - set(found))
             found |= dict.fromkeys(ring, max(found.values()) + 1)
         is_rust = file.endswith(".rs")
         stem = Path(file.partition("/src/")[2]).parts[0].removesuffix(".rs") if is_rust else Path(file).stem
-        own = _words((self.root / file).read_text(encoding="utf-8"))
+        lines = (self.root / file).read_text(encoding="utf-8").splitlines()
+        around = lines[max(0, line - AROUND) : line + AROUND]
+        sought = Counter([*_words("\n".join(lines)), *_words("\n".join(around))])
         far = {
             test: (
                 stem not in name,
                 not self._names(test, stem) if is_rust else found[test] > 1,
-                -self._alike(own, test),
+                -self._alike(sought, test),
             )
             for test in (self.texts if is_rust else found)
-            if (name := Path(test).stem).startswith("test_") and name not in TOO_LONG
+            if (name := Path(test).stem).startswith("test_") and test.count("/") > 1 and name not in TOO_LONG
         }
         return sorted(far, key=far.__getitem__)
 
     def _names(self, test: str, part: str) -> bool:
         return re.search(rf"import .*\b{part}\b", self.texts[test]) is not None
 
-    def _alike(self, own: set[str], test: str) -> float:
+    def _alike(self, sought: Counter[str], test: str) -> float:
         """Return how many words a test shares with others, the rarer the more, for its length."""
         words = _words(self.texts[test])
-        return math.fsum(1.0 / self.n_texts[word] for word in own & words) / math.sqrt(len(words))
+        shared = (count / self.n_texts[word] for word, count in sought.items() if word in words)
+        return math.fsum(shared) / math.sqrt(len(words))
 
     def _home(self, place: str, name: str) -> str:
         """Return the file that has a name of a module: where a package passes it on, that of the other module."""

@@ -24,7 +24,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -41,6 +41,7 @@ STREAM = 97
 FIRST_FILES, MOST_FILES = 2, 8  # of tests: most mutants are killed by the first
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
+PROFILE = ("--profile", "checks", "--config", "profile.checks.opt-level=1")  # its tests of Python take half the time
 Outcome = tuple[str, str, float]  # the word, the first test that failed or did not end, CPU seconds
 
 
@@ -49,6 +50,8 @@ def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0,
     rng = np.random.default_rng([STREAM, seed := seed or int(time.time())])
     with tempfile.TemporaryDirectory() as folder:
         runs = _Runs(shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED), limit)
+        if only == NATIVE:
+            runs.build()
         for _ in range(draws):
             mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, (only,) if only else PYTHON)
             yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
@@ -59,36 +62,50 @@ class _Runs:
 
     def __init__(self, tree: Path, limit: float) -> None:
         self.tree, self.limit, self.nearest = tree, limit, NearestTests(tree)
+        self.core, self.made = next(tree.glob(CORE), tree), tree / NATIVE / "target/checks/lib_native.so"
+
+    def build(self) -> None:
+        """Build the core as those of its mutants are built, so that their tests take as long without a mutant."""
+        code, said, _ = self._cargo("build --features python")
+        if code != 0:
+            raise SystemExit(f"the native core does not build: {said}")
+        shutil.copy2(self.made, self.core)
 
     def line(self, mutant: Mutant) -> Line:
         """Return the outcome of a mutant; the copy is then as it was."""
-        tests = self.nearest.of(mutant.file)
-        run = self._rust if mutant.file.endswith(".rs") else self._pytest
-        with _replaced(self.tree / mutant.file, mutant.after.encode()):
-            for some in (tests[:FIRST_FILES], tests[FIRST_FILES:MOST_FILES]):
-                outcome, said, seconds = run(some)
-                if outcome == "time":  # by one test, or by all of them
-                    outcome, said, seconds = self._pytest([said])
-                if outcome != "survived" or len(tests) <= FIRST_FILES:
-                    break
+        tests = self.nearest.of(mutant.file, mutant.line)
+        with _replaced(self.tree / mutant.file, mutant.after.encode()), ExitStack() as built:
+            found = self._refused(built) if mutant.file.endswith(".rs") else None
+            outcome, said, seconds = found or self._tested(tests)
         if outcome == "time":
             without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
         return line | {"tests": " ".join(tests[:MOST_FILES])}
 
-    def _rust(self, tests: Sequence[str]) -> Outcome:
-        """Return the outcome by the tests of the crates; where these pass, by those of Python with the core built."""
-        place = self.tree / NATIVE
-        for words in ("build", "test", "build --features python"):
-            command = ["cargo", *words.split(), "--profile", "checks", "--quiet", "--workspace"]
-            code, said, seconds = self._run(command, place, BUILD)
+    def _tested(self, tests: Sequence[str]) -> Outcome:
+        for some in (tests[:FIRST_FILES], tests[FIRST_FILES:MOST_FILES]):
+            outcome, said, seconds = self._pytest(some)
+            if outcome == "time":  # by one test, or by all of them
+                outcome, said, seconds = self._pytest([said])
+            if outcome != "survived" or len(tests) <= FIRST_FILES:
+                break
+        return outcome, said, seconds
+
+    def _refused(self, built: ExitStack) -> Outcome | None:
+        """Return the outcome by compiler and tests of the crates; None where these pass: the core is then built."""
+        for words in ("build --features python", "test"):
+            code, said, seconds = self._cargo(words)
             if code != 0:
                 failed = re.search(r"^test (\S+) .*FAILED", said, re.MULTILINE)
                 return "killed" if words == "test" else "unviable", failed.group(1) if failed else "", seconds
-        core, *_ = self.tree.glob(CORE)
-        with _replaced(core, (place / "target/checks/lib_native.so").read_bytes()):
-            return self._pytest(tests)
+            if words != "test":
+                built.enter_context(_replaced(self.core, self.made.read_bytes()))
+        return None
+
+    def _cargo(self, words: str) -> tuple[int, str, float]:
+        command = ["cargo", *words.split(), *PROFILE, "--quiet", "--workspace"]
+        return self._run(command, self.tree / NATIVE, BUILD)
 
     def _pytest(self, tests: Sequence[str]) -> Outcome:
         command = [sys.executable, "-u", "-m", "pytest", "-x", "-vv", "-p", "no:cacheprovider", *tests]

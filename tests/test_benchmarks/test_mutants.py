@@ -16,15 +16,15 @@ FILES = {
     "octmip/__init__.py": "from octmip.sums import double\n",
     "octmip/sums.py": SUMS,
     "octmip/loops.py": LOOPS,
-    "tests/test_all.py": "from octmip import double\n\n\ndef test_double():\n    assert double(2) == 4\n",
-    "tests/test_down.py": "from octmip.loops import down\n\n\ndef test_down():\n    assert down(9) == 0\n",
+    "tests/octmip/test_all.py": "from octmip import double\n\n\ndef test_double():\n    assert double(2) == 4\n",
+    "tests/octmip/test_down.py": "from octmip.loops import down\n\n\ndef test_down():\n    assert down(9) == 0\n",
 }
 
 
 @pytest.fixture
 def tree(tmp_path, monkeypatch):
     for name, text in FILES.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
         (tmp_path / name).write_text(text)
         os.utime(tmp_path / name, (0, 0))  # older than any mutant of it
     monkeypatch.setattr(study, "ROOT", tmp_path)
@@ -72,5 +72,5 @@ def test_a_run_draws_by_its_seed_and_its_summary_names_who_lives(tree):
 
 
 def test_the_nearest_tests_are_those_of_the_name_then_of_the_imports(tree):
-    assert NearestTests(tree).of("octmip/loops.py") == ["tests/test_down.py"]
-    assert NearestTests(tree).of("octmip/sums.py") == ["tests/test_all.py"]
+    assert NearestTests(tree).of("octmip/loops.py", 3) == ["tests/octmip/test_down.py"]
+    assert NearestTests(tree).of("octmip/sums.py", 2) == ["tests/octmip/test_all.py"]

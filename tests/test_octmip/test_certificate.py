@@ -110,6 +110,8 @@ def test_a_bound_above_a_tree_of_real_weights_fails(share):
         ({"leaf_penalty": 0.25}, "claims objective 0.0 but the tree's own"),
         ({"leaf_size": 2}, "leaf 2 .from the left. holds 1 samples but leaf_size is 2"),
         ({"depth": 1}, "depth 2 but the problem allows 1"),
+        ({"max_splits": 1}, "2 splits but max_splits is 1"),
+        ({"max_splits": 1, "split": "hyperplane"}, "2 features in its splits but max_splits is 1"),
         ({"sensor_budget": 1}, "over the budget of 1"),
         ({"sensor_cost": {"g": 1, "h": 1.5}, "sensor_budget": 2}, "over the budget of 2"),
         ({"allowed_splits": [["g"]]}, "a split over .'h'. is not allowed"),

@@ -117,6 +117,9 @@ def test_decimal_weights_are_whole_in_their_last_digit():
     assert priced.unit == Fraction(1, 10)
     assert priced.weights.tolist() == [1, 6, 3]
     assert priced.above + priced.below < Fraction(1, 10**15)
+    problem = Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[3, 3 * prices.LARGEST - 3])
+    priced = prices.whole_prices(problem, 3.0 * prices.LARGEST)
+    assert (priced.unit, priced.above, priced.below) == (3, 0, 0)
 
 
 def test_a_bound_is_lowered_by_the_gap_and_by_what_reduced_costs_allow():

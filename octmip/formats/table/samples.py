@@ -49,8 +49,8 @@ class Table:
 
     source: Source
     frame: pd.DataFrame
-    notes: tuple[str, ...] = ()
-    units: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...]
+    units: tuple[tuple[str, str], ...]
 
     @property
     def name(self) -> str:
