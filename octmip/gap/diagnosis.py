@@ -113,8 +113,8 @@ class Diagnosis:
     states: tuple[StateEstimate, ...]
     notes: tuple[str, ...]
     posterior: Posterior
-    doubts: tuple[str, ...] = ()
-    ties: tuple[tuple[str, ...], ...] = ()
+    doubts: tuple[str, ...]
+    ties: tuple[tuple[str, ...], ...]
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:

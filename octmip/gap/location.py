@@ -145,7 +145,7 @@ class _Means:
         return np.asarray((self.residual**2 - self.noise) / self.scale**2)
 
 
-def localise(model: LinearModel, nodes: tuple[Flip, ...] = ()) -> Where:
+def localise(model: LinearModel, nodes: tuple[Flip, ...]) -> Where:
     """Return where readings and twin differ about a model's states."""
     means = _means(model)
     excess = means.excess

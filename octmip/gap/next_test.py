@@ -126,7 +126,7 @@ def checked_limits(limits: Limits | None) -> Limits | None:
     return limits
 
 
-def next_tests(model: LinearModel, judged: Sequence[Judged], limits: Limits | None = None) -> tuple[Proposal, ...]:
+def next_tests(model: LinearModel, judged: Sequence[Judged], limits: Limits | None) -> tuple[Proposal, ...]:
     """Return the tests worth running, best value first; none when little uncertainty remains.
 
     Within `limits` of the load where they are given; a campaign of several loads repeats what was applied.

@@ -28,7 +28,7 @@ OF_ONE_KIND = (
 """Kinds of values that have an order of their own; values of two kinds have none, but for numbers beside Booleans."""
 
 
-def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any] | None = None) -> tuple[Any, ...]:
+def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any] | None) -> tuple[Any, ...]:
     """Return the classes of a problem from low to high; () where nothing gives an order.
 
     Parameters

@@ -64,7 +64,7 @@ def address(path: str) -> str:
 
 
 def given_splits(
-    given: object, names: tuple[str, ...], what: str, sensor_of_feature: Sequence[str] = ()
+    given: object, names: tuple[str, ...], what: str, sensor_of_feature: Sequence[str]
 ) -> tuple[GivenSplit, ...] | None:
     """Return given splits in the order of their addresses, None where there are none.
 

@@ -167,7 +167,7 @@ def goes_left(
 
 
 def lacks_reading(
-    split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice = slice(None)
+    split: Split | HyperplaneSplit, features: NDArray[np.float64], rows: NDArray[np.int64] | slice
 ) -> NDArray[np.bool_]:
     """Return which of the `rows` of `features` lack a reading that `split` asks for, shape (n_rows,)."""
     return np.asarray(np.isnan(np.stack([features[rows, feature] for feature in split.features])).any(axis=0))

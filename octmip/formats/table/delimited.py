@@ -39,7 +39,7 @@ FEW = 4
 """Rows whose first cells may count 1, 2, ... by chance."""
 
 
-def read_delimited(source: Source, as_text: str | None = None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
+def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
     """Return the table of a text, its layout, and notes on how it was read.
 
     The column `as_text`, where there is one, stays as it is written.

@@ -187,7 +187,7 @@ def card_from(path: str | Path, content: Mapping[str, Any]) -> Card:
         raise DataError(f"card {path}: {error}") from error
 
 
-def card_beside(path: str | Path, card: str | Path | Card | None, linear: bool = False) -> Card:
+def card_beside(path: str | Path, card: str | Path | Card | None, linear: bool) -> Card:
     """Return the card that was given, itself or its file, else the one beside a file: its name with .json added.
 
     Raises

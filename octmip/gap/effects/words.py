@@ -30,9 +30,9 @@ class EffectWords:
 
     name: str
     action: str
-    above: str = ""
-    below: str = ""
-    has_size: bool = True
+    above: str
+    below: str
+    has_size: bool
 
 
 def effect_words(effect: Effect) -> str:

@@ -126,8 +126,8 @@ class Inputs:
     frame: Frame
     noises: tuple[NoiseOfMeans, ...]
     noise_of_means: NoiseOfMeans
-    run: Run | None = None
-    odds: Odds = Odds()  # noqa: RUF009  (frozen)
+    run: Run | None
+    odds: Odds
 
     @property
     def noise(self) -> Noise:

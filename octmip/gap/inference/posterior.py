@@ -342,7 +342,7 @@ class Posterior:
 
     judged: tuple[Judged, ...]
     inference: Inference
-    log_total: float = 0.0
+    log_total: float
 
     @property
     def model(self) -> LinearModel:

@@ -95,8 +95,8 @@ class Ranks:
 
     table: _native.RankTable
     values: DistinctValues
-    feature_of: tuple[int, ...] | None = None
-    missing: tuple[Side | None, ...] | None = None
+    feature_of: tuple[int, ...] | None
+    missing: tuple[Side | None, ...] | None
 
     @classmethod
     def of(

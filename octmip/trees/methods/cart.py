@@ -109,9 +109,9 @@ class _GreedyBuilder:
         """Return the column of ranks that reads a feature, missing readings ranked above all others."""
         return self.ranks.columns_of(feature)[-1]
 
-    def lacks(self, feature: int, rows: NDArray[np.int64] | slice = slice(None)) -> NDArray[np.bool_]:
+    def lacks(self, feature: int, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Return which of the rows lack the reading of a feature."""
-        return np.isnan(self.problem.features[rows, feature])
+        return np.asarray(np.isnan(self.problem.features[rows, feature]))
 
     def build(self, features: NDArray[np.int64]) -> Node:
         """Return CART on these features, its leaves and splits judged by the objective of the problem."""

@@ -152,7 +152,7 @@ class Options:
         return {name: value for name, (value, default) in values.items() if value is not default}
 
     @contextlib.contextmanager
-    def opened(self, n_workers: int | None = None) -> Iterator[Self]:
+    def opened(self, n_workers: int | None) -> Iterator[Self]:
         """Return the options with an open cluster where they name one, so that several solves share it.
 
         Raises
@@ -188,7 +188,7 @@ class Options:
         return kind(**given)
 
     @classmethod
-    def refuse_unknown(cls, names: Iterable[str], who: str, without: tuple[str, ...] = ()) -> None:
+    def refuse_unknown(cls, names: Iterable[str], who: str, without: tuple[str, ...]) -> None:
         """Raise a ProblemError where one of the names is no option of this class that `who` takes."""
         takes = [name for name in cls.names() if name not in without]
         unknown = [name for name in names if name not in takes]

@@ -46,7 +46,7 @@ def shared_problem(arguments: Mapping[str, Any], *options: Any) -> SharedProblem
 
 
 def submitter(
-    cluster: Cluster, arguments: Mapping[str, Any], off: Sequence[str], *, is_logged: bool = False
+    cluster: Cluster, arguments: Mapping[str, Any], off: Sequence[str], *, is_logged: bool
 ) -> Callable[[int, Any], Future]:
     """Return what submits a cut of a problem: called by the native core with the level and the cut.
 

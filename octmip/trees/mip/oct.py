@@ -74,7 +74,7 @@ class Oct:
     d: Columns  # (n_branches,)
     leaves: Leaves
     prices: Prices
-    root: RootRows | None = None
+    root: RootRows | None
     scope: Scope = Scope()  # noqa: RUF009  (frozen)
 
     def start(self, placed: Placed) -> NDArray[np.float64]:

@@ -53,7 +53,7 @@ class Family:
     """
 
     depth: int
-    method: Method = "auto"
+    method: Method
     n_cuts: int | None = None
     options: Options | None = None
     by_impurity: bool = False

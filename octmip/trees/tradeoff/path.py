@@ -233,7 +233,7 @@ class _Tracer:
 
     free: Problem
     run: Run  # of every solve
-    grown: Solution | None = None  # CART's tree, where it is there already
+    grown: Solution | None  # CART's tree, where it is there already
     best: dict[int, _Vertex] = field(default_factory=dict)  # by complexity
     bounds: dict[float, float] = field(default_factory=dict)  # by penalty
     tolerance: float = 0.0

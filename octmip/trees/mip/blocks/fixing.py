@@ -43,7 +43,7 @@ def admissible_cuts(
     *,
     level: int,
     check: LimitCheck,
-    root: Cuts | None = None,
+    root: Cuts | None,
 ) -> dict[int, Cuts]:
     """Return the cuts of each branch node that a better tree than `best` may need, and those of `best` itself.
 

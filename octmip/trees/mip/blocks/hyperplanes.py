@@ -284,7 +284,7 @@ def add_hyperplanes(
     heap: Heap,
     space: Space,
     mu: float,
-    max_splits: int | None = None,
+    max_splits: int | None,
     *,
     penalty: float,
 ) -> Hyperplanes:

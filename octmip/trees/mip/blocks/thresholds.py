@@ -102,7 +102,7 @@ def add_thresholds(
     ranks: Ranks,
     heap: Heap,
     cuts: Mapping[int, Cuts],
-    max_splits: int | None = None,
+    max_splits: int | None,
     *,
     penalty: float,
 ) -> Thresholds:

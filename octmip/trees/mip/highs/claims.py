@@ -64,7 +64,7 @@ class Accuracy:
         return max(math.ceil(reached), 0) if math.isfinite(reached) else 0
 
 
-def foreign_bound(rows: Rows, prices: Prices, bound: float, dual_tolerance: float, further: float = 0.0) -> int:
+def foreign_bound(rows: Rows, prices: Prices, bound: float, dual_tolerance: float, further: float) -> int:
     """Return the price that no tree of a model lies below, by the bound of a solver that kept a dual tolerance.
 
     `further` is the sum of the ranges of rows that are not the model's own.

@@ -110,7 +110,7 @@ class Worker:
                 stream.close()
 
 
-def resident_bytes(pid: int | str = "self") -> float:
+def resident_bytes(pid: int) -> float:
     """Return the memory that a process holds, 0 where the system does not report it (no limit is kept there)."""
     try:
         return float(int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
