@@ -73,7 +73,9 @@ def test_a_step_costs_what_the_trees_of_its_alpha_cost_on_the_folds_that_they_ha
 
 
 def test_every_alpha_of_every_depth_has_its_step():
-    steps = choose_tree(IRIS, folds=3, method="cart").steps
+    choice = choose_tree(IRIS, folds=3, method="cart")
+    steps = choice.steps
+    assert [choice.step_at(step.depth, step.alpha) for step in steps] == list(steps)
     assert {step.depth for step in steps} == {1, 2}
     for depth in (1, 2):
         mine = [step for step in steps if step.depth == depth]

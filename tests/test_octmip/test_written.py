@@ -114,6 +114,7 @@ def test_a_threshold_is_said_as_people_write_it():
 # Every dtype of pandas and polars
 
 TIMES = pd.Series(pd.to_datetime(["2025-03-04 00:00", None, "2025-03-05 12:00"]))
+MONTHS = pd.PeriodIndex(["2025-03", None, "2025-05"], freq="M")
 PANDAS = {
     "int64": (pd.Series([1, 0, 1]), [1, 0, 1]),
     "Int64": (pd.Series([1, None, 3], dtype="Int64"), [1, np.nan, 3]),
@@ -129,6 +130,7 @@ PANDAS = {
     "convert_dtypes": (pd.Series([1, None, 3], dtype=object).convert_dtypes(), [1, np.nan, 3]),
     "category of numbers": (pd.Series([1, None, 3], dtype="category"), [1, np.nan, 3]),
     "ordered category": (pd.Series(pd.Categorical(["S", None, "L"], ["S", "M", "L"], ordered=True)), [0, np.nan, 2]),
+    "ordered months": (pd.Series(pd.Categorical(MONTHS, ordered=True)), [0, np.nan, 1]),
     "datetime": (TIMES, [20151, np.nan, 20152.5]),
     "datetime with tz": (TIMES.dt.tz_localize("Etc/GMT-6"), [20150.75, np.nan, 20152.25]),
     "datetime as category": (TIMES.astype("category"), [20151, np.nan, 20152.5]),
@@ -137,7 +139,7 @@ PANDAS = {
     "date objects": (pd.Series([t.date() if t == t else None for t in TIMES], dtype=object), [20151, np.nan, 20152]),
     "timedelta": (TIMES - TIMES[0], [0, np.nan, 1.5]),
     "duration[pyarrow]": ((TIMES - TIMES[0]).astype("duration[us][pyarrow]"), [0, np.nan, 1.5]),
-    "period": (pd.Series(pd.PeriodIndex(["2025-03", None, "2025-05"], freq="M")), [20148, np.nan, 20209]),
+    "period": (pd.Series(MONTHS), [20148, np.nan, 20209]),
 }
 TEXTS = {
     "object": pd.Series(["u", None, "v"], dtype=object),
