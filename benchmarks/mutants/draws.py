@@ -70,6 +70,8 @@ class _Visitor(cst.CSTVisitor):
             return False
         for kind, operator in OPERATORS:
             for other in operator(node) if isinstance(node, kind) else ():
+                if getattr(node, "evaluated_value", node) == getattr(other, "evaluated_value", other):
+                    continue  # 1e120 + 1
                 line = self.get_metadata(PositionProvider, node).start.line
                 self.found[line].append((operator.__name__.removeprefix("operator_"), node, other))
         return True
