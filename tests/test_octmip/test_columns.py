@@ -80,9 +80,10 @@ def test_a_cut_is_said_in_words_that_hold_for_the_rows_it_sends_left(feature, th
     ("feature", "threshold", "words"),
     [
         (0, 35.5, "age <= 35.5 or missing"),
+        (0, 31.0, "age <= 31 or missing"),
         (0, 20.0, "age is missing"),
         (1, 35.5, "age <= 35.5"),
-        (1, 70.0, "age is not missing"),
+        (1, 60.0, "age is not missing"),
     ],
 )
 def test_the_two_features_of_older_files_are_said_in_the_same_words(feature, threshold, words):

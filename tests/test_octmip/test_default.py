@@ -154,11 +154,23 @@ def test_numbers_are_chosen_for_by_the_same_mechanism():
     assert found.choice.expectation.tree.mean < 0.2
 
 
-def test_hyperplanes_are_searched_and_beside_cart():
-    planes = replace(WEIGHED, split="hyperplane", split_size=2, depth=1)
-    families = default_families(planes)
-    assert [family.method for family in families[:2]] == ["cart", "cart"]
-    assert {family.method for family in families[2:]} == {"search"}
+CARTS = ["CART's tree, pruned", "CART's tree, pruned by impurity"]
+FEW, ANY = "searched, depth 8 or less, at most 10 cuts of a feature", "searched, any depth"
+
+
+@pytest.mark.parametrize(
+    ("problem", "words"),
+    [
+        (IRIS, [*CARTS, *(f"optimal, depth {d} or less, at most 5 cuts of a feature" for d in (1, 2, 3, 4)), FEW, ANY]),
+        (replace(IRIS, split="hyperplane"), [*CARTS, *(f"searched, depth {d} or less" for d in (1, 2, 3))]),
+        (
+            Problem(IRIS.features, IRIS.features[:, 0], depth=1, loss=SquaredError()),
+            [CARTS[0], *(f"optimal, depth {d} or less, at most 10 cuts of a feature" for d in (1, 2, 3, 4))],
+        ),
+    ],
+)
+def test_the_families_are_those_of_the_study_of_tables(problem, words):
+    assert [family.words for family in default_families(problem)] == words
 
 
 def test_of_noise_nothing_is_expected():
