@@ -49,6 +49,7 @@ def test_a_tree_with_sides_for_missing_readings_comes_back(tmp_path):
     write_tree_file(path, record_tree(problem, solution, "y", None, Preparation(columns)))
     file = read_tree_file(path)
     assert file.tree == solution.tree
+    assert file.preparation == Preparation(columns, None, "all", None)
     assert file.settings["takes_missing"]
     assert all(split.missing is not None for split in splits(file.tree))
     assert file.problem(problem.features, problem.targets, problem.weights).digest() == file.sha256
