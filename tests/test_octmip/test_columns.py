@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -47,7 +48,12 @@ def test_text_becomes_questions_and_a_column_with_missing_readings_stays_one_fea
     assert columns.column_of_feature[:2] == ("age", "colour")
     assert columns.lack_numbers
     assert not columns.is_plain
-    assert len(columns.changes()) == 2
+    assert columns.changes() == (
+        "text in 3 columns ('colour', 'sex', 'town') became 7 yes/no questions",
+        "cells are missing in 2 columns ('age', 'town'); a split sends them to whichever side is better",
+    )
+    with pytest.raises(DataError, match=r"missing in 'a', 'b', 'c', 'd', 'e' and 2 more; a hyperplane .*; fill them"):
+        Columns.learn(pd.DataFrame({name: [1, None] for name in "abcdefg"})).refuse_missing_in_sums("fill them")
 
 
 def test_numbers_stay_as_they_are():
@@ -115,6 +121,7 @@ def test_texts_that_training_had_not_answer_no_and_are_named():
     later = pd.DataFrame({"colour": ["red", "pink", "pink"]})
     assert columns.encode(later).tolist() == [[0, 0, 1], [0, 0, 0], [0, 0, 0]]
     assert "'pink' (1 such values, 2 rows)" in columns.unseen(later)[0]
+    assert columns.unseen(frame()) == ()
 
 
 def test_numbers_among_texts_are_found_again_where_a_reader_took_them_for_numbers():
@@ -142,6 +149,10 @@ def test_an_ordered_category_becomes_its_rank():
     np.testing.assert_array_equal(columns.encode(table), [[2], [0], [1], [np.nan]])
     split = Split(0, 1.5, Leaf(0), Leaf(1), missing="left")
     assert columns.left_words(split) == "size is low or middle or missing"
+    letters = Columns.learn(pd.DataFrame({"x": list("abcde")}), categories="order")
+    words = [letters.left_words(Split(0, at, Leaf(0), Leaf(1))) for at in (0.5, 2.0, 3.5)]
+    assert words == ["x is a", "x is a or b or c", "x is d or before it"]
+    assert letters.changes() == ("text in 1 column ('x') became its rank in the order of its values",)
     with pytest.raises(DataError, match="no place in the order"):
         columns.encode(pd.DataFrame({"size": ["tiny"]}), takes_missing=False)
 
@@ -162,6 +173,16 @@ def test_every_column_that_cannot_be_used_is_named_with_its_cure():
         Columns.learn(table)
     assert set(caught.value.reasons) == {"name", "day", "none", "big", "far", "odd"}
     assert "6 of 7 columns" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("n_values", "n_rows", "sentence"),
+    [(20, 20, ""), (21, 42, ""), (21, 41, "21 different texts in 41 rows"), (100, 200, ""), (101, 202, "at most 100")],
+)
+def test_texts_are_values_up_to_half_of_the_rows_and_a_hundred(n_values, n_rows, sentence):
+    table = pd.DataFrame({"x": [f"t{k % n_values}" for k in range(n_rows)]})
+    with pytest.raises(ColumnsError, match=sentence) if sentence else nullcontext():
+        assert len(Columns.learn(table).feature_names) == n_values
 
 
 @pytest.mark.parametrize(("option", "column"), [({"categories": "refuse"}, "colour"), ({"missing": "refuse"}, "age")])

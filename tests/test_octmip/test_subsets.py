@@ -42,6 +42,7 @@ def test_a_split_is_written_by_the_shorter_set():
     columns = Columns.learn(COLOURS, categories="subsets")
     words = [columns.left_words(Split(j, 0.5, Leaf(0), Leaf(1))) for j in (0, 3, 6)]
     assert words == ["colour not in {green}", "colour in {blue, red}", "colour in {blue}"]
+    assert set(columns.columns[0].questions().values()) == set(columns.feature_names)
 
 
 def test_too_many_or_too_long_texts_are_refused():
