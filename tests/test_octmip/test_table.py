@@ -109,6 +109,24 @@ def test_words_that_look_like_numbers_stay_words(tmp_path):
     assert read_table(tmp_path / "data.parquet").labels("y").tolist() == ["1", "2"]
 
 
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["1,a", "g,hh", "2,b", "g,h", "3,a"], "line 5 with the header again"),
+        (["# p", "1,a", "# p", "2,b"], "lines 2, 4 of comment"),
+        (["1,a", "# p", "# p", "# p", "3,a"], "lines 3 to 5 of comment"),
+        (["1,a", "# p", "# p", "3,a", "# p"], "lines 3, 4, 6 of comment"),
+        (["1,a", "% p"] * 8, "lines 3, 5, 7, 9, 11, 13 and 2 more of comment"),
+        (["1,a", "2,b", "", "End of data"], "'End of data' after the last row"),
+        (["1,a", "2,b", "-----", "End", "Sum up"], "'-----' after the last row; 'End' after the last row; 'Sum up'"),
+    ],
+)
+def test_lines_that_hold_no_row_are_left_out_and_named(tmp_path, lines, said):
+    table = read_table(csv_file(tmp_path, "\n".join(["g,h", *lines, ""])))
+    assert [note.startswith(f"no rows and left out: {said}") for note in table.notes] == [True]
+    assert len(table.frame) == sum("," in line and line != "g,h" for line in lines)
+
+
 @pytest.mark.parametrize("name", ["iris.data", "iris.txt", "iris"])
 def test_another_ending_leaves_it_to_the_content(tmp_path, name):
     path = tmp_path / name

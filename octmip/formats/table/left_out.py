@@ -160,7 +160,8 @@ def _after_the_end(body: str, top: Top, separator: str) -> Iterator[Span]:
             return
         if begun is None:
             some = body[max(0, begin - 10_000) : begin].split("\n")[1:]
-            begun = {one.cells[0] for one in split_rows(enumerate(some), separator)}
+            rows = split_rows(enumerate(some), separator)
+            begun = {one.cells[0] for one in rows if len(one.cells) == top.n_cells}
         if any(cell.startswith(row.cells[0]) for cell in begun):  # a row that was cut
             return
         yield begin, stop

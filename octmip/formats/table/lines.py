@@ -79,8 +79,9 @@ def _last_read(lines: Sequence[tuple[int, str]], separator: str) -> int:
 
 
 def width_of(rows: Sequence[Line]) -> int:
-    """Return the width of the last rows: that of the last two neighbours of one width."""
-    widths = [len(row.cells) for row in rows]
+    """Return the width of the last rows: that of the last two neighbours of one width; no word alone is one."""
+    widths = [len(row.cells) for row in rows if len(row.cells) > 1 or is_value(row.cells[0])]
+    widths = widths or [len(row.cells) for row in rows]
     pairs = (a for a, b in zip(widths[::-1], widths[-2::-1], strict=False) if a == b)
     return next(pairs, widths[-1] if widths else 0)
 
