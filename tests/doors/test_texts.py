@@ -45,7 +45,7 @@ def written(rng: np.random.Generator) -> tuple[bytes, tuple[str, ...]]:
         lines.insert(at, str(rng.choice(["# pause", "% pause", "// pause"])))
         told.append("of comment")
     if rng.random() < 0.3:
-        lines.append("End of data")
+        lines += ["End of data", "Recorder stopped"][: int(rng.integers(1, 3))]
         told.append("after the last row")
     content = end.join([*lines, ""])
     return content.encode(str(rng.choice(["utf-8", "utf-8-sig", "utf-16", "cp1252"]))), tuple(told)

@@ -50,6 +50,8 @@ def test_columns_come_as_numbers_and_labels(tmp_path, suffix):
         ("x,,y\n0,1,a\n1,2,b\n", "line 1: column 2 has no name"),
         (",x,y\n0,1,a\n0,2,b\n", "line 1: column 1 has no name"),
         ('x,y\n1,"a\n2,b\n', "line 2 or below is not valid CSV .*close its quotation mark"),
+        ('x,y\n"1","-0\n"2","b"\n"3","c"\n', "line 2: 3 cells but the header has 2"),
+        ('x,y\n"1","a"\n"2,"b"\n"3","c"\n', "line 3: 1 cell but the header has 2"),
         ("x,y\n1," + "a" * 200_000 + "\n", "line 2: field larger than field limit"),
     ],
 )

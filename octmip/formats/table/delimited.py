@@ -115,16 +115,13 @@ def rows_in(layout: Layout, strict: bool = False) -> Iterator[Line]:
 
 def _refuse_ragged(source: Source, layout: Layout, is_refused: bool) -> None:
     """Refuse a row of another length than most, or (where pandas refused it) a quotation mark that is not closed."""
-    n_columns, rows = layout.n_cells, rows_in(layout, strict=True)
-    last = layout.line
+    n_columns, last = layout.n_cells, layout.line
     try:
-        for row in rows:
+        for row in rows_in(layout, strict=is_refused):
             last = row.last
             if len(row.cells) != n_columns:
                 raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), n_columns)}")
-    except csv.Error as error:  # or a cell that pandas takes and csv does not
-        if not is_refused:
-            return
+    except csv.Error as error:
         raise DataError(
             f"{source.name}, line {last + 1} or below is not valid CSV ({error}); close its quotation mark or remove it"
         ) from error
