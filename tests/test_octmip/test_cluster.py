@@ -52,31 +52,38 @@ def client(two_workers: Client) -> Client:
     return two_workers
 
 
+@pytest.fixture
+def asked(client: Client) -> Iterator[Client]:
+    """Both workers, and that they are asked: without them the answer would be the same."""
+    with patch.object(Cluster, "submit", autospec=True, side_effect=Cluster.submit) as submit:
+        yield client
+    assert submit.called
+
+
+COSTS = [[0, 1, 4], [2, 0, 1], [5, 1, 0]]
+
+
 def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
     rng = np.random.default_rng(5)
     return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(np.arange(9).reshape(3, 3))}]
-)
-def test_tree_bound_and_cuts_are_those_of_one_machine(client: Client, options: dict[str, object]) -> None:
+@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
+def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
-    shared = branch_and_bound(problem, options=ExactOptions(cluster=Cluster(client)))
+    shared = branch_and_bound(problem, options=ExactOptions(cluster=Cluster(asked)))
     assert (shared.tree, shared.bound, shared.stop) == (alone.tree, alone.bound, Stop.OPTIMAL)
     assert shared.n_nodes == alone.n_nodes
 
 
-@pytest.mark.parametrize(
-    "options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(np.arange(9).reshape(3, 3))}]
-)
-def test_the_parts_of_a_log_are_joined_and_checked(client: Client, tmp_path, options: dict[str, object]) -> None:
+@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
+def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
     found = branch_and_bound(problem, options=ExactOptions(proof=alone))
     branch_and_bound(problem, n_jobs=3, options=ExactOptions(proof=threads))
-    branch_and_bound(problem, options=ExactOptions(cluster=Cluster(client), proof=shared))
+    branch_and_bound(problem, options=ExactOptions(cluster=Cluster(asked), proof=shared))
     assert alone.read_bytes() == threads.read_bytes() == shared.read_bytes()
     assert check_proof(problem, shared).bound == found.objective
 
@@ -142,21 +149,21 @@ SEARCHES = [
 
 
 @pytest.mark.parametrize(("options", "effort"), SEARCHES)
-def test_the_tree_of_a_search_is_that_of_one_machine(client: Client, options: dict[str, object], effort: dict) -> None:
+def test_the_tree_of_a_search_is_that_of_one_machine(asked: Client, options: dict[str, object], effort: dict) -> None:
     problem = hard(120, **({"depth": 3} | options))
     alone = local_search(problem, seed=3, options=SearchOptions(**effort))
-    shared = local_search(problem, seed=3, options=SearchOptions(cluster=Cluster(client), **effort))
+    shared = local_search(problem, seed=3, options=SearchOptions(cluster=Cluster(asked), **effort))
     assert (shared.tree, shared.n_nodes, shared.stop) == (alone.tree, alone.n_nodes, Stop.FINISHED)
     threads = local_search(problem, seed=3, n_jobs=3, options=SearchOptions(**effort))
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
 
 
-def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(client: Client) -> None:
+def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(asked: Client) -> None:
     """More workers than a group has restarts: several groups at once, also where one of them ends the search."""
     for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
         alone = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2))
         with patch.object(Cluster, "n_threads", 25):
-            effort = SearchOptions(restarts=restarts, perturbations=2, cluster=Cluster(client))
+            effort = SearchOptions(restarts=restarts, perturbations=2, cluster=Cluster(asked))
             shared = local_search(problem, options=effort)
         assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
 
@@ -197,11 +204,11 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
 
 
 @pytest.mark.parametrize(("over", "method"), [("depth", "exact"), ("budget", "search"), ("penalty", "search")])
-def test_the_points_of_a_frontier_are_those_of_one_machine(client: Client, over: str, method: str) -> None:
+def test_the_points_of_a_frontier_are_those_of_one_machine(asked: Client, over: str, method: str) -> None:
     problem = hard(60)
     options = Options() if method == "exact" else SearchOptions(restarts=2, perturbations=2)
     alone = trace_frontier(problem, over, method=method, options=options)
-    shared = trace_frontier(problem, over, method=method, options=replace(options, cluster=client))
+    shared = trace_frontier(problem, over, method=method, options=replace(options, cluster=asked))
     assert [(point.value, point.solution.tree) for point in shared] == [
         (point.value, point.solution.tree) for point in alone
     ]

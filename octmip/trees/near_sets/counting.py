@@ -99,7 +99,7 @@ def near_optimal(
 
 
 def _decimal(number: float | Fraction | None) -> Fraction | None:
-    return None if number is None else number if isinstance(number, Fraction) else Fraction(str(number))
+    return None if number is None else Fraction(str(number))
 
 
 def _check(problem: Problem, within: float | Fraction | None, relative: float | Fraction | None) -> None:
