@@ -62,7 +62,7 @@ class NearestTests:
         """Return how many words a test shares with others, the rarer the more, for its length."""
         words = _words(self.texts[test])
         shared = (count / self.n_texts[word] for word, count in sought.items() if word in words)
-        return math.fsum(shared) / math.sqrt(len(words))
+        return math.fsum(shared) / math.cbrt(len(words))
 
     def _home(self, place: str, name: str) -> str:
         """Return the file that has a name of a module: where a package passes it on, that of the other module."""

@@ -25,6 +25,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", 
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
-FIRST_FILES, MOST_FILES = 2, 8  # of tests: most mutants are killed by the first
+BATCHES = (0, 2, 7, 12)  # ends of tests' files: most mutants are killed by the first; 99 lines of 100 are run by one
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
 PROFILE = ("--profile", "checks", "--config", "profile.checks.opt-level=1")  # its tests of Python take half the time
@@ -81,16 +82,16 @@ class _Runs:
             without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
-        return line | {"tests": " ".join(tests[:MOST_FILES])}
+        return line | {"tests": " ".join(tests[: BATCHES[-1]])}
 
     def _tested(self, tests: Sequence[str]) -> Outcome:
-        for some in (tests[:FIRST_FILES], tests[FIRST_FILES:MOST_FILES]):
-            outcome, said, seconds = self._pytest(some)
-            if outcome == "time":  # by one test, or by all of them
-                outcome, said, seconds = self._pytest([said])
-            if outcome != "survived" or len(tests) <= FIRST_FILES:
-                break
-        return outcome, said, seconds
+        found: Outcome = ("survived", "", 0.0)
+        for some in (tests[a:b] for a, b in pairwise(BATCHES)):
+            if some and found[0] == "survived":
+                found = self._pytest(some)
+                if found[0] == "time":  # by one test, or by all of them
+                    found = self._pytest([found[1]])
+        return found
 
     def _refused(self, built: ExitStack) -> Outcome | None:
         """Return the outcome by compiler and tests of the crates; None where these pass: the core is then built."""
