@@ -92,3 +92,8 @@ def test_white_noise_raises_no_finding_and_its_size_is_right():
     noise = estimate_noise(measured(2))
     assert noise.findings == ()
     assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(np.full(20, 31.6), rel=0.05)
+    few = measured(2, repeats=6, loads=tuple(range(20)))  # too few for a memory: what gauges share is white, too
+    common = 60.0 * np.random.default_rng(0).standard_normal((len(few.readings), 1))
+    noise = estimate_noise(replace(few, readings=few.readings + common))
+    assert noise.findings == ("correlated_noise",)
+    assert noise.covariance[~np.eye(20, dtype=bool)].mean() == pytest.approx(60.0**2, rel=0.15)

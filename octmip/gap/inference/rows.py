@@ -104,7 +104,7 @@ class Frame:
         kinds = twin.units or ("",) * len(twin.gauges)
         named = list(dict.fromkeys(kinds))
         healthy = twin.predict({}, reference)[list(order)]
-        kind = np.array([named.index(kinds[k]) for k in order], dtype=np.int64)
+        kind = np.array([named.index(kinds[k]) for k in order])
         numbers = {load: k for k, load in enumerate(dict.fromkeys(loads))}
         return cls(twin, order, _scale(twin, order, kind, reference), healthy, kind, numbers)
 
