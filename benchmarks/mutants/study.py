@@ -63,7 +63,8 @@ class _Runs:
 
     def __init__(self, tree: Path, limit: float) -> None:
         self.tree, self.limit, self.nearest = tree, limit, NearestTests(tree)
-        self.core, self.made = next(tree.glob(CORE), tree), tree / NATIVE / "target/checks/lib_native.so"
+        target = os.environ.get("CARGO_TARGET_DIR", tree / NATIVE / "target")
+        self.core, self.made = next(tree.glob(CORE), tree), Path(target, "checks/lib_native.so")
 
     def build(self) -> None:
         """Build the core as those of its mutants are built, so that their tests take as long without a mutant."""

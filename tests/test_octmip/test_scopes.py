@@ -60,6 +60,8 @@ def test_limits_that_enumeration_does_not_know_are_named_too():
         "trees of depth 1 or less, with up to 2 features in a split, with whole coefficients up to 3"
     )
     assert words.endswith("of the allowed groups of features")
+    deeper = Problem([[float(k)] for k in (*range(40), 0, 0, 0)], [0] * 40 + [1] * 3, depth=None, leaf_penalty=0.001)
+    assert scope_of(deeper, solve(deeper, "exact")) == "trees of depth 30 or less"
     assert depth_in_words(None) == "of any depth"
     with pytest.raises(ValueError, match="names no depth"):
         Said.read("trees that cut each feature at 5 quantiles at most")
