@@ -37,6 +37,7 @@ def test_a_simple_effect_may_ask_for_load_and_place_and_knows_its_bounds():
     assert at.places(TWIN) == ("a", "b")
     assert at.predict(TWIN, {}, 100.0, 9.0, "b", 0.0) == pytest.approx(TWIN.predict({}, 100.0) + 400.0)
     assert not at.signature(TWIN, {}, 100.0, "a").any()
+    assert at.signature(TWIN, {}, 100.0, "b") == pytest.approx(100.0 * 0.1)  # the slope from 0 to a tenth of its sd
     with pytest.raises(TwinError, match="takes 1 arguments"):
         SimpleEffect("one", "mm", 1.0, lambda readings: readings)
 
