@@ -141,6 +141,8 @@ def test_what_the_library_lacks_stops_and_says_where_to_look():
     assert sentence.startswith("Stop: the gap is explained by nothing in the library (probability ")
     assert unknown.where.gauges[0].name in sentence
     assert sentence.endswith("before relying on the twin.")
+    looks = "a rough field, proportional to the load, of about 3 % of the readings"  # 2 %, of sizes that triple
+    assert unknown.posterior.unknown_words == looks
 
 
 def test_an_effect_too_small_to_name_waits_for_more_readings(gain):
