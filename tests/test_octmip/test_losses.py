@@ -152,6 +152,17 @@ def test_a_loss_is_read_again_from_its_spelling_and_its_json(spelling):
     assert set(loss.measures(np.ones(2), np.zeros(2), np.ones(2))) == set(loss.measured)
 
 
+@pytest.mark.parametrize(
+    ("spelling", "words"),
+    [("squared", "absolute error 0.5"), ("quantile:0.9", "error of the 0.9 quantile 0.45, 75 % at or below")],
+)
+def test_the_measures_are_said_first_the_mean_error_and_of_a_quantile_what_it_covers(spelling, words):
+    loss = number_loss(spelling)
+    measures = loss.measures(np.array([3.0, 1.0]), np.array([0.0, 4.0]), np.array([0.0, 2.0]))
+    assert loss.short_words_of(measures, 2) == f"mean {words}"
+    assert loss.words_of(measures, 2) == f"2 samples, mean {words}, root of the mean squared error 1"
+
+
 def test_half_the_absolute_error_is_the_quantile_loss_of_the_middle():
     targets = TARGETS * 0.75
     middle, absolute = (
