@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from octmip.errors import DataError
+from octmip.errors import DataError, TwinError
 from octmip.gap import CHAIN, CachedTwin, diagnose
 from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
@@ -82,13 +82,29 @@ def test_a_twin_is_asked_once_for_each_state_and_load():
     assert counted.asked == 2
 
 
+class Loaded(Beam):
+    """A twin that refuses to be without load."""
+
+    def predict(self, state, load_factor):
+        if load_factor == 0:
+            raise TwinError("the load is 0")
+        return super().predict(state, load_factor)
+
+
 @pytest.mark.parametrize(
-    ("limits", "proposed"),
-    [(None, {"load_0", "load_3", "load_-1"}), ((0.0, 2.5), {"load_0", "load_2.5"}), ((0.5, 2.0), set())],
+    ("twin", "limits", "proposed"),
+    [
+        (Beam(), None, {"load_0", "load_3", "load_-1"}),
+        (Loaded(), None, {"load_3", "load_-1"}),
+        (Beam(), (0.0, 2.5), {"load_0", "load_2.5"}),
+        (Beam(), (0.5, 2.0), set()),
+    ],
 )
-def test_no_load_beyond_the_limits_is_proposed(limits, proposed):
+def test_no_load_beyond_the_limits_is_proposed(twin, limits, proposed):
     gain = lambda state, load, time: 0.06 * (np.arange(20) == 4) * Beam().predict(state, load)  # noqa: E731
-    found = diagnose(measured(21, gain, loads=(2.0,)), Beam(), commissioning=COMMISSIONING, load_limits=limits)
+    found = diagnose(
+        measured(21, gain, loads=(2.0,)), twin, commissioning=measured(1000, loads=(2.0,)), load_limits=limits
+    )
     assert {test.name for test in found.next_test if test.is_strain_test} == proposed
     assert any("if the structure allows it" in test.words for test in found.next_test) == (limits is None)
 
