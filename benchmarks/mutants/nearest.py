@@ -6,7 +6,7 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
-TOO_LONG = ("test_blind", "test_uav_study")
+TOO_LONG = ("test_blind", "test_uav_study", "test_fuzz_everything", "test_kills_and_soak", "test_pictures")
 AROUND = 12
 """The words of so many lines before and behind a line count twice."""
 IMPORT = re.compile(r"^ *from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
