@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.mutants import study
-from benchmarks.mutants.draws import python_mutant
+from benchmarks.mutants.draws import Mutant, python_mutant
 from benchmarks.mutants.nearest import NearestTests
 
 SUMS = "BIG = 1e99\n\n\ndef double(x: int | None) -> int:\n    return min(x + x, 100)\n"
@@ -48,17 +48,59 @@ def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
     [
         ("octmip/sums.py", "x + x", "x - x", "killed"),
         ("octmip/sums.py", "100", "101", "survived"),
-        ("octmip/loops.py", "-=", "+=", "time"),
     ],
 )
-def test_a_mutant_is_killed_lives_or_does_not_end(file, before, after, outcome, tree):
+def test_a_mutant_is_killed_or_lives(file, before, after, outcome, tree):
     mutants = (python_mutant(np.random.default_rng(seed), tree, [file]) for seed in range(200))
     mutant = next(one for one in mutants if one.after == FILES[file].replace(before, after))
     runs = study._Runs(shutil.copytree(tree, tree / "copy"), 4.0)
     found = runs.line(mutant)
     assert found["outcome"] == outcome
-    assert found["by"].endswith({"killed": "test_double", "time": "test_down"}.get(outcome, ""))
+    assert found["by"].endswith("test_double" if outcome == "killed" else "")
     assert (tree / "copy" / file).read_text() == FILES[file]
+
+
+CARGO = """#!/bin/sh
+mkdir -p target/checks
+if [ $1 = build ]; then cp src/lib.rs target/checks/lib_native.so && ! grep unviable src/lib.rs
+else ! sed -n "s/killed/test own ... FAILED/p" src/lib.rs | grep FAILED; fi
+"""  # what it builds of a source is that source
+CORE = """from pathlib import Path
+def test_core():
+    core = next(Path("octmip/trees").glob("*.so")).read_text()
+    assert "wrong" not in core
+    while "slow" in core: pass
+"""
+
+
+@pytest.mark.parametrize(
+    ("after", "outcome", "by"),
+    [
+        ("unviable", "unviable", ""),
+        ("killed", "killed", "own"),
+        ("wrong", "killed", "test_core"),
+        ("slow", "time", "test_core"),
+        ("other", "survived", ""),
+    ],
+)
+def test_a_mutant_of_the_core_is_compiled_and_asked_by_both_kinds_of_tests(after, outcome, by, tree, monkeypatch):
+    place = tree / "octmip/trees/native"
+    for file, text in {
+        place / "src/lib.rs": "sound",
+        tree / "octmip/trees/_native.so": "old",
+        tree / "tests/octmip/test_core.py": CORE,
+        tree / "bin/cargo": CARGO,
+    }.items():
+        file.parent.mkdir(exist_ok=True, parents=True)
+        file.write_text(text)
+    (tree / "bin/cargo").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tree / 'bin'}:{os.environ['PATH']}")
+    monkeypatch.delenv("CARGO_TARGET_DIR", raising=False)
+    runs = study._Runs(tree, 3.0)
+    runs.build()
+    found = runs.line(Mutant("octmip/trees/native/src/lib.rs", 1, "FnValue", "sound", after))
+    assert (found["outcome"], found["by"].rpartition(":")[2]) == (outcome, by)
+    assert runs.core.read_text() == "sound"
 
 
 def test_a_run_draws_by_its_seed_and_its_summary_names_who_lives(tree):
