@@ -47,11 +47,18 @@ def new_results(model):
     return SolverFactory("highs").solve(model)
 
 
-@pytest.mark.parametrize("solve", [appsi_results, new_results, pyo.SolverFactory("appsi_highs").solve])
-def test_results_of_all_three_kinds_say_bound_and_end(solve):
+@pytest.mark.parametrize(
+    ("solve", "named"),
+    [
+        (appsi_results, "another solver"),
+        (new_results, "highs"),
+        (pyo.SolverFactory("appsi_highs").solve, "another solver"),
+    ],
+)
+def test_results_of_all_three_kinds_say_bound_and_end_and_a_name_if_they_have_one(solve, named):
     model = changed(root=reads(0))
     solution = octmip.solution_of(model, solve(model))
-    assert (solution.objective, solution.bound, solution.stop) == (4, 4, "optimal")
+    assert (solution.objective, solution.bound, solution.stop, solution.version) == (4, 4, "optimal", named)
     assert solution.details["scope"] == (
         "those of all axis-aligned trees that are solutions of the model 'oct' and keep what was added to it (root), "
         "of depth 1 or less"
