@@ -188,10 +188,9 @@ def test_every_effect_of_the_measuring_chain_has_its_words(name):
     chosen = CHAIN[name]
     place = chosen.places(TWIN)[0]
     named = words_at(chosen, TWIN, place)
-    assert effect_words(chosen)
-    assert named.action
-    assert named.above
-    assert named.below
+    said = [effect_words(chosen), named.name, named.action, named.above, named.below, chosen.unit]
+    said += [chosen.parameter, chosen.separated_by]
+    assert [words for words in said if not words or "None" in words] == []
     assert not {"{", "}", "_"} & set(named.name + named.action)
     assert named.has_size == ("{size}" in named.above) == (name not in ("swapped_pair", "dead_gauge"))
     if place:
