@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -81,9 +82,9 @@ def test_the_margin_is_nine_tenths_of_the_widest_over_all_angles(seed):
     assert width(points, np.array(simple.coefficients) * spread, left) >= 0.89 * widest > 0
 
 
-def test_the_plane_between_two_points_stands_upright_on_their_line():
-    problem = Problem(np.array([[0.0, 0.0], [3.0, 4.0]]), [0, 1], depth=1, split="hyperplane")
-    normal = widened(problem.features, np.array([1.0, 0.1]), np.array([True, False]))
+@pytest.mark.parametrize("far", [0.0, 1e10])
+def test_the_plane_between_two_points_stands_upright_on_their_line(far):
+    normal = widened(far + np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([1.0, 0.1]), np.array([True, False]))
     assert np.allclose(normal / np.linalg.norm(normal), [0.6, 0.8])
 
 
