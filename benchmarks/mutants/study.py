@@ -99,14 +99,14 @@ class _Runs:
         for words in ("build --features python", "test"):
             code, said, seconds = self._cargo(words)
             if code != 0:
-                failed = re.search(r"^test (\S+) .*FAILED", said, re.MULTILINE)
+                failed = re.search(r"^test (\S+) \.\.\. FAILED", said, re.MULTILINE)
                 return "killed" if words == "test" else "unviable", failed.group(1) if failed else "", seconds
             if words != "test":
                 built.enter_context(_replaced(self.core, self.made.read_bytes()))
         return None
 
     def _cargo(self, words: str) -> tuple[int, str, float]:
-        command = ["cargo", *words.split(), *PROFILE, "--quiet", "--workspace"]
+        command = ["cargo", *words.split(), *PROFILE, "--workspace"]
         return self._run(command, self.tree / NATIVE, BUILD)
 
     def _pytest(self, tests: Sequence[str]) -> Outcome:

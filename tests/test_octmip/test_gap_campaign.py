@@ -46,6 +46,10 @@ def test_a_written_campaign_comes_back(tmp_path):
     assert back.test == campaign.test
     assert np.allclose(back.readings, campaign.readings, atol=0.051)
     assert [cell.name for cell in back.cells] == [cell.name for cell in campaign.cells]
+    readings = campaign.readings.copy()
+    readings[1:, 4] = np.nan
+    assert replace(campaign, readings=readings).has_repeats  # of other gauges than one that was read once
+    assert not measured(1, loads=(1.0,), repeats=2).has_repeats
 
 
 def test_one_repeat_is_refused_alone_and_flagged_with_a_commissioning_run(tmp_path):
