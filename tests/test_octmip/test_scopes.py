@@ -32,6 +32,7 @@ def noisy(seed=1, **asked):
         ("depth", 1, {"depth": 1}),
         ("leaf_size", 1, {"depth": 2, "leaf_size": 9}),
         ("splits", 1, {"depth": 2, "max_splits": 1}),
+        ("splits", 1, {"depth": None, "max_splits": 1, "leaf_penalty": 0.5}),
         ("budget", 1, {"depth": 2, "sensor_budget": 1.0}),
         ("quantiles", 1, {"depth": 2}),
     ],
