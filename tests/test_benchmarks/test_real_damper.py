@@ -13,20 +13,6 @@ NOMINAL = {name: values[0] for name, values in PARAMETERS.items()}
 AT = dict(zip(LOADS, (0.5, 1.0, 1000.0, 800.0), strict=True))
 
 
-def test_the_simplest_twin_is_the_lever_times_the_tension_of_the_tight_end():
-    found = force(NOMINAL, AT)
-    assert found[1 : PARTS // 2 - 1] == pytest.approx(2.0)
-    assert found[PARTS // 2 + 1 : -1] == pytest.approx(-1.6)
-
-
-def test_backlash_takes_the_force_away_until_the_displacement_has_passed_it():
-    found = force(NOMINAL | {"backlash": 0.3}, AT)
-    since = 1.0 - np.cos(2.0 * np.pi * np.arange(PARTS + 1) / PARTS)
-    free = since[1 : PARTS // 2 + 1] < 0.3
-    assert found[: PARTS // 2][free] == pytest.approx(0.0, abs=1e-9)
-    assert found[PARTS // 2 - 1] == pytest.approx(2.0)
-
-
 def test_whole_cycles_of_a_test_are_its_rows_and_begin_at_the_lowest_displacement(tmp_path: Path):
     time = np.arange(0.0, 14.0, 1 / 128)
     ramp = np.clip(np.minimum(time, 14.0 - time) / 2.0, 0.0, 1.0)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz.proofs import corrupted
-from benchmarks.cases.regression.speed import made_up
 from benchmarks.kinds.numbers import NUMBER_KINDS, far_problem, wide_problem
 from benchmarks.uav.numbers import rows_of, text_of
 from femlib.dataset import Recipe, build_dataset, simulated_strains
@@ -28,12 +27,6 @@ def test_what_the_fuzz_found_stays_mended_with_its_log(kind, draw, seed, tmp_pat
     problem = draw(np.random.default_rng([asked.stream, seed]), (SquaredError(), AbsoluteError()))
     solution = solve(problem, options=ExactOptions(proof=tmp_path / "proof.log"))
     assert asked.complaint(problem, solution, asked.truth(problem), tmp_path / "proof.log") == ""
-
-
-def test_made_up_samples_are_the_same_every_time():
-    features, targets = made_up(50)
-    assert features.shape == (50, 10)
-    assert np.array_equal(made_up(50)[1], targets)
 
 
 def test_numbers_of_the_study_are_judged_by_every_rule():

@@ -21,13 +21,6 @@ def test_the_asset_differs_from_the_twin_by_per_cents(name):
     assert off.max() < 0.4
 
 
-def test_one_strain_of_eleven_is_wrong_in_the_twin_of_the_frame():
-    own = {**FRAME.own(np.random.default_rng(1)), **dict.fromkeys(("storey_4", "beams"), 1.0)}
-    shown = FRAME.means(own)[0]
-    names = list(FRAME.offsets)
-    assert shown[names.index("s7")] / shown[names.index("s8")] == pytest.approx(1.125, abs=0.02)
-
-
 def test_columns_carry_the_pull_at_the_roof_whatever_the_joints_do():
     """Moments at foot and head of a storey's two columns are force times height: equilibrium, without the weight."""
     own = {**FRAME.own(np.random.default_rng(2)), "weight": 0.0}
@@ -55,10 +48,3 @@ def test_a_sound_machine_is_not_accused_by_the_plain_selector(folder):
     sound = [one for one in said if keys[one["case"]]["stratum"] == "sound"]
     assert len(sound) == 4
     assert not any(one["names"] for one in sound)
-
-
-def test_a_case_holds_a_run_and_a_campaign_and_no_answer(folder):
-    files = {path.name for path in folder.glob("*/*/*")}
-    assert files == {"run.csv", "campaign.csv"}
-    text = (folder / "motor" / "motor000" / "campaign.csv").read_text()
-    assert text.splitlines()[0] == "test,voltage,torque,current,speed,winding,case,power"

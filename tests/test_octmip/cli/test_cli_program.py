@@ -154,7 +154,7 @@ def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, mon
         assert ("   0 s  certifying ..." in capsys.readouterr().err) == is_terminal
 
 
-@pytest.mark.parametrize("module", ["octmip.trees._native", "sklearn", "pandas"])
+@pytest.mark.parametrize("module", ["octmip.trees._native", "pandas"])
 def test_doctor_works_where_the_installation_does_not(module):
     code = f"import sys; sys.modules['{module}'] = None; from octmip.interfaces.cli import main\n"
     code += "sys.exit(main(['doctor']))"
