@@ -26,7 +26,7 @@ CAPABLE = Capable(4.0 - 1.6 * np.maximum(LEVELS[:, None], 0.2 * LEVELS), 4.0 - 2
 @pytest.fixture(scope="module")
 def aircraft(tmp_path_factory: pytest.TempPathFactory) -> Aircraft:
     with pytest.MonkeyPatch.context() as patch:  # a coarse mesh: the course is the same
-        patch.setattr("benchmarks.uav.mission.aircraft.uav_twin", lambda: reduced_twin(uav_wing(refinement=0.35)))
+        patch.setattr("benchmarks.uav.mission.aircraft.uav_twin", lambda: reduced_twin(uav_wing(refinement=0.3)))
         patch.setattr("benchmarks.uav.mission.aircraft.capable_wing", lambda folder: CAPABLE)
         return build_aircraft(tmp_path_factory.mktemp("mission"), depth=2)
 

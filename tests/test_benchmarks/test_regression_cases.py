@@ -30,7 +30,7 @@ def test_what_the_fuzz_found_stays_mended_with_its_log(kind, draw, seed, tmp_pat
 
 
 def test_numbers_of_the_study_are_judged_by_every_rule():
-    data = build_dataset(simulated_strains(uav_wing()), Recipe(samples_per_state=4), seed=0)
+    data = build_dataset(simulated_strains(uav_wing(refinement=0.25)), Recipe(samples_per_state=4), seed=0)
     rows = list(rows_of(data, (1,), 5.0))
     assert len(rows) == 14
     squared = next(row for row in rows if row["rule"] == "regression tree, squared error")

@@ -64,19 +64,6 @@ def test_a_cost_is_what_its_definition_says_in_exact_arithmetic(problem):
     assert cost == pytest.approx(float(exact) + 0.5, rel=1e-15)
 
 
-def test_a_proven_tree_is_certified_and_measured(problem):
-    solution = solve(problem)
-    certificate = certify(problem, solution)
-    assert solution.is_optimal
-    predicted = problem.predictions(solution.tree)
-    if problem.loss.predicts == "class":
-        assert certificate.errors == int((predicted != problem.codes).sum())
-        return
-    misses = np.abs(predicted - problem.targets)
-    assert certificate.measures["mae"] == pytest.approx((misses * WEIGHTS).sum() / WEIGHTS.sum())
-    assert certificate.measures["rmse"] == pytest.approx(np.sqrt((misses**2 * WEIGHTS).sum() / WEIGHTS.sum()))
-
-
 def test_a_loss_asks_for_targets_of_its_kind():
     with pytest.raises(ProblemError, match="loss is 'squared'"):
         Problem(FEATURES, TARGETS, depth=1, loss="squared")

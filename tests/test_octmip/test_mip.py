@@ -192,12 +192,6 @@ def test_progress_is_reported_and_the_bound_never_falls():
     assert bounds == sorted(bounds)
 
 
-def stop_at_six(state):
-    """Interrupt HiGHS once it holds the optimum of iris at depth 2."""
-    if state.objective <= 6:
-        raise KeyboardInterrupt
-
-
 def test_highs_says_nothing_on_standard_output(capfd):
     solve_oct(blobs(depth=2))
     assert capfd.readouterr() == ("", "")

@@ -183,11 +183,6 @@ def test_an_order_that_is_none_is_refused(options, message):
         asked(**options)
 
 
-def test_no_order_is_no_limit():
-    assert asked(monotone=[0, 0, 0]).monotone is None
-    assert solve(asked(monotone={}), "flow", limits=Limits(seconds=1)).tree is not None
-
-
 def test_what_no_proof_knows_is_searched_unless_a_proof_is_asked_for():
     priced = asked(sensor_budget=2)
     assert (solve(priced).solver, solve(asked()).solver) == ("search", "exact")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, random_tree
+from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Problem, Split
 from octmip.errors import CertificateError
 from octmip.trees.certificate import checked_leaf_index
@@ -100,8 +100,3 @@ def test_random_problems_hold_every_complication():
         lambda q: len(np.unique(q.features, axis=0)) < q.n_samples,
     ):
         assert sum(map(complication, problems)) >= 10
-
-
-def test_random_trees_reach_every_depth():
-    rng = np.random.default_rng(0)
-    assert {n_splits(random_tree(rng, 3, 3, 3)) for _ in range(200)} >= {0, 1, 3, 7}

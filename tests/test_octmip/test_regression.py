@@ -183,15 +183,6 @@ def test_a_tree_beyond_all_numbers_is_refused_in_a_sentence():
         certify(problem, wild)
 
 
-@pytest.mark.parametrize("loss", SPELLINGS)
-def test_threads_change_neither_tree_nor_bound(loss):
-    rng = np.random.default_rng(3)
-    problem = Problem(rng.normal(size=(90, 4)), 20.0 * rng.integers(0, 5, 90), depth=3, loss=number_loss(loss))
-    one, three = (solve(problem, n_jobs=n_jobs) for n_jobs in (1, 3))
-    assert (one.tree, one.objective, one.bound) == (three.tree, three.objective, three.bound)
-    assert one.is_optimal
-
-
 def test_predictions_and_errors_beyond_float64_are_said_or_kept_finite():
     steep = Split(0, 0.5, ValueLeaf(1e200), ValueLeaf(0.0, (0,), (1e308,)))
     with pytest.raises(TreeError, match=r"the prediction for row 1 is beyond float64 \(leaf 1 from the left\)"):

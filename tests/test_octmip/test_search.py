@@ -10,7 +10,6 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
-from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import SearchOptions
@@ -70,13 +69,6 @@ def _complications(problem):
     }
 
 
-def test_one_seed_is_one_tree_for_any_number_of_threads():
-    alone = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3))
-    together = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3), n_jobs=4)
-    assert alone.tree == together.tree
-    assert alone.objective == together.objective
-
-
 def test_one_seed_is_one_tree_for_any_number_of_threads_even_when_the_bound_is_reached_early():
     rng = np.random.default_rng(4)
     for seed in range(20):
@@ -116,15 +108,6 @@ def test_the_penalty_buys_no_split_that_does_not_pay():
     assert isinstance(expensive.tree, Leaf)
 
 
-def test_a_time_limit_ends_the_search_with_a_tree():
-    solution = local_search(LARGE, limits=Limits(seconds=0.05), options=SearchOptions(restarts=10**6))
-    certify(LARGE, solution)
-    assert solution.stop is Stop.TIME
-    nothing = local_search(LARGE, limits=Limits(seconds=0.0))
-    certify(LARGE, nothing)
-    assert nothing.stop is Stop.TIME
-
-
 def test_a_node_limit_ends_the_search():
     assert local_search(LARGE, limits=Limits(nodes=50), options=SearchOptions(restarts=10**6)).stop is Stop.NODES
 
@@ -149,11 +132,6 @@ def test_progress_is_reported_and_what_it_raises_is_raised():
 
     with pytest.raises(ValueError, match="from the callback"):
         local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=60), progress=fail)
-
-
-def test_no_threads_are_refused():
-    with pytest.raises(ProblemError, match="n_jobs is 0; expected 1 or more"):
-        local_search(LARGE, n_jobs=0)
 
 
 def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_found():

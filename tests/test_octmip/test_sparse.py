@@ -68,14 +68,6 @@ def test_threads_and_a_stop_change_nothing_though_nodes_are_kept(values, tmp_pat
     assert (again.objective, again.bound, again.is_optimal) == (one.objective, one.bound, True)
 
 
-@pytest.mark.parametrize("price", [2.0, 3.0, 6.0])
-def test_it_is_the_best_of_all_depths(price):
-    costs = [solve(priced(price, depth=levels), "exact").objective for levels in (1, 2, 3, 4, 5)]
-    solution = solve(priced(price), "exact")
-    assert solution.is_optimal
-    assert solution.objective == costs[max(0, depth(solution.tree) - 1)] <= min(costs)
-
-
 def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     problem = priced(2.0)
     assert problem.any_depth
