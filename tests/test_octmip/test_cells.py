@@ -38,9 +38,3 @@ def test_what_is_no_plain_number_is_none_in_samples_nor_in_campaigns(tmp_path, c
     (tmp_path / "campaign.csv").write_text("\n".join(lines).replace("?", f'"{cell}"') + "\n")
     with pytest.raises(DataError, match="row 4, column g05"):
         read_campaign(tmp_path / "campaign.csv", Beam())
-
-
-def test_a_decimal_comma_is_read_as_written(tmp_path):
-    assert plain_number("1,5") is None
-    (tmp_path / "data.csv").write_text('x,y\n1,a\n"1,5",b\n')
-    assert read_table(tmp_path / "data.csv").numbers(["x"]).ravel().tolist() == [1.0, 1.5]

@@ -102,7 +102,7 @@ def test_a_feature_that_is_missing_everywhere_has_no_cut():
 
 
 def test_a_tree_goes_to_columns_and_back():
-    for seed in range(60):
+    for seed in range(40):
         problem = problem_with_missing(seed)
         ranks, tree = rank_features(problem), optimum(problem).tree
         tree = without_empty_sides(tree, problem.features)
@@ -137,7 +137,7 @@ def test_a_tree_without_a_side_where_some_are_missing_has_no_certificate():
 # Proof logs
 
 
-@pytest.mark.parametrize("first", range(0, 60, 20))
+@pytest.mark.parametrize("first", range(0, 40, 20))
 def test_every_log_of_a_problem_with_missing_proves_its_bound(first, tmp_path):
     for seed in range(first, first + 20):
         problem, log = problem_with_missing(seed), tmp_path / "proof.log"

@@ -57,8 +57,8 @@ def test_whole_numbers_are_proven_without_a_tolerance_and_depth_never_harms(loss
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
-@pytest.mark.parametrize("n", [60, 400, 1200])
-@pytest.mark.parametrize("n_values", [2, 5, 8, None])
+@pytest.mark.parametrize("n", [60, 1200])
+@pytest.mark.parametrize("n_values", [2, 8, None])
 def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     features, targets = smooth(n)
     features[:, 1:] = np.round(features[:, 1:], 1)

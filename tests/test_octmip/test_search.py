@@ -22,19 +22,19 @@ LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)
 def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_the_optimum():
     rng = np.random.default_rng(2)
     n_missed = 0
-    for seed in range(300):
+    for seed in range(150):
         problem = random_problem(rng)
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=5))
         certify(problem, solution)
         best = optimum(problem).objective
         assert solution.objective >= best - 1e-9 * max(1.0, best)
         n_missed += solution.objective > best + 1e-9 * max(1.0, best)
-    assert n_missed <= 6
+    assert n_missed <= 3
 
 
 def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_start_from():
     rng = np.random.default_rng(3)
-    for seed in range(40):
+    for seed in range(20):
         problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
         cart = greedy_tree(problem)
         solution = local_search(

@@ -31,7 +31,7 @@ def priced(price: float, **more: object) -> Problem:
 
 @pytest.mark.parametrize("prune", ["price", "kept", "shallower_first", "monotone", "cost_range", "mixed_labels"])
 def test_no_bound_costs_the_optimum(prune):
-    for seed in range(40):
+    for seed in range(25):
         problem = drawn(1000 + seed)
         if problem.is_shaped:
             continue
@@ -41,7 +41,7 @@ def test_no_bound_costs_the_optimum(prune):
 
 
 def test_counts_by_value_cost_no_optimum():
-    for seed in range(30):
+    for seed in range(20):
         rng = np.random.default_rng([11, seed])
         features = rng.integers(0, int(rng.integers(2, 6)), (int(rng.integers(20, 60)), int(rng.integers(2, 5))))
         labels = (features.sum(1) + rng.integers(0, 1 + seed % 3, len(features))) % int(rng.integers(2, 5))
