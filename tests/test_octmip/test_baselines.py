@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sklearn.datasets import load_iris
 
-from octmip import Problem
+from octmip import Problem, SquaredError
 from octmip.trees.tradeoff import baselines_of, score_of
 
 X, Y = load_iris(return_X_y=True)
@@ -30,6 +30,19 @@ def test_a_line_is_rounded_to_the_nearest_class():
     slope, offset = np.polyfit(x[:, 0], np.array(problem.class_names)[problem.codes], 1)
     nearest = np.abs((slope * x + offset) - values).argmin(axis=1)
     assert (baselines_of(problem)["rounded"](0)(x) == nearest).all()
+
+
+def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
+    numbers = Problem(X[:, :3], X[:, 3], depth=1, loss=SquaredError())
+    assert set(baselines_of(numbers)) == {"linear", "pruned CART", "forest", "boosting"}
+    for name, train in baselines_of(numbers).items():
+        assert score_of(numbers, train(0)).measures["rmse"] < 0.25, name
+    assert "discriminant" not in baselines_of(replace(IRIS, weights=1 + Y))
+
+
+def test_weights_count():
+    heavy = Problem([[0.0], [0], [0], [1]], ["a", "b", "b", "b"], depth=1, weights=[9, 1, 1, 1])
+    assert baselines_of(heavy)["linear"](0)(np.zeros((1, 1))).tolist() == [0]
 
 
 def test_missing_readings_are_no_error():

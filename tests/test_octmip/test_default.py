@@ -146,8 +146,8 @@ def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
 
 def test_numbers_are_chosen_for_by_the_same_mechanism():
     rng = np.random.default_rng(0)
-    X = rng.random((120, 2))
-    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=120) / 5, depth=1, loss=SquaredError())
+    X = rng.random((80, 2))
+    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=80) / 5, depth=1, loss=SquaredError())
     found = answer_of(problem)
     assert certify(found.problem, found.solution).n_splits <= 3
     assert found.solution.tree.feature == 0

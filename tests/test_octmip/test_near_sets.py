@@ -209,3 +209,10 @@ def test_the_certificate_refutes_a_wrong_tree(tree: Split, objective: float, mes
     problem = five_values()
     with pytest.raises(CertificateError, match=message):
         certify_set(problem, near_optimal(problem, within=1), [NearTree(tree, objective)])
+
+
+def test_enumeration_of_a_large_problem_is_refused() -> None:
+    problem = Problem(np.arange(300.0)[:, None], np.arange(300) % 2, depth=1)
+    with pytest.raises(CertificateError, match="299 cuts"):
+        recount(problem, Fraction(10))
+    assert certify_set(problem, near_optimal(problem, within=0)) is None

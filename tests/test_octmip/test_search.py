@@ -10,6 +10,7 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
+from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import SearchOptions
@@ -132,6 +133,11 @@ def test_progress_is_reported_and_what_it_raises_is_raised():
 
     with pytest.raises(ValueError, match="from the callback"):
         local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=60), progress=fail)
+
+
+def test_no_threads_are_refused():
+    with pytest.raises(ProblemError, match="n_jobs is 0; expected 1 or more"):
+        local_search(LARGE, n_jobs=0)
 
 
 def test_features_of_many_samples_are_compared_on_a_part_and_the_best_one_is_found():
