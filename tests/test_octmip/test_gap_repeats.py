@@ -13,6 +13,7 @@ from octmip.gap.campaign.noise import least_moment, moves_together, sizes
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from octmip.gap.campaign.spectrum import coefficients, fit, inflation_of
 from octmip.gap.channels.checks import noise_of_run
+from octmip.interfaces.report.diagnosis.words import noise_lines
 from tests.test_octmip.beam_twin import ETA, Beam, measured
 
 SD = 31.6
@@ -186,6 +187,10 @@ def test_error_bars_know_the_walk(sound):
     variance = [np.diag(model.scatter)[model.cells == k].mean() for k in (0, 3)]
     assert variance[1] - variance[0] == pytest.approx(150 * (STEP * SD) ** 2, rel=0.6)
     assert variance[1] > 2.0 * variance[0]
+
+
+def test_the_page_says_how_far_the_readings_wander(sound):
+    assert any("wander: the typical gauge by" in line for line in noise_lines(sound))
 
 
 def test_a_calm_run_beside_a_campaign_that_wanders():
