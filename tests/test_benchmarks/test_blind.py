@@ -202,8 +202,8 @@ def families(tmp_path_factory):
     store = tmp_path_factory.mktemp("calculix") / "strains.json"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(calculix, "run_deck", solved_by_femlib)
-        other = calculix.CalculixAsset(5, refinement=0.3, store=store, jobs=1)
-    asset = FemlibAsset(5, refinement=0.3)
+        other = calculix.CalculixAsset(5, refinement=0.25, store=store, jobs=1)
+    asset = FemlibAsset(5, refinement=0.25)
     asset.own = np.ones(len(asset.gauges))
     return asset, other, store
 
