@@ -44,12 +44,14 @@ lint-rust: | tools
 	cd octmip/trees/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
 	cd octmip/trees/native && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
-# An abi3 wheel and the source distribution in dist/. Linked by zig the wheel runs on every Linux since 2014
-# (manylinux2014); without zig maturin's audit gives it the tag of this machine's C library.
+# An abi3 wheel and the source distribution in dist/; a wheel is built from the latter too, to see that it can be. Linked
+# by zig the wheel runs on every Linux since 2014 (manylinux2014); without zig maturin's audit gives it the tag of this
+# machine's C library.
 wheel: $(VENV)/.wheel-tools
 	rm -rf dist
 	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --release --quiet --interpreter $(BIN)/python $(ZIG) --out dist
 	$(BIN)/maturin sdist --out dist
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir $(VENV)/from-source dist/*.tar.gz
 	$(BIN)/python -m twine check --strict dist/*
 	$(BIN)/python -m check_wheel_contents --toplevel octmip,femlib dist/*.whl
 	@ls -l dist

@@ -154,7 +154,7 @@ def empty_environment(place: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def pip(*words: str | Path, **variables: str) -> None:
+def pip(*words: str | Path) -> None:
     """Run this environment's pip; the test is skipped where no package index is reached."""
     quiet = {"PIP_QUIET": "1", "PIP_NO_COMPILE": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     done = subprocess.run(
@@ -162,7 +162,7 @@ def pip(*words: str | Path, **variables: str) -> None:
         capture_output=True,
         text=True,
         cwd=ROOT.parent,
-        env=stranger() | quiet | variables,
+        env=stranger() | quiet,
     )
     if done.returncode and any(sign in done.stderr for sign in OFFLINE):
         pytest.skip("pip reaches no package index: nothing that is shipped was installed, NOTHING OF IT IS TESTED")

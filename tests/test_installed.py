@@ -1,9 +1,7 @@
-"""What a stranger installs: the wheel, every extra and the source distribution, each in an empty environment."""
+"""What a stranger installs: the wheel and every extra, each in an empty environment."""
 
-import os
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -14,14 +12,8 @@ import pytest
 
 from octmip.errors import EXTRA_OF
 from tests.installed import (
-    MATURIN,
     ROOT,
     Installed,
-    built,
-    empty_environment,
-    pip,
-    see_packages,
-    shared_folder,
     stranger,
 )
 
@@ -60,12 +52,6 @@ from octmip import solve
 solve("a table")
 isotropic_plate("thick", 0.3, 1.0)
 """
-QUICK = [
-    f"profile.release.package.{crate}.{what}"
-    for crate in ("octmip-native", "octmip-check")
-    for what in ("opt-level=0", "codegen-units=16")
-]
-"""The source distribution is built to be imported, not to be quick; crates of others are those of the wheel."""
 
 
 def test_the_wheel_holds_both_packages_whole_and_no_native_source(installed_octmip: Installed) -> None:
@@ -153,36 +139,6 @@ def test_every_extra_is_installed_where_make_asked_for_all(tmp_path: Path) -> No
     assert done.returncode == 0, done.stderr
 
 
-def test_the_source_distribution_is_built_and_imported(
-    installed_octmip: Installed, tmp_path_factory: pytest.TempPathFactory, tmp_path: Path
-) -> None:
-    folder = shared_folder(tmp_path_factory)
-    (source,) = built(folder).glob("*.tar.gz")
-    place = tmp_path / "environment"
-    empty_environment(place)
-    made = Installed(place / "bin" / "python", source, tmp_path)
-    words = " ".join(f"--config={setting}" for setting in QUICK)
-    settings = {"CARGO_TARGET_DIR": str(copied_target(tmp_path)), "MATURIN_PEP517_ARGS": words}
-    settings["PATH"] = stranger(MATURIN.parent)["PATH"]
-    pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path, source, **settings)
-    (wheel,) = tmp_path.glob("*.whl")
-    pip("--python", made.python, "install", "--no-deps", "--no-index", wheel)
-    see_packages(made, installed_octmip)
-    (tmp_path / "program.py").write_text(PROGRAM)
-    done = made.run("python", "program.py", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert Path(done.stdout.split()[0]).is_relative_to(made.packages)
-
-
-def copied_target(folder: Path) -> Path:
-    """Return a copy of cargo's folder of the wheel's build: another build of the crate there would take its place."""
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "octmip" / "trees" / "native" / "target"))
-    for name in ("deps", "build", ".fingerprint"):
-        shutil.copytree(target / "release" / name, folder / "target" / "release" / name)
-    return folder / "target"
-
-
-def test_what_builds_the_source_distribution_is_in_this_environment() -> None:
-    """So that it is built here without a second download of it."""
+def test_what_builds_the_wheel_is_in_this_environment() -> None:
     rules = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert set(rules["build-system"]["requires"]) <= set(rules["project"]["optional-dependencies"]["test"])

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 WIDTHS = (400, 1600, 2560)
-SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+SCHEMES: dict[Literal["light", "dark"], tuple[int, ...]] = {"light": WIDTHS, "dark": (1600,)}
+"""The widths of a scheme: no width changes a colour, no colour a place."""
 LEAST_TEXT = 11.0
 
 LOOK = """
@@ -140,9 +141,9 @@ def check_page(path: Path, browser: "Browser", *, presses: bool = True) -> list[
     page.goto(path.as_uri())
     for is_open in (False, True):
         page.evaluate("(open) => document.querySelectorAll('details').forEach((one) => { one.open = open; })", is_open)
-        for scheme in SCHEMES:
+        for scheme, widths in SCHEMES.items():
             page.emulate_media(color_scheme=scheme)
-            faults += _look_at_widths(page, f"{scheme}, {'unfolded' if is_open else 'folded'}")
+            faults += _look_at_widths(page, widths, f"{scheme}, {'unfolded' if is_open else 'folded'}")
     faults += _reach_by_keyboard(page)
     if presses:
         faults += _press_all(page, path, 400, by_key=False) + _press_all(page, path, 1600, by_key=True)
@@ -167,9 +168,9 @@ def _look(page: "Page", where: str) -> list[str]:
     return [f"{where}: {line}" for line in found]
 
 
-def _look_at_widths(page: "Page", where: str) -> list[str]:
+def _look_at_widths(page: "Page", widths: tuple[int, ...], where: str) -> list[str]:
     faults = []
-    for width in WIDTHS:
+    for width in widths:
         page.set_viewport_size({"width": width, "height": 900})
         faults += _look(page, f"{width} px, {where}")
     return faults

@@ -29,7 +29,7 @@ def quietly_read(path: Path) -> NamedMesh:
 
 
 @pytest.mark.parametrize("case", NASTRAN)
-def test_all_writings_of_a_plate_bend_alike(case: str, tmp_path: Path) -> None:
+def test_all_writings_of_a_plate_are_one_mesh(case: str, tmp_path: Path) -> None:
     (tmp_path / "a.bdf").write_text(NASTRAN[case][0])
     mesh = quietly_read(tmp_path / "a.bdf")
     np.testing.assert_array_equal(mesh.nodes, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

@@ -27,7 +27,7 @@ BESIDE = (-1500, -1, 0, 1, 400, 1500)
 """Nanoseconds beside an instant: some have its days, which a column of both refuses."""
 
 
-@pytest.mark.parametrize("first", range(1_000_000, 1_000_060, 10))
+@pytest.mark.parametrize("first", range(1_000_000, 1_000_030, 10))
 def test_printed_rules_part_their_own_rows_as_the_tree_does(first):
     for seed in range(first, first + 10):
         kind, wrong, n_rows = wrong_rows(seed)

@@ -21,11 +21,3 @@ def test_readings_without_information_leave_the_median() -> None:
     limit = bayes_limit(means, levels, 1.0, np.random.default_rng(2), n_draws=2_000)
     assert limit.error_rate == pytest.approx(0.8)
     assert limit.mae == pytest.approx(24.0)  # mean distance of 0, 20, 40, 60, 80 from their median
-
-
-def test_states_of_one_class_are_told_together() -> None:
-    # Two states of each class, far apart between the classes and on top of each other inside them.
-    means = np.array([[0.0], [0.0], [100.0], [100.0]])
-    limit = bayes_limit(means, np.array([0.0, 0.0, 20.0, 20.0]), 1.0, np.random.default_rng(3))
-    assert limit.error_rate == 0.0
-    assert limit.mae == 0.0

@@ -9,10 +9,9 @@ import pytest
 
 import benchmarks.blind.assets.beam as package
 from benchmarks.blind.assets.beam.asset import BeamAsset
-from benchmarks.blind.assets.beam.lift import at_stations, lifting_line, other_lift, own_lift
+from benchmarks.blind.assets.beam.lift import lifting_line
 from benchmarks.blind.assets.beam.section import INNER, airfoil
 from benchmarks.blind.assets.beam.strips import Card, Strips
-from benchmarks.blind.assets.moment import Moment
 
 HEALTHY = (0.0, 0.0)
 
@@ -97,47 +96,12 @@ def test_the_lifting_line_of_an_elliptic_wing_is_an_ellipse():
     assert lift / np.sqrt(1.0 - eta**2) == pytest.approx(lift[0] / np.sqrt(1.0 - eta[0] ** 2), rel=1e-6)
 
 
-def test_forces_at_stations_keep_the_moment_of_a_density():
-    eta = np.array([0.0, 0.3, 0.45, 1.0])
-    force = at_stations(eta, lambda y: 1.0 - y)
-    assert force.sum() == pytest.approx(0.5, rel=1e-5)
-    assert force @ eta == pytest.approx(1 / 6, rel=1e-5)
-
-
-def test_other_lifts_add_a_hundredth_of_the_root_moment_and_no_lift(asset):
-    eta = asset.strips.eta
-    own = own_lift(asset.card, eta)
-    for kind in ("washout", "flap", "gust"):
-        other = other_lift(asset.card, eta, kind)
-        assert other.sum() == pytest.approx(0.0, abs=1e-9)
-        assert other @ eta == pytest.approx(0.01 * (own @ eta))
-
-
 def test_damage_sends_strain_around_its_region(asset):
     moved = asset.strain((0.4, 0.0)) - asset.strain(HEALTHY)
     named = dict(zip(asset.gauges, moved.tolist(), strict=True))
     assert named["g02"] > 50.0  # beside region 1, in front of it
     assert named["g19"] < -20.0  # behind its outer edge, in its shadow
     assert abs(named["g12"]) < 1.0
-
-
-def test_the_bent_wing_has_shorter_arms(asset):
-    small, large = asset.bent(1.0), asset.bent(3.0)
-    assert np.all((large < 0.0) & (large > -0.02))
-    assert large == pytest.approx(9.0 * small, rel=0.02)
-
-
-def test_a_wing_of_stiffer_skins_strains_less_and_creeps_by_that_share(asset):
-    assert np.all(asset.stiffer(0.05, HEALTHY) < 1.0)
-    assert np.all((asset.softness(HEALTHY) > 0.7) & (asset.softness(HEALTHY) < 1.0))
-    assert asset.creep(np.array([0.0, 3600.0])) == pytest.approx([0.0, 1.0])
-
-
-def test_an_offset_gauge_reads_the_strain_where_it_sits(asset):
-    moment = Moment(HEALTHY, 2.0, np.zeros(1), ((2.0, 0.0),))
-    before = 2.0 * asset.strain(HEALTHY)
-    step = asset.span * (asset.eta[1] - asset.eta[0]) * 1e3
-    assert asset.slid(0, step, moment, before) == pytest.approx(before[1] - before[0], rel=1e-6)
 
 
 def test_the_strips_share_no_line_with_femlib():

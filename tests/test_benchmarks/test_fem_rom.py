@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fem.rom import compared, summary
-from benchmarks.wing.damages import random_states
 from femlib.rom import ReductionSettings
 
 QUICK = ReductionSettings(n_states=100, n_dual_states=4)
@@ -33,9 +32,3 @@ def test_pymor_answers_the_same_question():
     assert basis.query(state) == pytest.approx(full, abs=30.0)  # of 1,000, by three modes
     assert basis.estimate is not None
     assert basis.estimate(state) > 0.0
-
-
-def test_random_states_damage_as_many_regions_as_asked():
-    states = random_states(np.random.default_rng(0), 30, 28, 3, 0.8)
-    assert ((states > 0.0).sum(axis=1) == 3).all()
-    assert states.max() < 0.8

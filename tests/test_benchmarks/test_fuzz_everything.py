@@ -17,7 +17,7 @@ from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_pr
 from octmip import Leaf, Limits, Problem, Stop, solve
 from octmip.trees.tree import n_splits
 
-FIRST, N_SEEDS, BLOCK = 1_000_000, 240, 40
+FIRST, N_SEEDS, BLOCK = 1_000_060, 120, 40
 
 
 @pytest.mark.parametrize("kind", KINDS)

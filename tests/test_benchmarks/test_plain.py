@@ -31,12 +31,6 @@ def test_a_clear_effect_is_named(name):
     assert first.probability > 0.9
 
 
-def test_the_size_lies_in_its_interval():
-    size, low, high = select(measured(4, CLEAR["temperature_uniform"]), TWIN, RUN).causes[0].sizes[0]
-    assert low < 10.0 < high
-    assert size == pytest.approx(10.0, abs=1.0)
-
-
 def test_a_sound_asset_is_not_accused_though_each_gauge_differs_from_the_twin():
     assert not select(measured(3), TWIN, RUN).causes[0].members
 
@@ -47,20 +41,6 @@ def test_a_pair_is_named_and_what_is_confounded_with_a_part_is_said():
 
     names = select(measured(8, both), TWIN, RUN).causes[0].names
     assert sorted(map(sorted, names)) == [["common_gain", "load_factor_error", "modulus"], ["gauge_bias"]]
-
-
-def test_what_no_effect_explains_is_unknown():
-    pattern = 30.0 * np.random.default_rng(1).standard_normal(20)
-    found = select(measured(9, lambda state, load, time: load * pattern), TWIN, RUN)
-    assert found.unknown_probability > 0.95
-    assert found.causes[0].is_unknown
-
-
-def test_an_unknown_state_is_found_beside_an_effect():
-    asset = measured(11, CLEAR["gauge_gain"], states=((0.3, 0.1),), known=False)
-    found = select(asset, TWIN, RUN)
-    assert [effect.name for effect, _ in found.causes[0].members] == ["gauge_gain"]
-    assert np.allclose(found.states[0], (0.3, 0.1), atol=0.03)
 
 
 def test_the_difference_cancels_in_cells_that_run_and_campaign_share():

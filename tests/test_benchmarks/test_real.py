@@ -65,7 +65,7 @@ def test_a_mount_turns_the_tip_as_a_rigid_body_does(coarse):
 
 @pytest.fixture(scope="module")
 def wing():
-    return CachedTwin(reduced_twin(tapered_wing()))  # the asset is that wing by another code
+    return CachedTwin(reduced_twin(tapered_wing(refinement=0.5)))  # the asset is that wing by another code
 
 
 @needs_asset

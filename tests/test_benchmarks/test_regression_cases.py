@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz.proofs import corrupted
-from benchmarks.cases.regression.speed import made_up
 from benchmarks.kinds.numbers import NUMBER_KINDS, far_problem, wide_problem
 from benchmarks.uav.numbers import rows_of, text_of
 from femlib.dataset import Recipe, build_dataset, simulated_strains
@@ -14,7 +13,7 @@ from octmip.trees.losses import AbsoluteError, SquaredError
 from octmip.trees.methods.options import ExactOptions
 
 
-@pytest.mark.parametrize("first", [2000, 2040, 2080])
+@pytest.mark.parametrize("first", [2000, 2040])
 def test_no_corruption_that_changes_the_claim_is_accepted(first):
     assert not [seed for seed in range(first, first + 40) if corrupted("numbers", seed)[1] == "wrong"]
 
@@ -30,14 +29,8 @@ def test_what_the_fuzz_found_stays_mended_with_its_log(kind, draw, seed, tmp_pat
     assert asked.complaint(problem, solution, asked.truth(problem), tmp_path / "proof.log") == ""
 
 
-def test_made_up_samples_are_the_same_every_time():
-    features, targets = made_up(50)
-    assert features.shape == (50, 10)
-    assert np.array_equal(made_up(50)[1], targets)
-
-
 def test_numbers_of_the_study_are_judged_by_every_rule():
-    data = build_dataset(simulated_strains(uav_wing()), Recipe(samples_per_state=4), seed=0)
+    data = build_dataset(simulated_strains(uav_wing(refinement=0.25)), Recipe(samples_per_state=4), seed=0)
     rows = list(rows_of(data, (1,), 5.0))
     assert len(rows) == 14
     squared = next(row for row in rows if row["rule"] == "regression tree, squared error")

@@ -40,7 +40,7 @@ TASKS = (
 
 @pytest.fixture(scope="module")
 def wing() -> Wing:
-    return uav_wing(refinement=0.3)
+    return uav_wing(refinement=0.25)
 
 
 @pytest.fixture(scope="module")
@@ -108,7 +108,7 @@ def test_the_table_has_a_name_for_every_method_that_the_study_asks():
 
 
 def test_models_without_a_tree_stand_beside_the_default_in_training_and_on_new_readings() -> None:
-    data = build_dataset(simulated_strains(uav_wing(refinement=0.3)), Recipe(samples_per_state=6), seed=1)
+    data = build_dataset(simulated_strains(uav_wing(refinement=0.25)), Recipe(samples_per_state=6), seed=1)
     rows = baselines.rows_of(data, 1, 1.0, 1)
     assert [row["label"] for row in rows] == ["mu1"] * 7 + ["mu2"] * 7
     assert {row["model"] for row in rows} > {"linear", "discriminant", "rounded", "pruned CART", "forest", "boosting"}

@@ -20,24 +20,18 @@ def wing() -> Wing:
 @pytest.fixture(scope="session")
 def coarse() -> Wing:
     """The wing on a coarse mesh with all 82 gauges, for tests of exactness that hold on any mesh."""
-    return uav_wing(candidates=True, refinement=0.5)
+    return uav_wing(candidates=True, refinement=0.4)
 
 
 @pytest.fixture(scope="session")
 def coarser() -> Wing:
     """The same on a mesh so coarse that factorising it again and again for the truth takes little."""
-    return uav_wing(candidates=True, refinement=0.35)
+    return uav_wing(candidates=True, refinement=0.3)
 
 
 @pytest.fixture(scope="session")
 def tiny() -> Wing:
     """The wing on the coarsest mesh that it is used with, for what no mesh changes."""
-    return uav_wing(refinement=0.3)
-
-
-@pytest.fixture(scope="session")
-def small() -> Wing:
-    """The wing on a mesh that only says whether two ways agree."""
     return uav_wing(refinement=0.25)
 
 

@@ -12,38 +12,38 @@ STATE = {"mu1": 0.4, "mu2": 0.6}
 
 
 @pytest.fixture(scope="module")
-def bent(small: Wing) -> BentWing:
-    return bend(small, {}, 3.0)
+def bent(tiny: Wing) -> BentWing:
+    return bend(tiny, {}, 3.0)
 
 
-def test_a_small_load_gives_the_linear_strains_of_a_damaged_wing(small: Wing) -> None:
-    found = bend(small, STATE, 1e-4)
-    assert found.strain_microstrain == pytest.approx(small.strain_microstrain(STATE, 1e-4), rel=1e-4, abs=1e-6)
+def test_a_small_load_gives_the_linear_strains_of_a_damaged_wing(tiny: Wing) -> None:
+    found = bend(tiny, STATE, 1e-4)
+    assert found.strain_microstrain == pytest.approx(tiny.strain_microstrain(STATE, 1e-4), rel=1e-4, abs=1e-6)
 
 
 def test_load_factor_three_relieves_tip_and_strain_as_two_independent_codes_found() -> None:
     """The other codes solved the tapered wing."""
-    small = tapered_wing(refinement=0.25)
-    bent = bend(small, {}, 3.0)
-    linear = small.strain_microstrain({}, 3.0)
+    tiny = tapered_wing(refinement=0.25)
+    bent = bend(tiny, {}, 3.0)
+    linear = tiny.strain_microstrain({}, 3.0)
     change = bent.strain_microstrain / linear - 1.0
-    usable = small.gauges.is_usable
+    usable = tiny.gauges.is_usable
     assert (change[usable] < -0.004).all()
     assert (change[usable] > -0.018).all()
-    tip = small.grid.upper[-1, small.grid.spar_column]
-    assert bent.tip[2] / small.solve({}, 3.0)[tip, 2] == pytest.approx(0.995, abs=0.002)
+    tip = tiny.grid.upper[-1, tiny.grid.spar_column]
+    assert bent.tip[2] / tiny.solve({}, 3.0)[tip, 2] == pytest.approx(0.995, abs=0.002)
     assert bent.tip[1] < -0.004  # the tip comes inboard
 
 
-def test_load_steps_do_not_change_the_answer(small: Wing, bent: BentWing) -> None:
-    assert bend(small, {}, 3.0, steps=3).strain_microstrain == pytest.approx(bent.strain_microstrain, rel=1e-6)
+def test_load_steps_do_not_change_the_answer(tiny: Wing, bent: BentWing) -> None:
+    assert bend(tiny, {}, 3.0, steps=3).strain_microstrain == pytest.approx(bent.strain_microstrain, rel=1e-6)
 
 
-def test_heat_and_other_forces_add_to_the_lift(small: Wing) -> None:
-    shells = small.structure.shells
+def test_heat_and_other_forces_add_to_the_lift(tiny: Wing) -> None:
+    shells = tiny.structure.shells
     n = shells.mesh.n_elements
     wind = surface_load(shells.mesh, np.tile([1.0, 0.0, 2.0], (n, 1)))
-    found = bend(small, {}, 1e-3, lift=wind, warming=1e-3, gradient=1e-2)
+    found = bend(tiny, {}, 1e-3, lift=wind, warming=1e-3, gradient=1e-2)
     heat = thermal_load(shells, np.full(n, 1e-3), np.full(n, 1e-2))
-    linear = MICRO * small.structure.solve_outputs(np.zeros((1, 2)), 1e-3 * wind + heat, small.strain_rows)[0]
+    linear = MICRO * tiny.structure.solve_outputs(np.zeros((1, 2)), 1e-3 * wind + heat, tiny.strain_rows)[0]
     assert found.strain_microstrain == pytest.approx(linear, rel=1e-4, abs=1e-6)

@@ -20,48 +20,48 @@ def test_every_region_and_gauge_is_drawn() -> None:
     assert sum(len(line.get_xdata()) for line in axes[0].lines) == 82
 
 
-def test_the_strain_of_both_skins_is_coloured(small: Wing) -> None:
-    _, strains = near_shape(small, small.solve({"mu1": 0.4}, 2.0))
-    figure = strain_picture(small, strains, "mu1 = 40 %")
+def test_the_strain_of_both_skins_is_coloured(tiny: Wing) -> None:
+    _, strains = near_shape(tiny, tiny.solve({"mu1": 0.4}, 2.0))
+    figure = strain_picture(tiny, strains, "mu1 = 40 %")
     top, bottom = (np.asarray(axis.collections[0].get_array()) for axis in figure.axes[:2])
-    assert len(top) + len(bottom) == 2 * len(small.grid.upper[:-1]) * (len(small.grid.chord) - 1)
+    assert len(top) + len(bottom) == 2 * len(tiny.grid.upper[:-1]) * (len(tiny.grid.chord) - 1)
     assert np.median(top) > 0 > np.median(bottom)
 
 
-def test_the_deformed_wing_is_to_scale(small: Wing) -> None:
-    moved, strains = far_shape(small, bend(small, {}, 3.0).deflection)
-    axis = deformed_picture(small, moved, strains, "load factor 3").axes[0]
+def test_the_deformed_wing_is_to_scale(tiny: Wing) -> None:
+    moved, strains = far_shape(tiny, bend(tiny, {}, 3.0).deflection)
+    axis = deformed_picture(tiny, moved, strains, "load factor 3").axes[0]
     height = axis.collections[0].get_datalim(axis.transData).y1
-    top = small.structure.shells.mesh.nodes[small.grid.upper[-1], 2] + moved[small.grid.upper[-1], 2]
+    top = tiny.structure.shells.mesh.nodes[tiny.grid.upper[-1], 2] + moved[tiny.grid.upper[-1], 2]
     assert height == pytest.approx(top.max(), rel=0.02)
     assert axis.get_aspect() == 1.0
-    tip = moved[small.grid.upper[-1, small.grid.spar_column]]
+    tip = moved[tiny.grid.upper[-1, tiny.grid.spar_column]]
     assert axis.texts[0].get_text() == f"tip {1e3 * tip[2]:.0f} mm up, {-1e3 * tip[1]:.1f} mm inboard"
 
 
-def test_a_large_deflection_and_other_loads_reach_the_vtu_file(small: Wing, tmp_path: Path) -> None:
+def test_a_large_deflection_and_other_loads_reach_the_vtu_file(tiny: Wing, tmp_path: Path) -> None:
     texts = []
-    for options in ({}, {"large_deflection": True}, {"lift": 2.0 * small.lift}):
-        write_vtu(small, tmp_path / "wing.vtu", {}, 3.0, **options)
+    for options in ({}, {"large_deflection": True}, {"lift": 2.0 * tiny.lift}):
+        write_vtu(tiny, tmp_path / "wing.vtu", {}, 3.0, **options)
         texts.append((tmp_path / "wing.vtu").read_text())
     assert len(set(texts)) == 3
 
 
-def test_vtk_and_meshio_read_the_file(small: Wing, tmp_path: Path) -> None:
+def test_vtk_and_meshio_read_the_file(tiny: Wing, tmp_path: Path) -> None:
     pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed: pip install 'octmip[pictures]'")
-    write_vtu(small, tmp_path / "wing.vtu", {}, 1.0)
+    write_vtu(tiny, tmp_path / "wing.vtu", {}, 1.0)
     grid = pyvista.read(tmp_path / "wing.vtu")
     assert (grid.n_points, grid.n_cells) == (
-        len(small.structure.shells.mesh.nodes),
-        small.structure.shells.mesh.n_elements,
+        len(tiny.structure.shells.mesh.nodes),
+        tiny.structure.shells.mesh.n_elements,
     )
-    assert grid.point_data["displacement_m"][:, 2].max() == pytest.approx(small.solve({}, 1.0)[:, 2].max(), rel=1e-6)
+    assert grid.point_data["displacement_m"][:, 2].max() == pytest.approx(tiny.solve({}, 1.0)[:, 2].max(), rel=1e-6)
 
 
-def test_vtk_renders_off_screen(small: Wing, tmp_path: Path) -> None:
+def test_vtk_renders_off_screen(tiny: Wing, tmp_path: Path) -> None:
     pytest.importorskip("pyvista", reason="pyvista is not installed: pip install 'octmip[pictures]'")
-    moved, strains = near_shape(small, small.solve({}, 3.0))
-    render(small, moved, strains, tmp_path / "wing.png")
+    moved, strains = near_shape(tiny, tiny.solve({}, 3.0))
+    render(tiny, moved, strains, tmp_path / "wing.png")
     assert (tmp_path / "wing.png").read_bytes().startswith(b"\x89PNG")
 
 

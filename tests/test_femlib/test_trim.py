@@ -20,8 +20,8 @@ FAST = FlightPoint(airspeed=60.0)
 
 
 @pytest.fixture(scope="module")
-def trimmed(small: Wing) -> TrimmedWing:
-    return trim_wing(small, FAST, 2.0)
+def trimmed(tiny: Wing) -> TrimmedWing:
+    return trim_wing(tiny, FAST, 2.0)
 
 
 def test_a_uniform_wing_of_lone_strips_diverges_at_the_pressure_of_a_uniform_beam() -> None:
@@ -85,20 +85,20 @@ def fixed_point(wing: Wing, state: FloatArray, pressure: float, factor: float, n
     return np.asarray(force)
 
 
-def test_trim_is_the_fixed_point_of_the_full_wing_at_the_same_lift(small: Wing, trimmed: TrimmedWing) -> None:
+def test_trim_is_the_fixed_point_of_the_full_wing_at_the_same_lift(tiny: Wing, trimmed: TrimmedWing) -> None:
     state = STATES[1]
-    force = fixed_point(small, state, 0.5 * 1.225 * 60.0**2, 2.0)
+    force = fixed_point(tiny, state, 0.5 * 1.225 * 60.0**2, 2.0)
     found = trimmed.lift(state)
     np.testing.assert_allclose(found, force, atol=1e-5 * np.abs(force).max())
-    assert found.sum() == pytest.approx(small.lift.sum(), rel=1e-12)
-    full = small.strain_microstrain({"mu1": 0.8, "mu2": 0.3}, 2.0, force)
+    assert found.sum() == pytest.approx(tiny.lift.sum(), rel=1e-12)
+    full = tiny.strain_microstrain({"mu1": 0.8, "mu2": 0.3}, 2.0, force)
     np.testing.assert_allclose(trimmed.strains_microstrain(STATES)[1], full, rtol=1e-4)
     with pytest.raises(InputError, match="load_factor is 0; expected another"):
-        trim_wing(small, FAST, 0.0)
+        trim_wing(tiny, FAST, 0.0)
 
 
-def test_the_wing_in_trim_bears_what_the_full_wing_bears_under_the_lift_in_trim(small: Wing) -> None:
-    trimmed = trim_wing(small, FAST, n_harmonics=2)
-    found = wing_capability(small, trimmed, n_states=8, n_checks=0).limits(STATES[1:])[0]
-    full = full_limits(small.structure, wing_limits(small), trimmed.lift(STATES[1]), STATES[1])
+def test_the_wing_in_trim_bears_what_the_full_wing_bears_under_the_lift_in_trim(tiny: Wing) -> None:
+    trimmed = trim_wing(tiny, FAST, n_harmonics=2)
+    found = wing_capability(tiny, trimmed, n_states=8, n_checks=0).limits(STATES[1:])[0]
+    full = full_limits(tiny.structure, wing_limits(tiny), trimmed.lift(STATES[1]), STATES[1])
     np.testing.assert_allclose(found, full, rtol=2e-4)

@@ -100,7 +100,7 @@ def test_a_saved_twin_answers_at_once_and_makes_the_full_wing_when_it_must(
     assert len(twin.effects) == 13
     assert twin.wing is tiny
     assert len(made) == 1
-    other = saved_twin(tmp_path / "wing.npz", lambda: uav_wing(refinement=0.3, effective_mass=24.0))
+    other = saved_twin(tmp_path / "wing.npz", lambda: uav_wing(refinement=0.25, effective_mass=24.0))
     with pytest.raises(
         InputError, match=r"the reduced wing was made of the wing .*; expected the same; give make_wing"
     ):

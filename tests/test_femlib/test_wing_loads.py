@@ -36,26 +36,26 @@ def glauert(wing: Wing, stations: FloatArray, n: int = 60) -> FloatArray:
     return np.array([np.trapezoid(local * np.maximum(eta - s, 0.0), eta) for s in stations]) / np.trapezoid(local, eta)
 
 
-def test_the_ellipse_carries_half_the_weight_at_its_centre(small: Wing) -> None:
-    assert small.lift[2::6].sum() == pytest.approx(HALF_WEIGHT)
-    assert moments(small, small.lift, np.zeros(1))[0] == pytest.approx(HALF_WEIGHT * small.span * 4.0 / (3.0 * np.pi))
+def test_the_ellipse_carries_half_the_weight_at_its_centre(tiny: Wing) -> None:
+    assert tiny.lift[2::6].sum() == pytest.approx(HALF_WEIGHT)
+    assert moments(tiny, tiny.lift, np.zeros(1))[0] == pytest.approx(HALF_WEIGHT * tiny.span * 4.0 / (3.0 * np.pi))
 
 
-def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root(small: Wing) -> None:
-    load = inertial_load(small)
-    mass = small.structure.shells.mass()
+def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root(tiny: Wing) -> None:
+    load = inertial_load(tiny)
+    mass = tiny.structure.shells.mass()
     unit = np.zeros(len(load))
     unit[2::6] = 1.0
     weight = GRAVITY * float(unit @ mass @ unit)
     assert -load[2::6].sum() == pytest.approx(weight)
     assert weight == pytest.approx(2.145 * GRAVITY, rel=0.005)
-    payload = inertial_load(small, {0.5: 0.17, 0.777: 0.13}) - load
+    payload = inertial_load(tiny, {0.5: 0.17, 0.777: 0.13}) - load
     assert -payload[2::6].sum() == pytest.approx(0.30 * GRAVITY)
-    relief = moments(small, payload, np.zeros(1))[0]
-    assert relief == pytest.approx(-GRAVITY * small.span * (0.5 * 0.17 + 0.777 * 0.13), rel=1e-9)
+    relief = moments(tiny, payload, np.zeros(1))[0]
+    assert relief == pytest.approx(-GRAVITY * tiny.span * (0.5 * 0.17 + 0.777 * 0.13), rel=1e-9)
     # the root's strain falls as its bending moment does, within what chordwise places and taper leave
-    root = moments(small, load, np.zeros(1))[0] / moments(small, small.lift, np.zeros(1))[0]
-    change = small.strain_microstrain({}, 3.0, small.lift + load) / small.strain_microstrain({}, 3.0) - 1.0
+    root = moments(tiny, load, np.zeros(1))[0] / moments(tiny, tiny.lift, np.zeros(1))[0]
+    change = tiny.strain_microstrain({}, 3.0, tiny.lift + load) / tiny.strain_microstrain({}, 3.0) - 1.0
     assert -0.2 < root < -0.05
     assert change[0] == pytest.approx(root, abs=0.02)
 
@@ -68,12 +68,12 @@ def test_hat_means_keep_sum_and_centre() -> None:
         assert means @ lines == pytest.approx(0.5 * (start + end))
 
 
-def test_without_aerosandbox_the_cure_is_told(small: Wing, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_aerosandbox_the_cure_is_told(tiny: Wing, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "aerosandbox", None)
     with pytest.raises(
         InputError, match=r"needs the package aerosandbox, which is not installed; install octmip\[aero\]"
     ):
-        vortex_lattice(small, 1.0)
+        vortex_lattice(tiny, 1.0)
 
 
 class TestVortexLattice:
@@ -84,36 +84,36 @@ class TestVortexLattice:
         pytest.importorskip("aerosandbox", reason="AeroSandbox is not installed: pip install 'octmip[aero]'")
 
     @pytest.mark.parametrize("load_factor", [-1.0, 0.0, 2.5, 4.0])
-    def test_the_resultant_is_the_weight_times_the_load_factor(self, small: Wing, load_factor: float) -> None:
-        found = vortex_lattice(small, load_factor)
+    def test_the_resultant_is_the_weight_times_the_load_factor(self, tiny: Wing, load_factor: float) -> None:
+        found = vortex_lattice(tiny, load_factor)
         x, y, z = found.forces.reshape(-1, 6)[:, :3].sum(axis=0)
         a = found.angle_of_attack
         assert z * np.cos(a) - x * np.sin(a) == pytest.approx(load_factor * HALF_WEIGHT, abs=1e-6 * HALF_WEIGHT)
         assert abs(y) < 0.02 * (1.0 + abs(load_factor)) * HALF_WEIGHT
         assert not found.forces.reshape(-1, 6)[:, 3:].any()
 
-    def test_its_moments_are_those_of_lifting_line_theory_and_above_the_ellipse(self, small: Wing) -> None:
+    def test_its_moments_are_those_of_lifting_line_theory_and_above_the_ellipse(self, tiny: Wing) -> None:
         stations = np.array([0.0, 0.25, 0.5, 0.75])
-        difference = vortex_lattice(small, 3.0).forces - vortex_lattice(small, 0.0).forces  # without the camber's part
-        total = difference[2::6].sum() * small.span
-        found = moments(small, difference, stations) / total
-        assert found == pytest.approx(glauert(small, stations), rel=0.05)  # no chord of its own in the theory
-        ellipse = moments(small, small.lift, stations) / (HALF_WEIGHT * small.span)
+        difference = vortex_lattice(tiny, 3.0).forces - vortex_lattice(tiny, 0.0).forces  # without the camber's part
+        total = difference[2::6].sum() * tiny.span
+        found = moments(tiny, difference, stations) / total
+        assert found == pytest.approx(glauert(tiny, stations), rel=0.05)  # no chord of its own in the theory
+        ellipse = moments(tiny, tiny.lift, stations) / (HALF_WEIGHT * tiny.span)
         ratio = found / ellipse
         assert (np.diff(ratio) > 0).all()
         assert 1.0 < ratio[0] < 1.1
         assert 1.1 < ratio[3] < 1.35
 
-    def test_camber_moves_the_centre_of_pressure_aft_as_the_load_falls(self, small: Wing) -> None:
+    def test_camber_moves_the_centre_of_pressure_aft_as_the_load_falls(self, tiny: Wing) -> None:
         centres = []
         for load_factor in (1.0, 2.0, 4.0):
-            up = vortex_lattice(small, load_factor).forces[2::6]
-            centres.append(float(up @ small.structure.shells.mesh.nodes[:, 0] / up.sum()))
+            up = vortex_lattice(tiny, load_factor).forces[2::6]
+            centres.append(float(up @ tiny.structure.shells.mesh.nodes[:, 0] / up.sum()))
         assert centres[0] > centres[1] > centres[2] > -0.1
 
-    def test_the_wing_takes_it_linear_and_bent(self, small: Wing) -> None:
-        forces = vortex_lattice(small, 3.0).forces + 3.0 * inertial_load(small)
-        linear = small.strain_microstrain({"mu1": 0.2}, 1.0, forces)
-        bent = bend(small, {"mu1": 0.2}, 1.0, lift=forces)
+    def test_the_wing_takes_it_linear_and_bent(self, tiny: Wing) -> None:
+        forces = vortex_lattice(tiny, 3.0).forces + 3.0 * inertial_load(tiny)
+        linear = tiny.strain_microstrain({"mu1": 0.2}, 1.0, forces)
+        bent = bend(tiny, {"mu1": 0.2}, 1.0, lift=forces)
         assert bent.strain_microstrain[:16] == pytest.approx(linear[:16], rel=0.03)
         assert (linear > 0).all()

@@ -77,12 +77,6 @@ def test_a_sensor_dearer_than_the_budget_is_never_read():
     assert greedy_tree(problem).tree == Leaf(0)
 
 
-def test_within_a_budget_for_one_sensor_the_tree_is_that_of_the_best_one():
-    problem = random_problem(0, sensor_budget=1.0)
-    alone = [replace(problem, sensor_budget=None, allowed_splits=[[j]]) for j in range(problem.n_features)]
-    assert greedy_tree(problem).objective == min(greedy_tree(one).objective for one in alone) < problem.baseline
-
-
 def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
     problem = random_problem(0, sensor_budget=1.0)
     solution = greedy_tree(problem, limits=Limits(seconds=0))
@@ -97,18 +91,6 @@ def test_a_table_of_many_levels_without_time_for_them_gets_one():
     assert solution.stop is Stop.TIME
     assert solution.tree is not None
     assert depth(solution.tree) == 1
-
-
-def test_features_in_no_allowed_group_are_not_read():
-    problem = random_problem(1, allowed_splits=[["x2"], ["x3"]])
-    tree = greedy_tree(problem).tree
-    assert tree is not None
-    assert set(features_used(tree)) <= {2, 3}
-
-
-def test_a_hyperplane_problem_gets_its_axis_aligned_tree():
-    axis, hyperplane = random_problem(2), random_problem(2, split="hyperplane", split_size=2)
-    assert greedy_tree(axis).tree == greedy_tree(hyperplane).tree
 
 
 def test_thresholds_lie_midway_between_the_samples_of_the_node():

@@ -25,11 +25,6 @@ def test_a_quotation_left_open_is_an_error_of_the_row_in_which_it_opens():
     assert (rows.first, rows.last) == (2, 3)
 
 
-@pytest.mark.parametrize(("cell", "number"), [("1", 1.0), (" -2.5e3 ", -2500.0), ("1e400", float("inf"))])
-def test_numbers_are_read_as_float64(cell, number):
-    assert plain_number(cell) == number
-
-
 @pytest.mark.parametrize("cell", ["1_000", "١٢", "0x10", "two", "", "True"])
 def test_what_is_no_plain_number_is_none_in_samples_nor_in_campaigns(tmp_path, cell):
     assert plain_number(cell) is None
@@ -43,9 +38,3 @@ def test_what_is_no_plain_number_is_none_in_samples_nor_in_campaigns(tmp_path, c
     (tmp_path / "campaign.csv").write_text("\n".join(lines).replace("?", f'"{cell}"') + "\n")
     with pytest.raises(DataError, match="row 4, column g05"):
         read_campaign(tmp_path / "campaign.csv", Beam())
-
-
-def test_a_decimal_comma_is_read_as_written(tmp_path):
-    assert plain_number("1,5") is None
-    (tmp_path / "data.csv").write_text('x,y\n1,a\n"1,5",b\n')
-    assert read_table(tmp_path / "data.csv").numbers(["x"]).ravel().tolist() == [1.0, 1.5]

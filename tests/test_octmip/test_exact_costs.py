@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
 from octmip import ClassCosts, certify
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
@@ -42,15 +41,6 @@ def cost_problem(rng, n, p, depth):
     return Problem(
         features, labels, depth=depth, loss=ClassCosts(costs), weights=weights, class_names=tuple(range(k)), **options
     )
-
-
-@pytest.mark.parametrize("first", range(0, 600, BLOCK))
-def test_it_finds_the_optimum_of_enumeration_under_any_costs(first):
-    for seed in range(first, first + BLOCK):
-        rng = np.random.default_rng([71, seed])
-        problem = cost_problem(rng, int(rng.integers(7, 12)), int(rng.integers(1, 3)), int(rng.integers(1, 4)))
-        solution = branch_and_bound(problem)
-        assert certify(problem, solution).objective == solution.bound == optimum(problem).objective, f"seed {seed}"
 
 
 @pytest.mark.parametrize("first", range(0, 200, BLOCK))

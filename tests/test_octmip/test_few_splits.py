@@ -19,17 +19,6 @@ def asked(depth: int, most: int | None) -> Problem:
     return Problem(FEATURES, LABELS, depth=depth, max_splits=most)
 
 
-def test_more_splits_are_never_worse_and_enough_of_them_are_no_limit():
-    costs = [solve(asked(3, most), "exact").objective for most in range(8)]
-    assert costs == sorted(costs, reverse=True)
-    assert costs[0] == asked(3, 0).baseline
-    assert costs[7] == solve(asked(3, None), "exact").objective
-
-
-def test_a_tree_of_few_splits_may_be_as_deep_as_it_likes():
-    assert solve(asked(30, 3), "exact").objective == solve(asked(3, 3), "exact").objective
-
-
 def test_a_certificate_refutes_one_split_too_many():
     free = solve(asked(2, None), "exact")
     with pytest.raises(CertificateError, match=r"has \d splits but max_splits is 1"):

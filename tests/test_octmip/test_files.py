@@ -9,12 +9,6 @@ from octmip.errors import DataError
 from octmip.input.files import check_writable, read_json_object, read_text, whole_folder, write_bytes
 
 
-def test_a_file_is_written_as_given(tmp_path):
-    write_bytes(tmp_path / "a.json", b"{}")
-    assert (tmp_path / "a.json").read_bytes() == b"{}"
-    assert len(list(tmp_path.iterdir())) == 1
-
-
 @pytest.mark.parametrize(
     ("error", "ends"), [(OSError(28, "No space left on device"), DataError), (KeyboardInterrupt(), KeyboardInterrupt)]
 )
@@ -84,11 +78,6 @@ def test_text_that_cannot_be_read_says_why(tmp_path, content, reason):
     (tmp_path / "a").write_bytes(content)
     with pytest.raises(DataError, match=reason):
         read_text(tmp_path / "a")
-
-
-def test_a_missing_file_says_so(tmp_path):
-    with pytest.raises(DataError, match="No such file"):
-        read_text(tmp_path / "none")
 
 
 @pytest.mark.parametrize(

@@ -30,15 +30,6 @@ def test_every_point_is_the_optimum_of_its_own_problem(over):
         assert point.solution.objective == solve(point.problem).objective
 
 
-def test_more_sensors_are_never_worse():
-    points = trace_frontier(PROBLEM, "budget", method="search")
-    objectives = [point.solution.objective for point in points]
-    assert [point.value for point in points] == [1, 2, 3]
-    assert objectives == sorted(objectives, reverse=True)
-    for point in points:
-        assert certify(point.problem, point.solution).sensor_cost <= point.value
-
-
 def test_a_bound_of_a_wider_limit_serves_the_tighter_ones():
     def point(value, objective, bound, stop=Stop.TIME):
         solution = Solution(Leaf(0), objective, bound, stop, 0.0, 0, "exact", "1", 0)

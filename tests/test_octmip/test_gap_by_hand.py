@@ -2,12 +2,17 @@
 
 import dataclasses
 import itertools
+import math
+from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import norm, truncnorm
+from scipy.special import log_ndtr
+from scipy.stats import multivariate_normal, norm, truncnorm
 
 from octmip.errors import DataError
+from octmip.gap import CHAIN
 from octmip.gap.campaign.campaign import Cell, Fault
 from octmip.gap.campaign.display import left_by, levels_of, step_of, steps_of
 from octmip.gap.campaign.noise import JUMP_SD, Noise, NoisePart, given_noise, least_moment
@@ -15,8 +20,12 @@ from octmip.gap.campaign.noise_estimate import _moderated, _scales, _Scatter
 from octmip.gap.campaign.spectrum import WHITE
 from octmip.gap.channels.outliers import _far, _is_skewed, _scale
 from octmip.gap.inference.candidates import SCALES, Priors
-from octmip.gap.inference.evidence import _between, alike, fits_of, log_between
-from tests.test_octmip.beam_twin import measured
+from octmip.gap.inference.confounding import _distances, conditional_gram
+from octmip.gap.inference.evidence import _between, _gaussians, alike, extensions, fits_of, log_between
+from octmip.gap.inference.inference import Inference
+from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.linear_model import linearise
+from tests.test_octmip.beam_twin import Beam, measured
 
 
 def priors(mean=(0.0,), sd=(2.0,), low=-np.inf, high=np.inf, is_discrete=(False,)):
@@ -191,3 +200,122 @@ def test_a_gauge_whose_readings_never_change_has_cells_of_one_scale():
     cell_of = np.repeat([0, 1], 4)
     values = np.full((8, 2), 3.0)
     assert np.array_equal(_scale(values, cell_of), np.ones(8))
+
+
+# The evidence in its tails and under bounds, and what is left of a signature beside others, by other arithmetic
+
+
+def test_the_share_beyond_a_far_bound_keeps_its_logarithm():
+    above = np.array([[0.0], [math.inf]])
+    below = np.array([[-math.inf], [0.0]])
+    for sd in (1.0, 3.0):
+        expected = pytest.approx(float(log_ndtr(-40.0)), rel=1e-12)
+        assert log_between(np.array([-40.0 * sd]), np.array([sd]), above)[0] == expected
+        assert log_between(np.array([40.0 * sd]), np.array([sd]), below)[0] == expected
+
+
+def test_a_size_that_cannot_be_negative_has_the_variance_of_half_a_normal():
+    one = np.ones((1, 1))
+    bounds = np.array([[[0.0]], [[math.inf]]])
+    _, size, covariance = _gaussians(one[None], 0 * one, 0 * one, one, bounds)
+    assert size[0, 0] == pytest.approx(math.sqrt(0.5 * 2 / math.pi))
+    assert covariance[0, 0, 0] == pytest.approx(0.5 * (1 - 2 / math.pi))
+
+
+def test_what_is_left_of_a_signature_beside_another_is_a_residual_of_least_squares():
+    model = inference_of(3).model
+    signatures, sd = model.white, model.inputs.priors.sd
+    member, other = np.argsort(-np.abs(signatures.T @ signatures[:, 0]))[:2].tolist()
+    rows = np.append(signatures[:, other], 1 / (3 * sd[other]))
+    share = np.linalg.lstsq(rows[:, None], np.append(signatures[:, member], 0.0), rcond=None)[0][0]
+    left = signatures[:, member] - share * signatures[:, other]
+    cross, _ = conditional_gram(model, (other,), member)
+    assert cross == pytest.approx(signatures.T @ left, rel=1e-6, abs=1e-9 * np.abs(signatures.T @ left).max())
+    assert np.abs(cross - signatures.T @ signatures[:, member]).max() > 0.01 * np.abs(cross).max()
+
+
+def test_no_effect_imitates_another_with_a_sign_that_it_cannot_have():
+    bounds = np.array([[-math.inf, 0.0], [math.inf, math.inf]])
+    priors = SimpleNamespace(is_discrete=np.zeros(2, bool), mean=np.zeros(2), sd=np.ones(2), bounds=bounds)
+    model = SimpleNamespace(inputs=SimpleNamespace(priors=priors))
+    distances, needed = _distances(model, (np.array([1.0, -0.9]), np.ones(2)), 0, 1.0)
+    assert needed[1] == 0.0
+    assert distances[1] == 1.0
+
+
+# The closed-form evidence against two independent integrators, and against the dense Gaussian density
+
+
+TWIN = Beam()
+EFFECTS = {**CHAIN, **TWIN.effects}
+del EFFECTS["swapped_pair"]
+COMMISSIONING = measured(1000)
+
+
+@cache
+def inference_of(seed, size=2.0, sd=120.0):
+    """A noisy campaign with a weak effect: evidences of a few nats, which nested sampling finds exactly and fast."""
+
+    def change(state, load, time):
+        return size * TWIN.effects["temperature_uniform"].signature(TWIN, state, load)
+
+    campaign = measured(seed, change, sd=sd, loads=(0.0, 2.0))
+    inputs, _ = prepare(campaign, TWIN, EFFECTS, COMMISSIONING)
+    return Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
+
+
+def candidate(inference, name, place=""):
+    candidates = inference.model.inputs.candidates
+    return next(j for j, c in enumerate(candidates) if (c.name, c.place) == (name, place))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_evidence_equals_the_dense_gaussian_density(seed):
+    inference = inference_of(seed)
+    model = inference.model
+    members = [
+        candidate(inference, "temperature_uniform"),
+        candidate(inference, "gauge_bias", "g04"),
+        candidate(inference, "gauge_gain", "g02"),
+    ]
+    columns = model.signatures[:, members]
+    sd = np.array([model.inputs.candidates[j].effect.prior_sd for j in members])
+    logs = []
+    for a in SCALES:
+        for b in SCALES:
+            for c in SCALES:
+                covariance = model.covariance + columns @ np.diag((sd * [a, b, c]) ** 2) @ columns.T
+                logs.append(multivariate_normal.logpdf(model.residual, cov=covariance))
+    dense = float(np.logaddexp.reduce(logs)) - np.log(27)
+    assert (model.log_none - model.given.log_run) + inference.fit(members).log_factor == pytest.approx(dense, abs=1e-6)
+    none = multivariate_normal.logpdf(model.residual, cov=model.covariance)
+    assert (model.log_none - model.given.log_run) == pytest.approx(none, abs=1e-6)
+
+
+def test_the_quick_extension_of_nothing_is_the_exact_evidence_of_every_single_candidate():
+    inference = inference_of(1)
+    quick, new = extensions(inference.model, ())
+    assert np.allclose(new, 1.0)
+    exact = [inference.fit([j]).log_factor for j in range(len(quick))]
+    assert np.allclose(quick, exact, atol=1e-8)
+
+
+def test_the_quick_extension_of_a_set_is_the_evidence_of_one_more_column_of_a_covariance():
+    inference = inference_of(1)
+    model = inference.model
+    held, more = candidate(inference, "temperature_uniform"), candidate(inference, "gauge_gain", "g02")
+    effects = [model.inputs.candidates[j].effect for j in (held, more)]
+    held_columns = np.outer(*[effects[0].prior_sd * model.white[:, held]] * 2)
+    logs = []
+    for scale in SCALES:
+        own = np.outer(*[scale * effects[1].prior_sd * model.white[:, more]] * 2)
+        logs.append(multivariate_normal.logpdf(model.left, cov=np.eye(model.n) + held_columns + own))
+    none = multivariate_normal.logpdf(model.left, cov=np.eye(model.n))
+    dense = float(np.logaddexp.reduce(logs)) - np.log(3) - none
+    quick, new = extensions(model, (held,))
+    assert quick[more] == pytest.approx(dense, abs=1e-6)
+    assert quick[held] == -np.inf
+    assert 0.0 < new[more] <= 1.0
+    some, left = extensions(model, (held,), np.array([held, more]))
+    assert np.flatnonzero(np.isfinite(some)).tolist() == [more]
+    assert (some[more], left[more]) == (pytest.approx(quick[more]), pytest.approx(new[more]))

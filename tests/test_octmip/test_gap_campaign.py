@@ -5,9 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip.errors import DataError
+from octmip.errors import DataError, TwinError
 from octmip.gap import diagnose, read_campaign
 from octmip.gap.campaign.noise_estimate import estimate_noise
+from octmip.gap.channels.levels import clipped_in
+from octmip.gap.doors import open_twin
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 from tests.test_octmip.beam_twin import Beam, measured
 
 TWIN = Beam()
@@ -29,27 +32,10 @@ def write(tmp_path, rows):
     return path
 
 
-def small():
-    return lines_of(measured(1, loads=(1.0, 2.0), repeats=4))
-
-
 def with_cell(rows, row, column, text):
     cells = rows[row].split(",")
     cells[rows[0].split(",").index(column)] = text
     return [*rows[:row], ",".join(cells), *rows[row + 1 :]]
-
-
-def test_a_written_campaign_comes_back(tmp_path):
-    campaign = measured(1, loads=(1.0, 2.0), repeats=4)
-    back = read_campaign(write(tmp_path, ["# a comment", *lines_of(campaign)]), TWIN)
-    assert back.gauges == campaign.gauges
-    assert back.test == campaign.test
-    assert np.allclose(back.readings, campaign.readings, atol=0.051)
-    assert [cell.name for cell in back.cells] == [cell.name for cell in campaign.cells]
-    readings = campaign.readings.copy()
-    readings[1:, 4] = np.nan
-    assert replace(campaign, readings=readings).has_repeats  # of other gauges than one that was read once
-    assert not measured(1, loads=(1.0,), repeats=2).has_repeats
 
 
 def test_one_repeat_is_refused_alone_and_flagged_with_a_commissioning_run(tmp_path):
@@ -78,15 +64,24 @@ def correlated(rng, shape, load):
     return steps[50:]
 
 
+def jumping(rng, shape, load):
+    """White noise; one gauge reads six standard deviations more from the middle of load factor 1 on."""
+    since = np.arange(shape[0]) + 50.0 * load >= 75.0
+    return 31.6 * (rng.standard_normal(shape) + 6.0 * np.outer(since, np.arange(shape[1]) == 8))
+
+
 NOISES = {
     "correlated_noise": correlated,
     "heavy_tailed_noise": lambda rng, shape, load: rng.standard_t(4, shape) * 31.6 / np.sqrt(2),
     "heteroscedastic_noise": lambda rng, shape, load: rng.standard_normal(shape) * 31.6 * (0.6 + 0.3 * load),
+    "outliers": lambda rng, shape, load: 31.6 * (rng.standard_normal(shape) + 10.0 * (rng.random(shape) < 0.02)),
+    "jump": jumping,
 }
 
 
 @pytest.mark.parametrize("name", NOISES)
 def test_strange_noise_is_reported_as_noise_and_not_as_an_effect(name):
+    """Before: outliers accused nine of nine sound assets."""
     diagnosis = diagnose(measured(5, noise=NOISES[name]), TWIN, commissioning=measured(1000))
     assert name in diagnosis.noise.findings
     assert diagnosis.is_sound
@@ -98,6 +93,248 @@ def test_white_noise_raises_no_finding_and_its_size_is_right():
     assert np.sqrt(np.diag(noise.covariance)) == pytest.approx(np.full(20, 31.6), rel=0.05)
     few = measured(2, repeats=6, loads=tuple(range(20)))  # too few for a memory: what gauges share is white, too
     common = 60.0 * np.random.default_rng(0).standard_normal((len(few.readings), 1))
-    noise = estimate_noise(replace(few, readings=few.readings + common))
+    few = replace(few, readings=few.readings + common)
+    noise = estimate_noise(few)
+    once = np.where((np.arange(len(few.readings)) > 0)[:, None] & (np.arange(20) == 4), np.nan, few.readings)
+    assert replace(few, readings=once).has_repeats  # of other gauges than one that was read once
     assert noise.findings == ("correlated_noise",)
     assert noise.covariance[~np.eye(20, dtype=bool)].mean() == pytest.approx(60.0**2, rel=0.15)
+
+
+# Tables as they come from loggers and spreadsheets: each is read, warned of or refused with row, column and cure
+
+
+TWIN = Beam()
+ROWS = lines_of(measured(1, loads=(0.0, 1.0, 2.0), repeats=6))
+"""Row 1 is the header; rows 2 to 7 are at load factor 0, 8 to 13 at 1, 14 to 19 at 2."""
+
+
+def changed(column, change, rows=ROWS):
+    place = rows[0].split(",").index(column)
+    lines = [rows[0]]
+    for k, row in enumerate(rows[1:]):
+        cells = row.split(",")
+        cells[place] = change(k, cells[place])
+        lines.append(",".join(cells))
+    return lines
+
+
+def scaled(factor, rows=ROWS, only=None):
+    lines = list(rows)
+    for name in rows[0].split(",")[5:]:
+        if only is None or name == only:
+            lines = changed(name, lambda k, cell: repr(float(cell) * factor), lines)
+    return lines
+
+
+def without(column):
+    place = ROWS[0].split(",").index(column)
+    return [",".join(cell for k, cell in enumerate(row.split(",")) if k != place) for row in ROWS]
+
+
+def divided():
+    lines = list(ROWS)
+    for name in ROWS[0].split(",")[5:]:
+        lines = changed(name, lambda k, cell: repr(float(cell) / max(1, k // 6)), lines)
+    return lines
+
+
+def text(lines):
+    return "\n".join(lines) + "\n"
+
+
+def load(factor):
+    return changed("load_factor", lambda k, cell: f"{float(cell) * factor:g}")
+
+
+REFUSED = {
+    "a missing load factor": (text(with_cell(ROWS, 3, "load_factor", "")), ["row 4", "load_factor"]),
+    "text in a number": (text(with_cell(ROWS, 2, "g05", "broken")), ["row 3", "g05", "broken"]),
+    "an infinite reading": (text(with_cell(ROWS, 2, "g05", "inf")), ["row 3", "g05"]),
+    "a state in per cent": (text(with_cell(ROWS, 5, "mu1", "20")), ["row 6", "mu1", "0.2 for 20 %"]),
+    "an empty test": (text(with_cell(ROWS, 5, "test", "")), ["row 6", "test"]),
+    "a column twice": (text(ROWS).replace("g20", "g19"), ["column 'g19' 2 times"]),
+    "a header alone": (text(ROWS[:1]), ["25 columns and 0 rows"]),
+    "a gauge without its zero": (text(ROWS).replace("g05", "g5"), ["'g5'", "write 'g05'"]),
+    "a load with its unit": (text(with_cell(ROWS, 3, "load_factor", "2g")), ["row 4, column load_factor", "'2g'"]),
+    "a load that is no number": (text(with_cell(ROWS, 3, "load_factor", "nan")), ["row 4, column load_factor"]),
+    "loads in newtons": (text(load(245.0)), ["row 8", "0.004", "at load factor 245", "no newtons"]),
+    "loads in m/s2": (text(load(9.81)), ["row 8", "0.1", "load factor"]),
+    "loads of the other sign": (text(load(-1.0)), ["rows 2 to 19", "compressive strain positive"]),
+    "strain": (text(scaled(1e-6)), ["row 8, columns g01 to g20", "microstrain"]),
+    "nanostrain": (text(scaled(1e3)), ["row 8, columns g01 to g20", "microstrain"]),
+    "tension positive": (text(scaled(-1.0)), ["rows 2 to 19", "reverse the sign"]),
+    "readings over load": (text(divided()), ["row 14", "1/2 of what the twin predicts", "multiply"]),
+    "one gauge in nanostrain": (text(scaled(1e3, only="g05")), ["column g05", "convert this one"]),
+    "one gauge in millistrain": (text(scaled(1e-3, only="g05")), ["column g05", "convert this one"]),
+    "an absurd reading": (text(with_cell(ROWS, 3, "g05", "1e300")), ["row 4, column g05", "1e+300"]),
+    "a column copied": (
+        text(changed("g07", lambda k, cell: ROWS[k + 1].split(",")[10])),
+        ["rows 2 to 19", "columns g06 and g07"],
+    ),
+    "no reading": (
+        text([ROWS[0], *(",".join(row.split(",")[:5]) + "," * 20 for row in ROWS[1:])]),
+        ["no reading at all"],
+    ),
+    "a state in words": (text(changed("mu1", lambda k, cell: "none")), ["row 2, column mu1", "'none'"]),
+    "a negative state": (text(with_cell(ROWS, 3, "mu2", "-0.1")), ["row 4, column mu2", "-0.1; expected a fraction"]),
+    "a state of 1": (text(with_cell(ROWS, 3, "mu2", "1")), ["row 4, column mu2", "expected a fraction"]),
+    "a test of two states": (text(with_cell(ROWS, 3, "mu1", "0.3")), ["row 4, column mu1 is 0.3", "row 2", "'T0'"]),
+    "a state given by halves": (text(with_cell(ROWS, 3, "mu1", "")), ["row 4, column mu1 is empty", "row 2"]),
+    "a long row": (text([*ROWS[:4], ROWS[4] + ",1", *ROWS[5:]]), ["line 5: 26 cells", "25"]),
+    "a row of units": (text([ROWS[0], ROWS[0].replace("g", "m"), *ROWS[1:]]), ["row 2, column"]),
+    "a column without a name": (
+        text([ROWS[0] + ",", *(row + ",3" for row in ROWS[1:])]),
+        ["line 1: column 26 has no name"],
+    ),
+}
+
+
+def reading(tmp_path, content, encoding="utf-8"):
+    path = tmp_path / "campaign.csv"
+    path.write_bytes(content.encode(encoding))
+    return read_campaign(path, TWIN)
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_no_physics_explains_is_refused_with_its_place(tmp_path, case):
+    content, told = REFUSED[case]
+    with pytest.raises(DataError) as error:
+        reading(tmp_path, content)
+    assert all(word in str(error.value) for word in told), error.value
+
+
+SAME = {
+    "tests that look like comments": text(changed("test", lambda k, cell: "#1")),
+    "gauges in another order": text([",".join(row.split(",")[:5] + row.split(",")[:4:-1]) for row in ROWS]),
+    "a name over two lines": text(changed("test", lambda k, cell: '"T\n0"')),
+}
+
+
+@pytest.mark.parametrize("case", SAME)
+def test_what_only_looks_different_is_read_as_it_is_meant(tmp_path, case):
+    plain, other = reading(tmp_path, text(ROWS)), reading(tmp_path, SAME[case])
+    order = [other.gauges.index(name) for name in plain.gauges]
+    assert np.array_equal(other.readings[:, order], plain.readings)
+    assert other.notes == plain.notes == ()
+
+
+def test_rows_keep_their_line_numbers(tmp_path):
+    campaign = reading(tmp_path, text(["# first", ROWS[0], "", *ROWS[1:3], "# pause", *ROWS[3:]]))
+    assert campaign.numbers[:4] == (4, 5, 7, 8)
+    assert campaign.without({0}).numbers[0] == campaign.numbers[6]
+
+
+WARNED = {
+    "a mark for nothing": (with_cell(ROWS, 10, "g05", "-9999"), "row 11, column g05: -9999"),
+    "an empty column": (changed("g05", lambda k, cell: ""), "Column g05 holds no reading"),
+    "a bridge the wrong way round": (
+        changed("g05", lambda k, cell: repr(-float(cell))),
+        "Column g05 has the opposite sign",
+    ),
+    "time that runs back": (changed("time", lambda k, cell: str(-k)), "Row 3, column time"),
+    "time with a hole": (with_cell(ROWS, 4, "time", ""), "Row 5, column time"),
+    "a column that the twin lacks": (text(ROWS).replace("g20", "g77").splitlines(), "Column 'g77': the twin has no"),
+    "no reading in words": (changed("g05", lambda k, cell: "N/A"), "Column g05 holds no reading"),
+    "kelvin": ([ROWS[0] + ",temperature", *(row + ",293" for row in ROWS[1:])], "column temperature is 293"),
+    "gauges left out": (without("g05"), "1 of the twin's gauges are not in the file (g05)"),
+    "a state left out": (without("mu2"), "Some states are unknown"),
+}
+
+
+@pytest.mark.parametrize("case", WARNED)
+def test_what_may_be_real_is_read_with_a_warning(tmp_path, case):
+    lines, told = WARNED[case]
+    notes = reading(tmp_path, text(lines)).notes
+    assert any(told in note for note in notes), notes
+
+
+@pytest.mark.parametrize("repeats", [3, 6])
+def test_few_repeats_raise_no_false_alarm(repeats):
+    """Without shared degrees of freedom ten of these twenty were false alarms."""
+    runs = [
+        measured(seed, repeats=repeats, loads=(0.0,) if repeats == 6 else (0.0, 1.0, 2.0, 3.0)) for seed in range(6)
+    ]
+    assert all(diagnose(run, TWIN, commissioning=measured(1000)).is_sound for run in runs)
+
+
+def beside(campaign):
+    return np.array([TWIN.predict({}, load) for load in campaign.load_factor])
+
+
+def clipped(rail, gauges):
+    whole = measured(5)
+    readings = whole.readings.copy()
+    readings[:, gauges] = np.minimum(readings[:, gauges], rail)
+    return replace(whole, readings=readings)
+
+
+def test_clipped_gauges_are_named_and_left_out_where_they_clip():
+    campaign = clipped(1500.0, [1, 16])
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert diagnosis.noise.clipped == {"g02": 1500.0, "g17": 1500.0}
+    assert "clipping" in diagnosis.noise.findings
+    assert diagnosis.is_sound
+    told = "Widen the range of the channels of gauges g02 and g17: g02 ends at 1500 microstrain and g17 ends at 1500"
+    assert recommend(diagnosis).startswith(told)
+    assert any("column g02 stops at 1500 microstrain" in note for note in diagnosis.notes)
+
+
+def test_a_gauge_that_meets_both_ends_of_its_range_is_left_out_at_both():
+    whole = measured(5, loads=(-3.0, -2.0, 0.0, 2.0, 3.0))
+    readings = whole.readings.copy()
+    readings[:, 6] = np.clip(readings[:, 6], -900.0, 900.0)
+    campaign = replace(whole, readings=readings)
+    found = clipped_in(campaign, beside(campaign))
+    assert [(fault.gauge, fault.value) for fault in found] == [("g07", 900.0), ("g07", -900.0)]
+    left_out = np.concatenate([fault.rows for fault in found])
+    assert [float(c.load) for c in campaign.cells if not np.isin(c.rows, left_out).any()] == [0.0]
+    assert found[1].words.startswith("Clipped: column g07 stops at -900 microstrain")
+
+
+def test_an_effect_is_found_beside_clipped_gauges():
+    change = lambda state, load, time: np.full(20, -25.0)  # noqa: E731
+    whole = measured(5, change=change)
+    campaign = replace(whole, readings=np.minimum(whole.readings, 1500.0))
+    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
+    assert diagnosis.which[0].effects == ("temperature_uniform",)
+    assert diagnosis.which[0].parameters[0].size == pytest.approx(10.0, abs=1.0)
+
+
+def test_no_rail_is_seen_where_there_is_none():
+    plain = measured(5)
+    assert clipped_in(plain, beside(plain)) == []
+    coarse = replace(plain, readings=np.round(plain.readings / 80.0) * 80.0)
+    assert clipped_in(coarse, beside(coarse)) == []
+
+
+def test_a_known_noise_stands_in_for_repeats(tmp_path):
+    once = measured(1, repeats=1)
+    diagnosis = diagnose(once, TWIN, commissioning=None, noise_sd=31.6)
+    assert diagnosis.is_sound
+    assert np.sqrt(np.diag(diagnosis.noise.covariance)) == pytest.approx(np.full(20, 31.6))
+    assert any("given standard deviation is taken as known" in note for note in diagnosis.notes)
+    by_gauge = diagnose(once, TWIN, noise_sd=dict.fromkeys(TWIN.gauges, 31.6))
+    assert by_gauge.which[0].probability == pytest.approx(diagnosis.which[0].probability)
+    with pytest.raises(DataError, match=r"noise_sd of gauge g01 is -3.*positive"):
+        diagnose(measured(1), TWIN, noise_sd=-3.0)
+    assert any("is not used" in note for note in diagnose(measured(1), TWIN, noise_sd=31.6).notes)
+
+
+def test_a_twin_that_cannot_be_made_is_refused_by_name():
+    with pytest.raises(DataError, match=r"'json:dumps' cannot be called without arguments.*function"):
+        open_twin("json:dumps")
+
+
+def test_a_model_without_its_card_is_told_to_give_one():
+    with pytest.raises(DataError, match=r"'json:dumps' cannot be called .*f\(parameters, loads\).*--card CARD.json"):
+        open_twin("python:json:dumps")
+
+
+def test_a_twin_that_answers_nothing_but_zeros_is_one_sentence():
+    class Silent(Beam):
+        def predict(self, state, load_factor):
+            return np.zeros(20)
+
+    with pytest.raises(TwinError, match=r"Silent answers 0 for each of 20 readings .*load factor 3.*not all 0"):
+        diagnose(measured(1), Silent())

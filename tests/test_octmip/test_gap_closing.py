@@ -12,7 +12,7 @@ from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
-from tests.test_octmip.beam_twin import Beam, Field, measured
+from tests.test_octmip.beam_twin import ETA, Beam, Bumps, Field, measured
 
 RUN = measured(1000)
 SHAPE = np.linspace(-4.0, -1.0, 20)
@@ -63,6 +63,14 @@ def test_a_faint_gap_says_little_of_how_far_it_closes_and_one_that_is_not_clear_
     assert _closes(None, 80) == 1.0
 
 
+def inference_of(campaign, *effects):
+    """Return the inference of a campaign with more effects, and the numbers of their candidates."""
+    names = {effect.name: effect for effect in effects}
+    inputs, _ = prepare(campaign, Beam(), {**CHAIN, **names}, RUN)
+    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
+    return inference, tuple(k for k, c in enumerate(inputs.candidates) if c.name in names)
+
+
 class AtTheTop(Field):
     """A field that is there at the greatest load alone."""
 
@@ -73,9 +81,7 @@ class AtTheTop(Field):
 def test_a_load_without_which_nothing_says_how_large_an_effect_is_is_not_held_out():
     effect = AtTheTop("stop", SHAPE, None, 10.0)
     campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * (load > 2.5))
-    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "stop": effect}, RUN)
-    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
-    j = next(k for k, c in enumerate(inputs.candidates) if c.name == "stop")
+    inference, (j,) = inference_of(campaign, effect)
     held = [part.name for part in measure_shrinkage(inference, (j,)).held_out]
     assert held == ["load factor 0", "load factor 1", "load factor 2"]
 
@@ -84,9 +90,7 @@ def test_a_load_without_which_two_effects_are_one_is_not_held_out():
     """Each alone is known from the one load that is left, both together are not."""
     soak, warm = Field("soak", SHAPE, 1, 10.0), Field("warm", 0.2 * np.arange(20.0) - 5.0, 0, 10.0)
     campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * load + 10.0 * warm.shape, loads=(0.0, 3.0))
-    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "soak": soak, "warm": warm}, RUN)
-    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
-    both = tuple(k for k, c in enumerate(inputs.candidates) if c.name in ("soak", "warm"))
+    inference, both = inference_of(campaign, soak, warm)
     assert measure_shrinkage(inference, both).held_out == ()
     assert [part.name for part in measure_shrinkage(inference, both[:1]).held_out] == ["load factor 0"]
 
@@ -107,9 +111,63 @@ class KnownInPart(Field):
 def test_a_signature_may_be_known_better_at_one_reading_than_at_another():
     effect = KnownInPart("soak", SHAPE, 1, 10.0)
     campaign = measured(3, lambda state, load, time: 12.0 * SHAPE * load)
-    inputs, _ = prepare(campaign, Beam(), {**CHAIN, "soak": effect}, RUN)
-    inference = Inference(linearise(inputs, np.array([cell.state for cell in campaign.cells])))
-    j = next(k for k, c in enumerate(inputs.candidates) if c.name == "soak")
+    inference, (j,) = inference_of(campaign, effect)
     error = np.diag(inference._errors((j,), np.array([12.0]), 1.0)[0])
     assert not error[inference.model.gauge < 10].any()
     assert (error[(inference.model.gauge >= 10) & (np.array(inference.model.loads) > 0.0)] > 0.0).all()
+
+
+# Sizes as they are told: through an exact forward map, and no surer than the place is known
+
+
+COMMISSIONING = measured(1000)
+
+
+class Softer(Field):
+    """All strains divided by 1 + size / 100."""
+
+    signature_error = 0.0
+
+    def predict(self, twin, state, load_factor, size, place, time):
+        return twin.predict(state, load_factor) / (1.0 + 0.01 * size)
+
+
+class Taller(Bumps):
+    """The taller, the further outboard."""
+
+    power = 3
+
+
+def first_parameter(effect, change):
+    twin = Beam(effects={effect.name: effect})
+    first = diagnose(measured(3, change), twin, commissioning=COMMISSIONING).which[0]
+    assert first.effects[0] == effect.name
+    return first.parameters[0]
+
+
+def test_a_size_goes_through_the_exact_forward_map():
+    softer = Softer("modulus", np.full(20, -0.01), None, 4.0)
+
+    def change(state, load, time):
+        return Beam().predict(state, load) * (1 / 1.12 - 1)
+
+    chosen = {"modulus": softer}
+    first = diagnose(measured(3, change), Beam(effects=chosen), effects=chosen, commissioning=COMMISSIONING).which[0]
+    size = first.parameters[0]
+    assert size.low < 12.0 < size.high
+    assert size.high - size.low < 1.0
+
+
+def test_the_interval_of_a_size_reckons_with_the_place_between_two_places():
+    size = first_parameter(
+        Taller("bump", ETA, 1, 400.0), lambda state, load, time: 900.0 * Taller.at(0.40, load)
+    )  # places at 0.35 and 0.45
+    assert size.low < 900.0 < size.high
+
+
+def test_every_mean_reading_is_one_entry_although_its_halves_are_fitted_apart():
+    where = diagnose(measured(3), Beam(), commissioning=COMMISSIONING).where
+    names = [entry.name for entry in where.entries]
+    assert len(names) == len(set(names)) == 20 * 4
+    z = np.array([entry.z for entry in where.entries])
+    assert 0.7 < float(np.sqrt(np.mean(z**2))) < 1.3

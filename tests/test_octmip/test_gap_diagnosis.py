@@ -78,10 +78,6 @@ def test_a_sound_asset_is_called_sound(seed, calibrated):
     assert page_of_words(diagnosis).startswith("Nothing to do")
 
 
-def test_the_commissioning_run_is_sound_against_itself():
-    assert diagnose(COMMISSIONING, TWIN, commissioning=COMMISSIONING).is_sound
-
-
 def test_three_effects_are_all_found():
     change = both(
         effect("gauge_bias", 60.0, "g09"), effect("temperature_uniform", -10.0), effect("swapped_pair", 1.0, "g02/g04")

@@ -39,14 +39,6 @@ SHAPES = [
 ]
 
 
-@pytest.mark.parametrize("options", SHAPES)
-def test_benders_proves_what_the_exact_core_proves(options):
-    problem = mixed(40, 3, 3, 1, **options)
-    found = solve(problem, "benders")
-    assert found.stop is Stop.OPTIMAL
-    assert found.objective == solve(problem, "exact").objective
-
-
 def test_without_a_feature_that_varies_the_tree_is_a_leaf():
     problem = Problem(np.ones((6, 2)), [0, 1, 1, 0, 1, 1], depth=2, leaf_size=2)
     found = solve_benders(problem)
@@ -59,12 +51,6 @@ def test_a_master_that_the_primal_simplex_method_leaves_open_is_solved_anew(seed
     found = solve_benders(problem)
     assert found.stop is Stop.OPTIMAL
     assert found.objective == pytest.approx(solve(problem, "exact").objective, rel=1e-12)
-
-
-def test_the_tree_is_the_same_for_any_number_of_threads():
-    problem = mixed(60, 4, 3, 2, depth=2)
-    one, three = solve_benders(problem), solve_benders(problem, n_jobs=3)
-    assert (one.tree, one.bound, one.n_nodes) == (three.tree, three.bound, three.n_nodes)
 
 
 def test_a_limit_ends_the_run_with_a_tree_and_a_bound_that_holds():

@@ -16,7 +16,6 @@ from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.tree import predict
-from tests.test_octmip.test_mip import uci
 
 SOLVERS = {
     "oct_h": solve_oct_h,
@@ -191,13 +190,6 @@ def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():
     solution = solve_flow(fine)
     certify(fine, solution)
     assert "mu-separated" in solution.details["scope"]
-
-
-def test_strengthened_rows_prove_iris_at_depth_one_with_hyperplanes():
-    problem = uci("iris", depth=1, split="hyperplane")
-    solution = solve_flow(problem)
-    certify(problem, solution)
-    assert (solution.objective, solution.bound) == (50, 50)
 
 
 def test_a_normal_at_the_end_of_float64_is_brought_to_the_transformed_features_without_a_warning():

@@ -27,7 +27,7 @@ def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(en
     sizes = np.bincount(placed.position)
     values = model.start(placed)
     worst, where = model.rows.violation(values)
-    assert worst < 1e-9 or sizes[sizes > 0].min() < problem.leaf_size, where
+    assert (worst < 1e-9) == (sizes[sizes > 0].min() >= problem.leaf_size), where
     assert model.rows.objective(values) == pytest.approx(problem.objective(tree))
     decoded = to_tree(model.heap, model.splits(values), model.labels(values))
     assert canonicalise(problem, decoded) == tree

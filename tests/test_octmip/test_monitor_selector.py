@@ -1,6 +1,5 @@
 """From a reading to a state: the compiled tree, its exports bit for bit, the library, and the appended selector."""
 
-import sqlite3
 from itertools import pairwise
 
 import numpy as np
@@ -20,7 +19,6 @@ from octmip.monitor import (
     grid_states,
     library_of,
 )
-from octmip.monitor.export import sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.test_octmip.beam_twin import Beam
 from tests.test_octmip.exported import EXPORTS
@@ -74,12 +72,6 @@ def test_the_compiled_tree_answers_what_the_tree_answers(tree, seed):
     assert [compiled.label(row) for row in readings] == predict(tree, readings).tolist()
 
 
-def test_the_compiled_tree_has_the_left_rule_of_hyperplanes(case):
-    tree, readings, answers = case
-    known = ~np.isnan(readings).any(axis=1)
-    assert np.array_equal(answers[known], predict(tree, readings[known]))
-
-
 def test_one_reading_and_a_batch_answer_alike_and_refuse_alike(case):
     tree, readings, answers = case
     compiled = CompiledTree(tree, NAMES)
@@ -117,15 +109,6 @@ def test_the_path_leads_to_its_leaf(case):
 def test_an_export_answers_bit_for_bit(case, export, tmp_path):
     tree, readings, answers = case
     assert np.array_equal(export(tree, readings, tmp_path), answers)
-
-
-@pytest.mark.parametrize("number", [900.0000001, -1e-300, 2.0**70 + 2.0**20, 5e-324, 0.0, -0.1, 1e308])
-def test_sql_numbers_keep_all_their_bits(number):
-    text = sql_expression(Split(0, number, Leaf(0), Leaf(1)), ["a"], "xy")
-    threshold = text[text.index("<=") + 2 : text.rindex("THEN")]
-    with sqlite3.connect(":memory:") as base:
-        assert base.execute(f"SELECT {threshold}").fetchone()[0] == number
-    base.close()
 
 
 # The library and the selector

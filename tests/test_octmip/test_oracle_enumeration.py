@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, random_tree
+from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Problem, Split
 from octmip.errors import CertificateError
 from octmip.trees.certificate import checked_leaf_index
@@ -43,7 +43,7 @@ def tiny_problems():
             yield pytest.param(problem, id=f"seed {seed}")
 
 
-@pytest.mark.parametrize("problem", list(itertools.islice(tiny_problems(), 60)))
+@pytest.mark.parametrize("problem", list(itertools.islice(tiny_problems(), 40)))
 def test_no_tree_written_out_is_better_than_the_oracles(problem):
     best = optimum(problem)
     values = [v for tree in every_tree(problem, problem.depth) if (v := value(problem, tree)) is not None]
@@ -53,7 +53,7 @@ def test_no_tree_written_out_is_better_than_the_oracles(problem):
     assert (best.n_splits, best.n_sensors) == min(tied)
 
 
-@pytest.mark.parametrize("seed", range(200))
+@pytest.mark.parametrize("seed", range(100))
 def test_the_oracles_tree_is_allowed_and_holds_what_it_says(seed):
     problem = random_problem(np.random.default_rng([1, seed]))
     best = optimum(problem)
@@ -100,8 +100,3 @@ def test_random_problems_hold_every_complication():
         lambda q: len(np.unique(q.features, axis=0)) < q.n_samples,
     ):
         assert sum(map(complication, problems)) >= 10
-
-
-def test_random_trees_reach_every_depth():
-    rng = np.random.default_rng(0)
-    assert {n_splits(random_tree(rng, 3, 3, 3)) for _ in range(200)} >= {0, 1, 3, 7}

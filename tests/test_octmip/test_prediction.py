@@ -6,7 +6,7 @@ import pytest
 import octmip
 from octmip.errors import TreeError
 from octmip.trees.prediction import LEAST_ROWS, reached_leaves
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf, leaf_index, predict, predict_values
+from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, predict
 
 
 def drawn(rng, levels, takes_missing):
@@ -20,7 +20,7 @@ def drawn(rng, levels, takes_missing):
 
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(20))
 def test_the_core_reaches_the_leaves_of_the_reference(seed, dtype):
     rng = np.random.default_rng(seed)
     rows = rng.normal(size=(LEAST_ROWS + 7, 4)).round(1).astype(dtype)
@@ -63,16 +63,6 @@ def test_a_table_that_lacks_a_column_is_refused_in_words(n):
     """Before: "index 3 is out of bounds", without a word of what to do."""
     with pytest.raises(TreeError, match="features has 2 columns, but the tree asks for feature 3"):
         octmip.predict(Split(3, 0.5, Leaf(0), Leaf(1)), np.zeros((n, 2)))
-
-
-def test_a_leaf_asks_for_nothing():
-    assert octmip.predict(Leaf(2), np.zeros((LEAST_ROWS, 0))).tolist() == [2] * LEAST_ROWS
-
-
-def test_numbers_are_those_of_the_reference():
-    rows = np.random.default_rng(0).normal(size=(LEAST_ROWS, 3))
-    tree = Split(2, 0.1, ValueLeaf(1.5, (0,), (2.0,)), ValueLeaf(-1.0, (), ()))
-    assert np.array_equal(octmip.predict_values(tree, rows), predict_values(tree, rows))
 
 
 def test_rows_in_another_order_and_hyperplanes_go_by_the_reference():

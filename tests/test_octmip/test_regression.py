@@ -57,8 +57,8 @@ def test_whole_numbers_are_proven_without_a_tolerance_and_depth_never_harms(loss
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
-@pytest.mark.parametrize("n", [60, 400, 1200])
-@pytest.mark.parametrize("n_values", [2, 5, 8, None])
+@pytest.mark.parametrize("n", [60, 1200])
+@pytest.mark.parametrize("n_values", [2, 8, None])
 def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     features, targets = smooth(n)
     features[:, 1:] = np.round(features[:, 1:], 1)
@@ -181,15 +181,6 @@ def test_a_tree_beyond_all_numbers_is_refused_in_a_sentence():
     wild = replace(solve(problem), tree=Split(0, 0.0, ValueLeaf(1e308), ValueLeaf(-1e308)))
     with pytest.raises(CertificateError, match="than float64 holds"):
         certify(problem, wild)
-
-
-@pytest.mark.parametrize("loss", SPELLINGS)
-def test_threads_change_neither_tree_nor_bound(loss):
-    rng = np.random.default_rng(3)
-    problem = Problem(rng.normal(size=(90, 4)), 20.0 * rng.integers(0, 5, 90), depth=3, loss=number_loss(loss))
-    one, three = (solve(problem, n_jobs=n_jobs) for n_jobs in (1, 3))
-    assert (one.tree, one.objective, one.bound) == (three.tree, three.objective, three.bound)
-    assert one.is_optimal
 
 
 def test_predictions_and_errors_beyond_float64_are_said_or_kept_finite():

@@ -23,19 +23,19 @@ LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)
 def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_the_optimum():
     rng = np.random.default_rng(2)
     n_missed = 0
-    for seed in range(300):
+    for seed in range(150):
         problem = random_problem(rng)
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=5))
         certify(problem, solution)
         best = optimum(problem).objective
         assert solution.objective >= best - 1e-9 * max(1.0, best)
         n_missed += solution.objective > best + 1e-9 * max(1.0, best)
-    assert n_missed <= 6
+    assert n_missed <= 3
 
 
 def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_start_from():
     rng = np.random.default_rng(3)
-    for seed in range(40):
+    for seed in range(20):
         problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
         cart = greedy_tree(problem)
         solution = local_search(
@@ -68,13 +68,6 @@ def _complications(problem):
         "sensor_budget": problem.sensor_budget is not None,
         "allowed_splits": problem.allowed_splits is not None,
     }
-
-
-def test_one_seed_is_one_tree_for_any_number_of_threads():
-    alone = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3))
-    together = local_search(LARGE, seed=7, options=SearchOptions(restarts=6, perturbations=3), n_jobs=4)
-    assert alone.tree == together.tree
-    assert alone.objective == together.objective
 
 
 def test_one_seed_is_one_tree_for_any_number_of_threads_even_when_the_bound_is_reached_early():
@@ -114,15 +107,6 @@ def test_the_penalty_buys_no_split_that_does_not_pay():
     assert isinstance(cheap.tree, Split)
     assert even.objective == 1.0  # with the split and without it
     assert isinstance(expensive.tree, Leaf)
-
-
-def test_a_time_limit_ends_the_search_with_a_tree():
-    solution = local_search(LARGE, limits=Limits(seconds=0.05), options=SearchOptions(restarts=10**6))
-    certify(LARGE, solution)
-    assert solution.stop is Stop.TIME
-    nothing = local_search(LARGE, limits=Limits(seconds=0.0))
-    certify(LARGE, nothing)
-    assert nothing.stop is Stop.TIME
 
 
 def test_a_node_limit_ends_the_search():

@@ -87,7 +87,7 @@ def extreme_problem(rng):
 
 def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning():
     rng = np.random.default_rng(21)
-    for seed in range(300):
+    for seed in range(150):
         problem = extreme_problem(rng)
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
         certify(problem, solution)
@@ -107,7 +107,7 @@ def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
 
 def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
     rng = np.random.default_rng(23)
-    for seed in range(40):
+    for seed in range(20):
         n = int(rng.integers(5, 25))
         weights, labels = 10.0 ** rng.uniform(-12, 12, n), rng.integers(0, 3, n)
         labels[:2] = [0, 1]

@@ -2,7 +2,6 @@
 
 import gzip
 import io
-import zipfile
 
 import numpy as np
 import pandas as pd
@@ -138,14 +137,6 @@ def test_another_ending_leaves_it_to_the_content(tmp_path, name):
     assert read_table(path).columns == ("z",)
 
 
-def test_a_workbook_is_refused_with_the_way_out(tmp_path):
-    path = tmp_path / "data.xlsx"
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("xl/workbook.xml", "<workbook/>")
-    with pytest.raises(DataError, match=r"data\.xlsx is an archive.*export the table as CSV"):
-        read_table(path)
-
-
 @pytest.mark.parametrize("content", [b"", b"PAR1 and then nothing"])
 def test_a_broken_parquet_file_is_refused(tmp_path, content):
     path = tmp_path / "data.parquet"
@@ -218,30 +209,6 @@ def test_sensors_that_give_several_features(tmp_path):
 def test_wrong_sensors_are_refused(tmp_path, text, sentence):
     with pytest.raises(DataError, match=sentence):
         read_sensors(csv_file(tmp_path, text), ["a", "b"])
-
-
-@pytest.mark.parametrize(
-    ("name", "separator"), [("t.csv", ","), ("t.csv", ";"), ("t.csv", "\t"), ("t.tsv", "\t"), ("t.TSV", "\t")]
-)
-@pytest.mark.parametrize("is_packed", [False, True])
-def test_cells_are_separated_by_commas_semicolons_or_tabs_and_may_be_packed(tmp_path, name, separator, is_packed):
-    text = f"x{separator}y\n1.5{separator}a\n2.5{separator}b\n".encode()
-    path = tmp_path / (f"{name}.gz" if is_packed else name)
-    path.write_bytes(gzip.compress(text) if is_packed else text)
-    table = read_table(path)
-    assert table.numbers(["x"]).tolist() == [[1.5], [2.5]]
-    assert table.labels(table.columns[1]).tolist() == ["a", "b"]
-    assert "line 3" in table.place(1, "x")
-
-
-def test_semicolons_allow_decimal_commas_but_no_mixture(tmp_path):
-    values = np.random.default_rng(0).normal(size=50) * 10.0 ** np.arange(-25, 25)
-    cells = [repr(value).replace(".", ",") for value in values.tolist()]
-    assert (
-        read_table(csv_file(tmp_path, "x;y\n" + "".join(f"{v};a\n" for v in cells))).numbers(["x"])[:, 0] == values
-    ).all()
-    with pytest.raises(DataError, match=r"decimal comma \(1,5\) and with a decimal point \(2\.5\)"):
-        read_table(csv_file(tmp_path, "x;y\n1,5;a\n2.5;b\n"))
 
 
 @pytest.mark.parametrize(

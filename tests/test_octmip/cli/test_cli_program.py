@@ -74,26 +74,6 @@ def test_progress_shows_on_a_terminal_only(capsys, monkeypatch):
         assert "objective 9" not in err  # not again within a tenth of a second
 
 
-def test_standard_output_that_cannot_be_written_ends_in_one_line(run, tree, monkeypatch):
-    def full(arguments):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("octmip.interfaces.cli.report.run", full)
-    code, _, err = run("report", tree)
-    assert code == 1
-    assert err == "octmip: standard output cannot be written (No space left on device)\n"
-
-
-def test_ctrl_c_outside_a_solver_ends_with_130(run, monkeypatch):
-    def interrupted(arguments):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("octmip.interfaces.cli.report.run", interrupted)
-    code, _, err = run("report", "t.json")
-    assert code == 130
-    assert err == "octmip: interrupted\n"
-
-
 @pytest.mark.parametrize("name", ["solve", "certify", "predict", "compare", "frontier", "doctor", "completion"])
 def test_every_help_ends_with_examples_that_the_parser_takes(capsys, name):
     assert main([name, "--help"]) == 0
@@ -154,7 +134,7 @@ def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, mon
         assert ("   0 s  certifying ..." in capsys.readouterr().err) == is_terminal
 
 
-@pytest.mark.parametrize("module", ["octmip.trees._native", "sklearn", "pandas"])
+@pytest.mark.parametrize("module", ["octmip.trees._native", "pandas"])
 def test_doctor_works_where_the_installation_does_not(module):
     code = f"import sys; sys.modules['{module}'] = None; from octmip.interfaces.cli import main\n"
     code += "sys.exit(main(['doctor']))"

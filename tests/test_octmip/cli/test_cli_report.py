@@ -63,13 +63,6 @@ def test_words_and_markdown_of_a_tree_and_its_data_say_what_the_greedy_tree_does
     assert "greedy tree:" in (tmp_path / "r.md").read_text()
 
 
-def test_another_table_is_refused(run, data, solved, tmp_path):
-    pd.read_csv(data).head(20).to_csv(tmp_path / "other.csv", index=False)
-    code, _, err = run("report", solved, tmp_path / "other.csv")
-    assert code == 1
-    assert "is not the table" in err
-
-
 def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, solved, tmp_path):
     drawn = []
     for words in ((), (data, "--unit", "a=mm", "--histograms", "--dark", "--seconds", 0)):

@@ -95,19 +95,6 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
-def test_compare_runs_the_method_that_proves_splits_over_two_features(data, run):
-    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a,b", "--split", "hyperplane"]
-    rows = json.loads(run(*words, "--split-size", 2, "--seconds", 20, "--json")[1])["rows"]
-    by_method = {row["method"]: row for row in rows}
-    assert by_method["exact"]["stop"] == "optimal"
-    refused = {name: row["error"] for name, row in by_method.items() if "error" in row}
-    assert set(refused) == {"oct", "benders"}
-    assert all("hyperplane" in why for why in refused.values())
-    for row in rows:
-        if row["method"] not in refused:
-            assert all(seconds is None or seconds <= row["seconds"] for seconds in row["seconds_to_gap"].values())
-
-
 def test_compare_says_who_found_each_tree(data, run):
     words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
     code, out, _ = run(*words, "--json")

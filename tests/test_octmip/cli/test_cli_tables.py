@@ -162,11 +162,6 @@ def test_a_label_that_looks_like_a_quantity_is_questioned(run, tmp_path, labels,
     assert run(*words, "--numbers-are-classes")[0] == 0
 
 
-def test_few_rows_for_each_number_are_questioned(run, tmp_path):
-    pd.DataFrame({"x": range(44), "y": [*range(11)] * 4}).to_csv(tmp_path / "t.csv", index=False)
-    assert "11 different numbers in 44 rows" in run("solve", tmp_path / "t.csv", "--label", "y", "--depth", 1)[2]
-
-
 def test_a_share_is_held_out_and_counted_again_by_certify(survey, run, tmp_path):
     tree = tmp_path / "tree.json"
     code, out, _ = run("solve", survey, *SOLVE, "--holdout", 0.25, "--seed", 5, "--out", tree)
@@ -221,12 +216,3 @@ def test_a_sum_of_features_takes_no_missing_cell(survey, run, words):
     assert (code, out) == (2, "")
     assert "cells are missing in 'age'" in err
     assert "--missing drop-rows" in err
-
-
-def test_sets_and_sensors_count_a_column_with_missing_readings_as_two_features(survey, run):
-    code, out, err = run("near-optimal", survey, *SOLVE[:3], 1, *SOLVE[4:], "--within", 2)
-    assert code == 0, err
-    assert "age" in out
-    code, out, err = run("sensors", survey, *SOLVE)
-    assert code == 0, err
-    assert "colour" in out

@@ -101,10 +101,6 @@ def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path
     assert "'a' is not in the table" in err
 
 
-def test_report_prints_words(run, tree):
-    assert "if a <= 11.5" in run("report", tree)[1]
-
-
 @pytest.mark.parametrize("command", ["certify", "predict", "report"])
 @pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "pmml"}', '{"format": "octmip-tree", "version": 4}'])
 def test_a_bad_tree_file_ends_in_one_line(data, run, tmp_path, command, content):

@@ -61,7 +61,6 @@ def test_rows_and_picture_are_written(folder, run, tmp_path):
         (("DATA", "--label", "y", "--out", "figures"), "--out is for a folder of tables"),
         (("TABLES", "--holdout", "0.2"), "--holdout is for one table"),
         (("EMPTY",), "holds no table; expected files that end with"),
-        (("TABLES", "--label", "state"), None),
         (("TABLES", "--label", "nobody"), "no table of"),
         (("TABLES", "--methods", "best"), "--methods names 'best'"),
     ],
@@ -69,9 +68,16 @@ def test_rows_and_picture_are_written(folder, run, tmp_path):
 def test_what_cannot_be_compared_is_a_sentence(folder, run, data, tmp_path, words, said):
     (tmp_path / "none").mkdir()
     places = {"DATA": data, "EMPTY": tmp_path / "none", "TABLES": folder}
-    code, out, err = run("compare", *METHODS, *(places.get(word, word) for word in words))
-    assert code == (0 if said is None else 2)
-    assert (said or "has no column 'state'") in (err if said else out)
+    code, _, err = run("compare", *METHODS, *(places.get(word, word) for word in words))
+    assert code == 2
+    assert said in err
+
+
+def test_a_table_without_the_label_is_named_beside_those_that_have_it(folder, run):
+    code, out, _ = run("compare", folder, *METHODS, "--label", "state")
+    assert code == 0
+    assert "one.csv: " in out
+    assert "has no column 'state'" in out
 
 
 def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeypatch):
