@@ -88,7 +88,7 @@ class Cell:
     count: NDArray[np.int64]
     time: float
     moments: NDArray[np.float64]
-    number: int = 0
+    number: int
     load_names: tuple[str, ...] = ONE_LOAD
 
     @property
