@@ -37,7 +37,7 @@ BAD_WORDS = {
     "unknown method": (["--depth", 1, "--method", "magic"], "invalid choice: 'magic'"),
     "a start of HiGHS without HiGHS": (
         ["--depth", 1, "--option", "start=search"],
-        "method 'exact' takes no option 'start'; expected some of: checkpoint, cluster, every, proof, solves;",
+        "method 'exact' takes no option 'start'; expected some of: checkpoint, cluster, every, proof;",
     ),
     "option without a value": (["--depth", 1, "--option", "restarts"], "--option is 'restarts'; expected NAME=VALUE"),
     "file as an option": (["--depth", 1, "--option", "proof=iris.csv"], "--option is 'proof=iris.csv'; expected NAME="),
