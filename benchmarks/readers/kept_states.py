@@ -1,7 +1,6 @@
 """The readers of what a search keeps: checkpoints, and the proof logs of regression trees."""
 
 import base64
-import hashlib
 import json
 import zlib
 from pathlib import Path
@@ -13,6 +12,7 @@ import pandas as pd
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
 from octmip.trees.certificate import certify
+from octmip.trees.checkpoint.file import summed
 from octmip.trees.losses import AbsoluteError, SquaredError
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
@@ -54,7 +54,7 @@ def mangled_checkpoint(rng: Generator, content: bytes) -> bytes:
         entry = mangled_json(rng, entry) if rng.random() < 0.8 else mangled_bytes(rng, entry)
     rest = asked + b" " + entry.replace(b"\n", b"")
     if rng.random() < 0.8:
-        line = hashlib.sha256(rest).hexdigest().encode() + b" " + rest
+        line = summed(rest)
     return b"\n".join([first, line, b""])
 
 

@@ -21,7 +21,7 @@ from benchmarks.oracles.wide_problems import wide_problem
 from octmip import Limits, Options, Problem, SearchOptions, SquaredError, Stop, Study, solve
 from octmip.errors import DataError
 from octmip.interfaces.cli import main
-from octmip.trees.checkpoint.file import _first, _summed
+from octmip.trees.checkpoint.file import first_line, summed
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
@@ -59,7 +59,7 @@ def numbers(**options):
         (hard(leaf_penalty=1.0), 1),
         (hard(leaf_size=4), 1),
         (hard(sensor_budget=3), 2),
-        (hard(leaf_penalty=4.0, depth=None), 1),
+        (small(leaf_penalty=4.0, depth=None), 1),
         (hard(loss=ClassCosts([[7, 27, 47], [20, 0, 20], [60, 40, 0]])), 1),
         (lines(), 2),
         (lines(leaf_penalty=0.75), 1),
@@ -205,7 +205,7 @@ def rewritten(path, edit):
     _, asked, content = line.split(b" ", 2)
     found = json.loads(content)
     edit(found)
-    path.write_bytes(b"\n".join([first, _summed(asked + b" " + json.dumps(found).encode()), *others]))
+    path.write_bytes(b"\n".join([first, summed(asked + b" " + json.dumps(found).encode()), *others]))
 
 
 def test_every_damage_is_found(tmp_path):
@@ -352,7 +352,7 @@ def test_what_no_solve_wrote_is_refused(entries, tmp_path):
 
 def test_a_file_of_another_version_and_a_place_without_a_folder_are_refused(tmp_path):
     path = tmp_path / "kept"
-    path.write_bytes(_first() + b".1\n")
+    path.write_bytes(first_line() + b".1\n")
     with pytest.raises(DataError, match="is none of this version of octmip: line 1 is 'octmip-checkpoint"):
         solve(hard(), options=Options(checkpoint=path))
     with pytest.raises(DataError, match="there is no folder"):

@@ -54,7 +54,7 @@ def test_words_become_the_options_that_they_name():
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ({"colour": "red"}, "search takes no option 'colour'; expected some of: cluster, perturbations"),
+        ({"colour": "red"}, "search takes no option 'colour'; expected some of: checkpoint, cluster, perturbations"),
         ({"restarts": "many"}, "restarts is 'many'; expected a whole number, 1 or more"),
         ({"restarts": "-3"}, "restarts is -3; expected a whole number, 1 or more"),
     ],

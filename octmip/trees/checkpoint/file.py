@@ -72,8 +72,8 @@ class CheckpointFile:
             warn_not_kept(WriteError(str(error)))
             return
         entries[_words(asked)] = json.dumps(found, separators=(",", ":")).encode()
-        lines = [_summed(words + b" " + line) for words, line in entries.items()]
-        keep_bytes(self.path, b"\n".join([_first(), *lines, b""]))
+        lines = [summed(words + b" " + line) for words, line in entries.items()]
+        keep_bytes(self.path, b"\n".join([first_line(), *lines, b""]))
 
     def unusable(self, reason: str) -> DataError:
         """Return the error of a file from which nothing can go on."""
@@ -83,13 +83,15 @@ class CheckpointFile:
         if not Path(self.path).exists():
             return {}
         first, *lines = read_bytes(self.path).split(b"\n")
-        if first != _first():
+        if first != first_line():
             got = first[:60].decode("ascii", "replace")
-            raise self.unusable(f"is none of this version of octmip: line 1 is {got!r}; expected {_first().decode()!r}")
+            raise self.unusable(
+                f"is none of this version of octmip: line 1 is {got!r}; expected {first_line().decode()!r}"
+            )
         found = {}
         for number, line in enumerate(lines, start=2):
             rest = line.partition(b" ")[2]
-            if (number < len(lines) + 1) != bool(line) or (line and line != _summed(rest)):
+            if (number < len(lines) + 1) != bool(line) or (line and line != summed(rest)):
                 raise self.unusable(f"is damaged: line {number} does not have the sum of its rest")
             if line:
                 words, _, entry = rest.partition(b" ")
@@ -107,7 +109,8 @@ class CheckpointFile:
         return self.unusable(f"belongs to another search: it has {has}")
 
 
-def _first() -> bytes:
+def first_line() -> bytes:
+    """Return line 1: format and version."""
     version = importlib.import_module("octmip.trees._native").__version__  # only here: the package begins without it
     return f"{FORMAT} {version}".encode()
 
@@ -116,5 +119,6 @@ def _words(asked: Asked) -> bytes:
     return json.dumps(asked, separators=(",", ":")).encode()
 
 
-def _summed(rest: bytes) -> bytes:
+def summed(rest: bytes) -> bytes:
+    """Return the line of an entry: the sum of its rest, and that."""
     return hashlib.sha256(rest).hexdigest().encode() + b" " + rest
