@@ -118,7 +118,7 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     name = chosen_method(problem, run.method)
     run = replace(run, options=options_for(problem, name, run.options))
     if not isinstance(run.options.checkpoint, Entry | None):
-        return _gone_on(problem, run, entry_of(problem, run, name, incumbent), incumbent)
+        return _gone_on(problem, run, name, _known(problem, incumbent))
     run = replace(run, limits=within_process(run.limits))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent)
@@ -137,12 +137,15 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     return checked_solution(problem, replace(solution, seconds=time.perf_counter() - start))
 
 
-def _gone_on(problem: Problem, run: Run, entry: Entry, incumbent: Node | Solution | None) -> Solution:
+def _gone_on(problem: Problem, run: Run, name: str, first: Solution | None) -> Solution:
     """Return the solution of a checkpoint's entry, or make it from what is there and keep it."""
+    method = run.method if name == "search" else name  # "auto" may search from a start of its own
+    tree = None if first is None else first.tree
+    entry = entry_of(problem, method, run.limits, run.seed, run.options, tree)
     known = entry.solution()
-    if known is not None and entry.is_ended(known, run):
+    if known is not None and not run.options.outputs and entry.is_ended(known, run.limits.gap):
         return known
-    starts = [_known(problem, incumbent), None if known is None or known.tree is None else _known(problem, known)]
+    starts = [first, None if known is None or known.tree is None else _known(problem, known)]
     start = min(filter(None, starts), key=lambda start: start.objective, default=None)
     found = solve_run(problem, replace(run, options=replace(run.options, checkpoint=entry)), start)
     return entry.keep(found if known is None else found.with_bound(known.bound))

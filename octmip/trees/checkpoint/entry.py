@@ -6,9 +6,8 @@ its limits are then a part of what was asked, as is its start.
 """
 
 import hashlib
-import math
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -17,16 +16,28 @@ import numpy as np
 from octmip.errors import DataError, OctmipError
 from octmip.trees.certificate import certify
 from octmip.trees.checkpoint.file import Asked, CheckpointFile
-from octmip.trees.methods.options import Opened, Study
+from octmip.trees.methods.options import Opened, Options, Study
 from octmip.trees.problem import Problem
-from octmip.trees.registry import Run
 from octmip.trees.shape import Shape
-from octmip.trees.solution import Solution, Stop, relative_gap
+from octmip.trees.solution import Limits, Solution, Stop, relative_gap
 from octmip.trees.tree import Node
 from octmip.trees.tree_nodes import decode_tree, encode_tree
 
 ENDED = (Stop.OPTIMAL, Stop.FINISHED, Stop.NUMERICS)
 """Stops of a solve that finds no more, however long it goes on."""
+KINDS: Mapping[str, Callable[[Any], Any]] = {
+    "objective": float,
+    "bound": float,
+    "stop": Stop,
+    "seconds": float,
+    "n_nodes": int,
+    "solver": str,
+    "version": str,
+    "seed": int,
+    "tolerance": float,
+    "details": dict,
+}
+"""What an entry holds of a solution beside the tree."""
 
 
 @dataclass(slots=True, eq=False)
@@ -84,11 +95,9 @@ class Entry(Opened):
         except (LookupError, ValueError, TypeError, AttributeError, OctmipError) as error:
             raise self.unusable(error) from error
 
-    def is_ended(self, known: Solution, run: Run) -> bool:
-        """Whether a run would find no more than a known solution, and writes no file of its own."""
-        if run.options.outputs:
-            return False
-        is_near = known.stop is Stop.GAP and relative_gap(known.objective, known.bound) <= run.limits.gap
+    def is_ended(self, known: Solution, gap: float) -> bool:
+        """Whether nothing is left to do beyond a known solution, for a relative gap that is good enough."""
+        is_near = known.stop is Stop.GAP and relative_gap(known.objective, known.bound) <= gap
         return self.file.is_study or is_near or known.stop in ENDED
 
     def keep(self, solution: Solution) -> Solution:
@@ -111,22 +120,15 @@ class Entry(Opened):
         self.file.keep(self.asked, self.found)
 
 
-def entry_of(problem: Problem, run: Run, name: str, incumbent: Node | Solution | None) -> Entry:
+def entry_of(problem: Problem, method: str, limits: Limits, seed: int, options: Options, start: Node | None) -> Entry:
     """Return the entry of a solve in the checkpoint of its options.
-
-    Parameters
-    ----------
-    problem, run, incumbent
-        what is asked.
-    name
-        of the solver that the run's method means.
 
     Raises
     ------
     DataError
         as `CheckpointFile.find`.
     """
-    given = run.options.checkpoint
+    given = options.checkpoint
     is_study = isinstance(given, Study)
     file = CheckpointFile(given.path if is_study else given, is_study)
     shape = [(one.name, getattr(problem, one.name)) for one in fields(Shape) if one.name != "sensor_cost"]
@@ -134,15 +136,13 @@ def entry_of(problem: Problem, run: Run, name: str, incumbent: Node | Solution |
     asked = {
         "data": problem.digest(),
         "question": _digest(question),
-        # "auto" searches with a start of its own
-        "method": run.method if name == "search" else name,
-        "options": _digest(sorted(run.options.asked().items())),
-        "seed": str(run.seed),
+        "method": method,
+        "options": _digest(sorted(options.asked().items())),
+        "seed": str(seed),
     }
     if is_study:  # the number of threads is not in it, as the tree is the same
-        tree = incumbent.tree if isinstance(incumbent, Solution) else incumbent
-        limits = [float(value).hex() for value in (run.limits.seconds, run.limits.gap, run.limits.nodes)]
-        asked["solve"] = _digest([*limits, float(run.limits.memory).hex(), encoded_tree(problem, tree)])
+        numbers = [float(value) for value in (limits.seconds, limits.gap, limits.nodes, limits.memory)]
+        asked["solve"] = _digest([*numbers, encoded_tree(problem, start)])
     return Entry(file, asked, problem, file.find(asked))
 
 
@@ -173,32 +173,10 @@ def _numbers(problem: Problem) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
 
 
 def _encoded(problem: Problem, solution: Solution) -> dict[str, Any]:
-    return {
-        "tree": encoded_tree(problem, solution.tree),
-        "floats": [value.hex() for value in (solution.objective, solution.bound, solution.seconds, solution.tolerance)],
-        "stop": str(solution.stop),
-        "nodes": solution.n_nodes,
-        "solver": solution.solver,
-        "version": solution.version,
-        "seed": solution.seed,
-        "details": dict(solution.details),
-    }
+    return {name: getattr(solution, name) for name in KINDS} | {"tree": encoded_tree(problem, solution.tree)}
 
 
 def _solution(problem: Problem, entry: Mapping[str, Any]) -> Solution:
-    objective, bound, seconds, tolerance = (float.fromhex(value) for value in entry["floats"])
-    if math.isnan(bound) or math.isnan(objective):
-        raise ValueError("objective and bound are no numbers")
-    return Solution(
-        tree=decoded_tree(problem, entry["tree"]),
-        objective=objective,
-        bound=bound,
-        stop=Stop(entry["stop"]),
-        seconds=seconds,
-        n_nodes=entry["nodes"],
-        solver=entry["solver"],
-        version=entry["version"],
-        seed=entry["seed"],
-        tolerance=tolerance,
-        details=dict(entry["details"]) | {"kept": True},
-    )
+    values = {name: kind(entry[name]) for name, kind in KINDS.items()}
+    values["details"] |= {"kept": True}
+    return Solution(tree=decoded_tree(problem, entry["tree"]), **values)

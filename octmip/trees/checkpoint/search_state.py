@@ -124,7 +124,7 @@ class StateEntry(NamedTuple):
             return None
         grid, costs, content = read
         with self._decoding():
-            bound = float.fromhex(content["bound"])
+            bound = float(content["bound"])
             if math.isnan(bound):
                 raise ValueError("bound nan")
             numbers, tree, best = _numbers(content["known"]), content["tree"], content["best"]
@@ -143,7 +143,7 @@ class StateEntry(NamedTuple):
         if known is not None:
             best = tree_from_rows(known.best[1], self.ranks)
         content = {
-            "bound": state.bound.hex(),
+            "bound": state.bound,
             "tree": encoded_tree(self.problem, state.tree),
             "known": known and [*known[:BEST], *known[BEST + 1 :]],
             "best": encoded_tree(self.problem, best),
