@@ -103,7 +103,6 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "export": 5,
         "rom": 6,
         "sensors": 7,
-        "calibration": 8,
         "dataset": 8,
         "structure": 9,
         "wing": 9,
