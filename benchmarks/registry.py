@@ -26,6 +26,7 @@ FAMILIES = {
     "fuzz_proofs": "benchmarks.cases.fuzz.proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",
     "verified_logs": "benchmarks.cases.fuzz.verified",
+    "command_ends": "benchmarks.cases.command.ends",
     "fuzz_signals": "benchmarks.cases.command.signals",
     "printed_rules": "benchmarks.cases.doors.printed_rules",
     "fuzz_files": "benchmarks.cases.fuzz.files",

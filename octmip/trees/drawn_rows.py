@@ -17,19 +17,19 @@ from octmip.trees.registry import solvers_of
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.solver_call import Call
 
-SETUP_READINGS = 5e6
-"""So many readings (samples times features) are ranked and laid out in a second, at the least."""
+SETUP_READINGS = {"class": 5e6, "number": 1e6}
+"""So many readings (samples times features) are ranked and laid out in a second, at the least, by what is predicted."""
 LARGE = 1e6
 """Readings from which on that time counts."""
 SETUP_SHARE = 0.25
 """Of the time that is left, in which the drawn rows are set up."""
-SECONDS_OF_ROW = 5e-7
-"""To fit the leaves of a tree of drawn rows to all rows, and to check it."""
+SECONDS_OF_ROW = {"class": 5e-7, "number": 1.2e-6}
+"""To fit the leaves of a tree of drawn rows to all rows, and to check it; errors of numbers are summed exactly."""
 
 
 def search_seconds(problem: Problem, left: float) -> float:
-    """Return the seconds of those that are left in which rows may be drawn and searched: the leaves take the rest."""
-    return left - min(left / 2, problem.n_samples * SECONDS_OF_ROW)
+    """Return the seconds of those that are left in which a tree may be searched: its leaves take the rest."""
+    return left - min(left / 2, problem.n_samples * SECONDS_OF_ROW[problem.loss.predicts])
 
 
 def setup_seconds(problem: Problem, name: str, options: Options) -> float:
@@ -41,7 +41,7 @@ def setup_seconds(problem: Problem, name: str, options: Options) -> float:
     can_search = solvers_of(problem)["search"].refusal(problem) is None
     if name != "exact" or problem.split != "axis" or is_asked or not can_search or problem.features.size < LARGE:
         return 0.0
-    return problem.features.size / SETUP_READINGS
+    return problem.features.size / SETUP_READINGS[problem.loss.predicts]
 
 
 def tree_of_drawn_rows(call: Call) -> Solution:
@@ -52,7 +52,7 @@ def tree_of_drawn_rows(call: Call) -> Solution:
     """
     problem, left = call.problem, call.run.limits.remaining(call.start).seconds
     seconds = search_seconds(problem, left)
-    n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS / problem.n_features))
+    n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS[problem.loss.predicts] / problem.n_features))
     rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.n_samples)[:n_drawn])
     drawn = {name: getattr(problem, name)[rows] for name in ("features", "targets", "weights")}
     share = seconds / left if left else 0.0

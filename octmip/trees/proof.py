@@ -29,6 +29,9 @@ FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
 """First line of a log, by `Problem.split`; where readings are missing " missing" stands behind it."""
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
+NO_THREAD = "no thread to check on"
+"""How the checker refuses a log where it gets no memory for a thread."""
+
 
 @dataclass(frozen=True, slots=True)
 class ProofReport:
@@ -102,6 +105,8 @@ def check_proof(problem: Problem, path: str | Path, *, bound: float = -math.inf,
     else:
         found = checker_question(problem).check(text, n_jobs)
     if isinstance(found, _native.Refused):
+        if found.reason.startswith(NO_THREAD):
+            raise MemoryError(found.reason)
         raise _refused(path, found.line, found.reason)
     if found.bound < bound:
         raise _refused(path, found.claim_line, f"the log proves {found.bound} but {bound} is claimed for the tree")

@@ -311,19 +311,19 @@ def with_sides_for_missing(tree: Node, features: NDArray[np.float64], weights: N
     Elsewhere nothing was learnt of it, and it is the side with more of the `weights` (n_samples,), left of equals;
     so too where the split has none.
     """
-    if isinstance(tree, Leaf):
-        return tree
-    left, is_missing = _sides_of_readings(tree, features, slice(None))
-    missing = tree.missing
-    if missing is None or not is_missing.any():
-        missing = "left" if weights[left & ~is_missing].sum() >= weights[~left & ~is_missing].sum() else "right"
-    left[is_missing] = missing == "left"
-    return replace(
-        tree,
-        left=with_sides_for_missing(tree.left, features[left], weights[left]),
-        right=with_sides_for_missing(tree.right, features[~left], weights[~left]),
-        missing=missing,
-    )
+
+    def sided(node: Node, rows: NDArray[np.int64]) -> Node:
+        if isinstance(node, Leaf):
+            return node
+        left, is_missing = _sides_of_readings(node, features, rows)
+        missing = node.missing
+        if missing is None or not is_missing.any():
+            weight = weights[rows]
+            missing = "left" if weight[left & ~is_missing].sum() >= weight[~left & ~is_missing].sum() else "right"
+        left[is_missing] = missing == "left"
+        return replace(node, left=sided(node.left, rows[left]), right=sided(node.right, rows[~left]), missing=missing)
+
+    return sided(tree, np.arange(len(features)))
 
 
 def simplify(tree: Node) -> Node:

@@ -87,7 +87,7 @@ LARGE: dict[str, dict[str, Any]] = {
 def test_a_table_whose_set_up_alone_takes_the_time_gets_a_tree_of_drawn_rows(monkeypatch, clock, asked: dict[str, Any]):
     clock.slowed(monkeypatch, exact, "branch_and_bound", 100.0)
     monkeypatch.setattr(drawn_rows, "LARGE", 1000)
-    monkeypatch.setattr(drawn_rows, "SETUP_READINGS", 1000)
+    monkeypatch.setattr(drawn_rows, "SETUP_READINGS", {"class": 1e3, "number": 1e3})
     problem = table(2000, **asked)
     solution = solve_run(problem, Run("auto", Limits(seconds=2.0)))
     certify(problem, solution)
@@ -101,7 +101,7 @@ def test_a_search_that_took_the_time_of_the_proof_is_the_answer(monkeypatch, clo
     clock.slowed(monkeypatch, search, "local_search", 9.0)
     clock.slowed(monkeypatch, exact, "branch_and_bound", 100.0)
     monkeypatch.setattr(drawn_rows, "LARGE", 1000)
-    monkeypatch.setattr(drawn_rows, "SETUP_READINGS", 2000)
+    monkeypatch.setattr(drawn_rows, "SETUP_READINGS", {"class": 2e3})
     problem = table(2000, depth=5)
     solution = solve_run(problem, Run("auto", Limits(seconds=11.0)))
     certify(problem, solution)

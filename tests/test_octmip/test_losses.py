@@ -8,7 +8,7 @@ import pytest
 from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.sensing.sensor_sets import shared_budget
-from octmip.trees.losses import SPELLINGS, ClassCosts, loss_of, number_loss
+from octmip.trees.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
 from octmip.trees.registry import ASKED_OF_CLASSES
 from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier
 
@@ -62,6 +62,19 @@ def test_a_cost_is_what_its_definition_says_in_exact_arithmetic(problem):
     assert exact == costs_of(problem, value)
     cost = problem.loss.cost(problem.weights, problem.codes, predicted, Fraction(1, 2))
     assert cost == pytest.approx(float(exact) + 0.5, rel=1e-15)
+
+
+@pytest.mark.parametrize("spelling", SPELLINGS)
+@pytest.mark.parametrize("spread", [0, 30, 250])
+def test_rows_summed_together_are_those_summed_one_by_one(monkeypatch, spelling, spread):
+    rng, loss = np.random.default_rng(spread), number_loss(spelling)
+    targets = rng.normal(size=600) * 10.0 ** rng.integers(-spread, spread + 1, 600)
+    weights, values = rng.choice([0.0, 1.0, 0.1, 7e-5], 600), rng.choice(rng.normal(size=4), 600)
+    found = []
+    for fewest in (1, 10**9):
+        monkeypatch.setattr(exact_sums, "FEWEST_ROWS", fewest)
+        found.append((loss.exact_cost(weights, targets, values), loss.best_value(weights, targets)))
+    assert found[0] == found[1]
 
 
 def test_a_proven_tree_is_certified_and_measured(problem):

@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pandas as pd
 
+from benchmarks.campaign_files import write_campaign
 from benchmarks.tables import Line
 from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.report.markdown import markdown_table
@@ -36,24 +37,6 @@ STREAM = 91
 GIVEN_UP = 60.0
 """Seconds after the signal in which a command is killed: it does not end."""
 TICKS = os.sysconf("SC_CLK_TCK")
-TWIN = """
-import numpy as np
-
-class Asset:
-    gauges = tuple(f"g{k}" for k in range(6))
-    effects = {}
-
-    def predict(self, state, load_factor):
-        for _ in range(20000):
-            answer = load_factor * np.arange(1.0, 7.0)
-        return answer
-
-class Cracked(Asset):
-    parameters = ("crack",)
-
-    def predict(self, state, load_factor):
-        return (1.0 + state.get("crack", 0.0)) * super().predict(state, load_factor)
-"""
 ANSWERS: Mapping[str, tuple[str, ...]] = {
     "solve": ("hard.csv", "--label", "y", "--depth", "5", "--holdout", "0.2", "--json"),
     "certify": ("tree.json", "small.csv", "--proof", "proof.log", "--json"),
@@ -91,12 +74,7 @@ def prepare(folder: Path) -> None:
     with (folder / "solved.json").open("w") as out:
         command = [sys.executable, "-m", "octmip.interfaces.cli", *words, "--proof", "proof.log", "--out", "tree.json"]
         subprocess.run(command, cwd=folder, stdout=out, check=True)
-    (folder / "asset.py").write_text(TWIN)
-    loads = np.repeat([0.0, 0.5, 1.0], 10)
-    readings = loads[:, None] * np.arange(1.0, 7.0) + rng.normal(0.0, 0.01, (30, 6))
-    columns = {"test": np.repeat([0, 1, 2], 10), "load_factor": loads, "time": np.arange(30.0)}
-    frame = pd.DataFrame(columns | {f"g{k}": readings[:, k] for k in range(6)})
-    frame.to_csv(folder / "campaign.csv", index=False)
+    write_campaign(folder, rng)
 
 
 def own_seconds(command: str, folder: Path) -> float:

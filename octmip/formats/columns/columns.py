@@ -259,7 +259,6 @@ class Columns:
         tree
             parts the rows of `features` (n_rows, n_features), which go the same ways in the tree that is returned.
         """
-        of_feature = [self.column_of(feature) for feature in self.features]
 
         def moved(node: Node, rows: NDArray[np.int64]) -> Node:
             if isinstance(node, Leaf):
@@ -272,7 +271,7 @@ class Columns:
             below, above = values[values <= node.threshold], values[values > node.threshold]
             if not len(below) or not len(above):
                 return node
-            cut = of_feature[node.feature].cut_between(float(below.max()), float(above.min()))
+            cut = self.column_of(self.features[node.feature]).cut_between(float(below.max()), float(above.min()))
             return node if cut is None else replace(node, threshold=cut)
 
         return moved(tree, np.arange(len(features))) if any(column.form for column in self.columns) else tree

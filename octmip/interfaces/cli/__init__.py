@@ -18,8 +18,10 @@ def main(words: "Sequence[str] | None" = None) -> int:
     """Run one command and return its exit code; without words, those of the command line, as a program."""
     ended: list[int] = []
     if words is None:
-        # A thread of OpenBLAS takes tens of megabytes of address space and spins for ever where it gets none.
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        # A thread of OpenBLAS takes tens of megabytes of address space and spins for ever where it gets none; numexpr,
+        # which pandas loads where it is installed, ends the process.
+        for threads in ("OPENBLAS_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
+            os.environ.setdefault(threads, "1")
         for number in (_signal.SIGINT, _signal.SIGTERM):
             _signal.signal(number, _end)
         atexit.register(_leave, ended)  # the first that is registered is called last

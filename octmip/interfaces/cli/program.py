@@ -22,7 +22,7 @@ from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import check_files
 from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt
 from octmip.interfaces.cli.streams import open_streams
-from octmip.trees.methods.memory import address_space_left
+from octmip.trees.methods.memory import address_space_left, open_blas
 from octmip.trees.solution import ProofError
 
 COMMANDS = {
@@ -163,6 +163,7 @@ def _run(words: list[str]) -> int:
     except SystemExit:  # its help is shown
         return 0
     check_files(parser, arguments)
+    open_blas()
     command = importlib.import_module(f"octmip.interfaces.cli.{MODULES.get(words[0], words[0])}")
     code: int = command.run(arguments)
     return code

@@ -1,5 +1,6 @@
 """OptimalTreeClassifier: octmip behind scikit-learn's contract, for pipelines, cross-validation and grid search."""
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Self
@@ -143,6 +144,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         SolverError
             no tree was found.
         """
+        start = time.perf_counter()
         features, labels, columns = learn_samples(self, X, y)
         check_classification_targets(labels)
         given = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
@@ -160,7 +162,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
             "class_order": order,
             "takes_missing": columns.lack_numbers,
         }
-        run = self._answer(features, labels, weights, **own)
+        run = self._answer(features, labels, weights, start, **own)
         self._shares = LeafShares(self.problem_, self._routes, self.smoothing, self.seconds, run.seed, run.n_jobs)
         self._say_how_it_ended()
         return self

@@ -33,6 +33,7 @@ from octmip.interfaces.estimator.settings import (
     threads_of,
 )
 from octmip.trees.certificate import Certificate, certify
+from octmip.trees.drawn_rows import search_seconds
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.parts import rules_of_columns
 from octmip.trees.problem import Problem
@@ -66,15 +67,19 @@ class FittedTree(Settings):
         return tags
 
     def _answer(
-        self, features: NDArray[np.float64], labels: NDArray[Any], weights: NDArray[np.float64], **own: Any
+        self,
+        features: NDArray[np.float64],
+        labels: NDArray[Any],
+        weights: NDArray[np.float64],
+        start: float,
+        **own: Any,
     ) -> Run:
         """Solve the problem of the samples that weigh something, keep what is known of its tree, and return the run.
 
-        `own` are the fields of the Problem that the other estimator has not.
+        `own` are the fields of the Problem that the other estimator has not; `start` is when the fit began [s].
         """
-        seed, threads = seed_of(self.random_state), threads_of(self.n_jobs)
+        limits, seed, threads = Limits(seconds=self.seconds), seed_of(self.random_state), threads_of(self.n_jobs)
         told = Told() if self.verbose else None
-        run = Run(self.method, Limits(seconds=self.seconds), seed, threads, self.options or NO_OPTIONS, told)
         kept = weights != 0
         problem = Problem(
             features[kept],
@@ -96,6 +101,9 @@ class FittedTree(Settings):
             feature_names=self.columns_.feature_names,
             **own,
         )
+        # Samples were read and copied within the limit, and the tree is checked and given its sides within it.
+        seconds = search_seconds(problem, limits.remaining(start).seconds)
+        run = Run(self.method, replace(limits, seconds=seconds), seed, threads, self.options or NO_OPTIONS, told)
         if self.max_depth == AUTO:
             found = solve_default(problem, replace(run, method="auto"), told)
             problem, solution, self.choice_ = found.problem, found.solution, found.choice

@@ -1,5 +1,6 @@
 """OptimalTreeRegressor: octmip's regression trees behind scikit-learn's contract."""
 
+import time
 from dataclasses import dataclass
 from typing import Literal, Self
 
@@ -95,6 +96,7 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
         DataError
             columns of X cannot become features, or y is no column of numbers (also a ValueError).
         """
+        start = time.perf_counter()
         features, given, self.columns_ = learn_samples(self, X, y, doubled=True)
         self._label_name = label_name(y)
         try:
@@ -106,7 +108,7 @@ class OptimalTreeRegressor(FittedTree, RegressorMixin, BaseEstimator):  # type: 
             raise DataError(f"y holds {given[row]} in row {row}, {BEYOND}")
         weights = _check_sample_weight(series_of(sample_weight), features, dtype=np.float64)
         own = {"loss": number_loss(self.loss), "leaf_model": self.leaf_model, "ridge": self.ridge}
-        self._answer(features, targets, weights, **own)
+        self._answer(features, targets, weights, start, **own)
         self._say_how_it_ended()
         return self
 

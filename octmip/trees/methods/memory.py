@@ -5,10 +5,15 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from octmip.trees.solution import Limits
 
 SHARE = 0.5
 """Of what is left for the tables of a solver; the rest is for its threads and for Python."""
+
+BLAS_BYTES = 2**27
+"""Address space that the linear algebra of scipy takes, with the buffers of both libraries."""
 
 
 def address_space_left() -> float:
@@ -28,3 +33,22 @@ def address_space_left() -> float:
 def within_process(limits: Limits) -> Limits:
     """Return limits whose memory the process may have."""
     return replace(limits, memory=min(limits.memory, SHARE * address_space_left()))
+
+
+def open_blas() -> None:
+    """Load linear algebra now, with its buffers: OpenBLAS that gets none later waits without end, or ends the process.
+
+    Raises
+    ------
+    MemoryError
+        the process has its own limit, and no room for it.
+    """
+    left = address_space_left()
+    if left == math.inf:
+        return
+    if left < BLAS_BYTES:
+        raise MemoryError(f"{left:g} bytes are left for linear algebra; expected {BLAS_BYTES}")
+    from scipy.linalg.blas import dgemm  # for limited processes alone: it takes a tenth of a second
+
+    square = np.ones((300, 300))  # of a size that is not multiplied in registers alone
+    dgemm(1.0, square @ square, square)  # numpy has a library of its own

@@ -157,7 +157,7 @@ class _Search:
         """Return a tree for some samples, built from the root; `factors` (n_samples,) multiply their weights."""
         problem = self.problem
         leaf = fitted_leaf(problem, rows, self.usable)
-        if depth == 0 or len(rows) < max(2, 2 * problem.leaf_size) or not len(self.usable):
+        if depth == 0 or len(rows) < max(2, 2 * problem.leaf_size) or not len(self.usable) or self.is_over():
             return leaf
         weights, targets = problem.weights[rows] * (1.0 if factors is None else factors[rows]), problem.targets[rows]
         targets = targets - constant_of(problem, rows)

@@ -33,10 +33,13 @@ pub(crate) fn check_parts(
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..n_threads.clamp(1, n_parts.max(1)) {
+        for number in 0..n_threads.clamp(1, n_parts.max(1)) {
             let thread = std::thread::Builder::new().stack_size(STACK_BYTES).spawn_scoped(scope, work);
-            if let Err(error) = thread {
-                refuse(n_parts, Refusal { line: last_line, reason: format!("no thread to check on ({error})") });
+            match thread {
+                Err(error) if number == 0 => {
+                    refuse(n_parts, Refusal { line: last_line, reason: format!("no thread to check on ({error})") });
+                }
+                _ => (), // fewer threads check all parts as well
             }
         }
     });

@@ -59,7 +59,7 @@ impl Plan {
 fn stump(samples: &Samples, view: &View, part: &View, is_here: impl Fn(u32) -> bool) -> Tree {
     let mut best: Option<(BestCut, usize)> = None;
     for f in 0..samples.p {
-        let found = view.with_list(f, |list| best_cut(samples, list, f, &part.totals, part.len, &is_here));
+        let found = view.with_list(f, |list| best_cut(samples, list, f, &is_here));
         if let Some(found) = found.filter(|found| best.is_none_or(|(best, _)| found.gain > best.gain)) {
             best = Some((found, f));
         }

@@ -47,11 +47,6 @@ impl<'a> Place<'a> {
     pub(crate) fn is_on(&self, side: usize, sample: u32) -> bool {
         (self.ranks.get(sample as usize).is_some_and(|&rank| rank < self.edge)) == (side == 0)
     }
-
-    /// Number of samples on a side.
-    pub(crate) fn size(&self, side: usize) -> usize {
-        if side == 0 { self.k } else { self.view.len - self.k }
-    }
 }
 
 /// A solver for best stumps.

@@ -19,36 +19,46 @@ pub(crate) struct BestCut {
     pub(crate) cut: u32,
 }
 
-/// Walk one list over the samples that `keeps`, of total gains `totals` and number `size`.
-pub(crate) fn best_cut(
-    samples: &Samples,
-    list: &[u32],
-    f: usize,
-    totals: &[i64],
-    size: usize,
-    keeps: impl Fn(u32) -> bool,
-) -> Option<BestCut> {
+/// Walk one list over the samples that `keeps`: up to count what the left leaf gains, and down for the right one. The
+/// largest of gains that only grow is known without all the others.
+pub(crate) fn best_cut(samples: &Samples, list: &[u32], f: usize, keeps: impl Fn(u32) -> bool) -> Option<BestCut> {
     let ranks = samples.ranks_of(f);
-    let mut left = vec![0i64; totals.len()];
-    let (mut n_left, mut last) = (0, None);
+    let kept: Vec<u32> = list.iter().copied().filter(|&i| keeps(i)).collect();
+    let mut gains = vec![0i64; samples.n_labels];
+    let mut below = vec![0i64; kept.len()];
+    let mut largest = 0;
+    for (k, &i) in kept.iter().enumerate() {
+        below[k] = largest;
+        largest = largest_after(samples, i, &mut gains, largest);
+    }
+    gains.fill(0);
+    largest = 0;
     let mut best: Option<BestCut> = None;
-    for &i in list.iter().filter(|&&i| keeps(i)) {
-        let rank = ranks[i as usize];
-        if let Some(before) = last
-            && before != rank
-            && n_left >= samples.leaf_size
-            && size - n_left >= samples.leaf_size
+    for k in (1..kept.len()).rev() {
+        largest = largest_after(samples, kept[k], &mut gains, largest);
+        let (before, rank) = (ranks[kept[k - 1] as usize], ranks[kept[k] as usize]);
+        let gain = below[k] + largest;
+        // Of equals the first cut, which comes last on the way down.
+        if before != rank
+            && k >= samples.leaf_size
+            && kept.len() - k >= samples.leaf_size
+            && best.is_none_or(|best| gain >= best.gain)
         {
-            let gain = split_gain(&left, totals);
-            if best.is_none_or(|b| gain > b.gain) {
-                best = Some(BestCut { gain, cut: before });
-            }
+            best = Some(BestCut { gain, cut: before });
         }
-        samples.count(i, 1, &mut left);
-        n_left += 1;
-        last = Some(rank);
     }
     best
+}
+
+/// Add the gains of a sample, which are never below 0; the largest of all, `largest` before.
+#[inline(always)]
+fn largest_after(samples: &Samples, sample: u32, gains: &mut [i64], largest: i64) -> i64 {
+    samples.count(sample, 1, gains);
+    if samples.is_single {
+        largest.max(gains[samples.profile[sample as usize] as usize])
+    } else {
+        gains.iter().copied().fold(largest, i64::max)
+    }
 }
 
 /// Gain of two leaves, the left of gains `left`, together of gains `totals`.
@@ -74,7 +84,7 @@ impl Scan {
         let mut gain = totals.iter().copied().max().unwrap_or(0);
         for f in 0..samples.p {
             let keeps = |i: u32| place.is_on(side, i);
-            let best = best_cut(samples, place.view.list(f), f, &totals, place.size(side), keeps);
+            let best = best_cut(samples, place.view.list(f), f, keeps);
             self.scores[f] = best.map_or(0, |best| best.gain);
             gain = gain.max(self.scores[f] - samples.penalty);
         }

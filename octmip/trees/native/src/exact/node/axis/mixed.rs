@@ -16,6 +16,9 @@ const LANE: [[i32; WIDTH]; WIDTH] = {
     masks
 };
 
+/// Vectors of a feature's sums at most: more take a tenth of a second and 64 MB a feature before the first node.
+const MOST_VECTORS: usize = 1 << 21;
+
 /// What is summed.
 #[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
 enum Counted {
@@ -48,6 +51,10 @@ impl MixedLabels {
         } else if samples.is_single && samples.n_labels > n_leaves && view.total_range < i64::from(i32::MAX) {
             (self.counted, self.width) = (Counted::Labels, samples.n_labels.div_ceil(WIDTH));
         } else {
+            self.counted = Counted::Nothing;
+            return;
+        }
+        if positions.len() * self.width > MOST_VECTORS {
             self.counted = Counted::Nothing;
             return;
         }
