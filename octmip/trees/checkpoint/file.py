@@ -103,7 +103,7 @@ class CheckpointFile:
         try:
             got = dict(json.loads(words))
         except (ValueError, TypeError) as error:
-            return self.unusable(f"holds something else than what was asked ({error!r})")
+            return self.unusable(f"names no question ({error!r})")
         name = next((name for name in MEANING if got.get(name) != asked.get(name)), "question")
         has = f"the {MEANING[name]} {got.get(name)!r}; expected {asked.get(name)!r}"
         return self.unusable(f"belongs to another search: it has {has}")

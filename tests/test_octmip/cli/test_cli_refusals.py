@@ -31,6 +31,8 @@ def test_a_bad_table_ends_in_one_line_and_nothing_written(run, tmp_path, name):
 
 BAD_WORDS = {
     "depth 0": (["--depth", 0], "depth is 0; expected a whole number from 1"),
+    "no leaf size": (["--depth", 1, "--leaf-size", 0], ": --leaf-size is 0; expected"),
+    "a negative budget": (["--depth", 1, "--budget", -1], ": --budget is -1.0; expected"),
     "depth text": (["--depth", "two"], "--depth: invalid int value: 'two'"),
     "a proof of no depth": (["--proof", "log"], "--proof is given without --depth"),
     "unknown option": (["--depth", 1, "--dept", 2], "unrecognized arguments: --dept"),
