@@ -47,7 +47,7 @@ def test_a_frontier_makes_no_solve_twice(over, asked, tmp_path, monkeypatch):
 
 def test_cross_validation_makes_no_solve_twice(tmp_path, monkeypatch):
     asked, options = small(), Options(checkpoint=tmp_path / "kept")
-    plain, first = choose_tree(asked, folds=3), choose_tree(asked, folds=3, options=options)
+    plain, first = choose_tree(asked, folds=3), choose_tree(asked, folds=3, n_jobs=2, options=options)  # two processes
     monkeypatch.setattr("octmip.trees.solver._result", None)
     again = choose_tree(asked, folds=3, options=options)
     assert plain.tree == first.tree == again.tree

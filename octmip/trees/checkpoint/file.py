@@ -5,10 +5,12 @@ asked and what was found, two JSON objects without blanks. The file is written w
 killed its last whole file stands. The sums find accidents, not forgers: trees are certified again, bounds are believed.
 """
 
+import contextlib
 import hashlib
 import importlib
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -66,14 +68,15 @@ class CheckpointFile:
 
     def keep(self, asked: Asked, found: Mapping[str, Any]) -> None:
         """Put what was found of a question in place of what was there; where that fails, warn: the work goes on."""
-        try:
-            entries = self._entries() if self.is_study else {}  # other processes of a study may have added theirs
-        except DataError as error:
-            warn_not_kept(WriteError(str(error)))
-            return
-        entries[_words(asked)] = json.dumps(found, separators=(",", ":")).encode()
-        lines = [summed(words + b" " + line) for words, line in entries.items()]
-        keep_bytes(self.path, b"\n".join([first_line(), *lines, b""]))
+        line = json.dumps(found, separators=(",", ":")).encode()
+        with _alone(self.path):
+            try:
+                entries = self._entries() if self.is_study else {}  # other processes of a study may have added theirs
+            except DataError as error:
+                warn_not_kept(WriteError(str(error)))
+                return
+            lines = [summed(words + b" " + entry) for words, entry in (entries | {_words(asked): line}).items()]
+            keep_bytes(self.path, b"\n".join([first_line(), *lines, b""]))
 
     def unusable(self, reason: str) -> DataError:
         """Return the error of a file from which nothing can go on."""
@@ -107,6 +110,22 @@ class CheckpointFile:
         name = next((name for name in MEANING if got.get(name) != asked.get(name)), "question")
         has = f"the {MEANING[name]} {got.get(name)!r}; expected {asked.get(name)!r}"
         return self.unusable(f"belongs to another search: it has {has}")
+
+
+@contextlib.contextmanager
+def _alone(path: PathLike) -> Iterator[None]:
+    """Let no other process that does the same write a file of this folder, where the system can see to that."""
+    folder = None
+    with contextlib.suppress(ImportError, OSError):
+        import fcntl  # of Unix alone; file systems of a network may know no locks
+
+        folder = os.open(Path(os.path.realpath(path)).parent, os.O_RDONLY)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+    try:
+        yield
+    finally:
+        if folder is not None:
+            os.close(folder)
 
 
 def first_line() -> bytes:
