@@ -71,7 +71,7 @@ class CheckpointFile:
         line = json.dumps(found, separators=(",", ":")).encode()
         with _alone(self.path):
             try:
-                entries = self._entries() if self.is_study else {}  # other processes of a study may have added theirs
+                entries = self._entries()  # other processes of a study may have added theirs
             except DataError as error:
                 warn_not_kept(WriteError(str(error)))
                 return
