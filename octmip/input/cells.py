@@ -121,12 +121,16 @@ MISSING_WORDS = frozenset(
         "-1.#ind",
         "#n/a",
         "#na",
-        "#null!",
-        "#num!",
+        "#nv",
+        "#n/d",
+        "\\n",
     }
-    | {"#div/0!", "#value!", "#ref!", "#name?"}
+    | {"#div/0!", "#value!", "#ref!", "#name?", "#null!", "#num!", "#spill!", "#calc!", "#wert!", "#bezug!", "#zahl!"}
+    | {"#valeur!", "#nom?", "#nombre!", "#nul!", "#¡valor!", "#¿nombre?", "#¡div/0!", "#¡ref!", "#¡num!", "#¡nulo!"}
+    | {"#valore!", "#nome?", "#rif!", "#valor!", "#nulo!"}
 )
-"""What stands among numbers for a missing one: words, NaN as C libraries print it, what Excel writes of an error."""
+"""What stands among numbers for a missing one: words, NaN as C libraries print it, a database's NULL, and what Excel
+writes of an error in English, German, French, Spanish, Italian and Portuguese."""
 
 
 def is_missing_word(cell: str) -> bool:

@@ -3,8 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from octmip.errors import DataError
+from octmip.formats.columns import Columns
+from octmip.formats.table import read_table
 from octmip.gap import read_campaign
 from tests.doors.texts import CAMPAIGN, FORCE, G1, G2, STATE, TEST, Beam, N, campaign
 
@@ -82,3 +86,29 @@ def test_a_row_that_lost_cells_is_never_left_out_in_silence(seed: int, tmp_path:
     same = [a == b for a, b in zip(zip(*found, strict=True), zip(*CAMPAIGN, strict=True), strict=True)]
     assert len(found[0]) == N
     assert sum(same) >= N - 1
+
+
+WAYS = {
+    "PostgreSQL's COPY, MySQL, Hive": "\\N",
+    "Excel": "#DIV/0!",
+    "Excel in German": "#WERT!",
+    "Excel in French": "#NOM?",
+    "Excel in Spanish": "#¡VALOR!",
+    "R": "NA",
+    "SQL Server": "NULL",
+}
+
+
+@pytest.mark.parametrize("word", WAYS.values(), ids=list(WAYS))
+def test_a_cell_that_other_programs_leave_out_is_missing_among_numbers(word: str, tmp_path: Path) -> None:
+    rows = [f"{word if k % 4 == 0 else k},{k % 2}" for k in range(40)]
+    (tmp_path / "data.csv").write_text("\n".join(["a,y", *rows]), encoding="utf-8")
+    frame = read_table(tmp_path / "data.csv").frame[["a"]]
+    features = Columns.learn(frame).encode(frame)[:, 0]
+    assert np.isnan(features).tolist() == [k % 4 == 0 for k in range(40)]
+
+
+def test_a_column_of_numbers_and_many_words_is_refused_by_its_words() -> None:
+    rows = [f"{'<0.1' if k % 4 == 0 else k}" for k in range(60)]
+    with pytest.raises(DataError, match="holds 45 different numbers, and texts such as '<0\\.1'"):
+        Columns.learn(pd.DataFrame({"a": rows}))

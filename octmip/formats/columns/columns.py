@@ -17,6 +17,7 @@ from octmip.formats.columns.cells import Cells, Stored, read_cells, stored_as
 from octmip.formats.columns.column import CONTENT, MOST_LEVELS, Column, Feature
 from octmip.formats.columns.times import complaint_of
 from octmip.formats.columns.written import words_of
+from octmip.input.cells import plain_number
 from octmip.input.checked import ListOf, Record
 from octmip.input.messages import MOST_NAME, shown
 from octmip.trees.digits import exact
@@ -322,6 +323,12 @@ def _refuse(cells: Cells, n_rows: int, categories: Categories, missing: Missing,
     if n_values > FEW_VALUES and n_values > most_unique * n_rows:
         if times := complaint_of(cells.values):
             raise DataError(times)
+        words = [value for value in cells.values if plain_number(str(value).strip()) is None]
+        if 2 * len(words) < n_values:
+            raise DataError(
+                f"holds {n_values - len(words)} different numbers, and texts such as {shown(words[0])}; "
+                "write a number or an empty cell for each of these, or leave it out"
+            )
         raise DataError(f"holds {n_values} different texts in {n_rows} rows, as names of rows do; leave it out")
     n_levels = n_values + (cells.n_missing > 0)
     if categories == "subsets" and n_levels > MOST_LEVELS:

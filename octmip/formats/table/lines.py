@@ -12,7 +12,7 @@ from octmip.input.cells import CsvRows, is_missing_word, plain_number
 SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "blanks"}
 TAIL = 50
 """Rows, the last of some, that show what a column holds; most lines of words after the last row."""
-COMMENT = re.compile(r"\s*(?:#(?!N/A|DIV/0!|VALUE!|REF!|NAME\?|NUM!|NULL!)|%|//)")
+COMMENT = re.compile(r"\s*(?:#|%|//)")
 RULE = re.compile(r"[\s|+:]*[-=]{3,}[-=+|:\s]*")
 """A line drawn above or under a header, or under the last row."""
 
@@ -52,7 +52,9 @@ def split_rows(lines: Iterable[tuple[int, str]], separator: str, strict: bool = 
 
 
 def is_comment(line: str, separator: str) -> bool:
-    """Whether a line begins with the mark of a comment."""
+    """Whether a line begins with the mark of a comment, and not with what Excel writes of an error."""
+    if is_missing_word(line.split(separator, 1)[0]):
+        return False
     return bool(COMMENT.match(line)) or (separator != ";" and line.lstrip().startswith(";"))
 
 

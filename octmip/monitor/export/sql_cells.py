@@ -31,7 +31,7 @@ LARGEST = 62
 """Powers of two up to 2**62 are whole numbers of every database."""
 MOST_DECIMALS = 18
 """Powers of ten up to 10**18 are whole numbers of every database, and of float64."""
-WORDS = ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}))
+WORDS = ", ".join(f"'{word}'" for word in sorted(MISSING_WORDS | {"-nan"}) if "\\" not in word)  # some escape by it
 NOTHING = {"numbers": "'', 'nan', '-nan'", "texts": WORDS}
 """Texts of a missing number, by what the cells are; SQLite keeps the empty cells of a CSV file as empty texts."""
 SPELLINGS = {False: "('false', 'f', '0', '0.0')", True: "('true', 't', '1', '1.0')"}
