@@ -143,7 +143,7 @@ def _gone_on(problem: Problem, run: Run, name: str, first: Solution | None) -> S
     tree = None if first is None else first.tree
     entry = entry_of(problem, method, run.limits, run.seed, run.options, tree)
     known = entry.solution()
-    if known is not None and not run.options.outputs and entry.is_ended(known, run.limits.gap):
+    if known is not None and not run.options.outputs and entry.is_ended(known, run.limits.gap, first):
         return known
     starts = [first, None if known is None or known.tree is None else _known(problem, known)]
     start = min(filter(None, starts), key=lambda start: start.objective, default=None)

@@ -140,6 +140,14 @@ def test_a_proof_without_a_state_goes_on_from_its_tree_and_bound(problem, method
     assert (last.objective, last.bound, last.stop) == (found.objective, found.bound, found.stop)
 
 
+def test_a_tree_that_is_better_than_what_has_ended_is_taken_up(tmp_path):
+    options = SearchOptions(checkpoint=tmp_path / "kept", restarts=1, perturbations=0)
+    best = solve(hard(depth=6), "search")
+    assert solve(hard(depth=6), "search", options=options).objective > best.objective
+    for start in (best.tree, None):
+        assert solve(hard(depth=6), "search", incumbent=start, options=options).objective == best.objective
+
+
 def test_a_smaller_gap_and_a_log_are_still_worked_for(tmp_path):
     options = ExactOptions(checkpoint=tmp_path / "kept")
     assert solve(hard(), "exact", Limits(gap=0.9), options=options).stop is Stop.GAP

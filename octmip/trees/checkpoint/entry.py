@@ -95,8 +95,10 @@ class Entry(Opened):
         except (LookupError, ValueError, TypeError, AttributeError, OctmipError) as error:
             raise self.unusable(error) from error
 
-    def is_ended(self, known: Solution, gap: float) -> bool:
-        """Whether nothing is left to do beyond a known solution, for a relative gap that is good enough."""
+    def is_ended(self, known: Solution, gap: float, start: Solution | None) -> bool:
+        """Whether nothing is left to do beyond a known solution, for a gap that suffices and a tree to start from."""
+        if start is not None and start.objective < known.objective:
+            return False
         is_near = known.stop is Stop.GAP and relative_gap(known.objective, known.bound) <= gap
         return self.file.is_study or is_near or known.stop in ENDED
 
