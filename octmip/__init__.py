@@ -8,7 +8,14 @@ if TYPE_CHECKING:
     from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
     from octmip.trees.certificate import Certificate, certify
     from octmip.trees.losses import AbsoluteError, ClassCosts, QuantileError, SquaredError
-    from octmip.trees.methods.options import BendersOptions, ExactOptions, MipOptions, Options, SearchOptions
+    from octmip.trees.methods.options import (
+        BendersOptions,
+        ExactOptions,
+        MipOptions,
+        Options,
+        SearchOptions,
+        Study,
+    )
     from octmip.trees.mip.pyomo_model import model, solution_of
     from octmip.trees.near_sets import near_optimal, sensor_roles
     from octmip.trees.prediction import predict, predict_values
@@ -22,7 +29,7 @@ else:  # a checker of types sees no name that is not there
         "errors": ("OctmipError",),
         "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
         "trees.losses": ("AbsoluteError", "ClassCosts", "QuantileError", "SquaredError"),
-        "trees.methods.options": ("BendersOptions", "ExactOptions", "MipOptions", "Options", "SearchOptions"),
+        "trees.methods.options": ("BendersOptions", "ExactOptions", "MipOptions", "Options", "SearchOptions", "Study"),
         "trees.mip.pyomo_model": ("model", "solution_of"),
         "trees.near_sets": ("near_optimal", "sensor_roles"),
         "trees.prediction": ("predict", "predict_values"),
@@ -67,6 +74,7 @@ __all__ = [
     "Split",
     "SquaredError",
     "Stop",
+    "Study",
     "ValueLeaf",
     "certify",
     "model",

@@ -263,7 +263,7 @@ def uav_wing(
     """Return the UAV wing of the study, ready to solve.
 
     It has the published strains, stiffness and frequencies: damage regions are rib bays, gauges stand at one pitch, and
-    the skin is softer outboard of mid-span, where a layup ends; fitted by `femlib.calibration` (docs/wing.md).
+    the skin is softer outboard of mid-span, where a layup ends; fitted to published data (docs/wing.md).
 
     Parameters
     ----------

@@ -154,9 +154,11 @@ def check_writable(path: PathLike) -> None:
     Raises
     ------
     DataError
-        the folder is missing or not writable, or the path is a folder.
+        the folder is missing or not writable, or the path is a folder or a link to itself.
     """
     target = Path(os.path.realpath(path))
+    if target.is_symlink():
+        raise DataError(f"{path} is a link that leads to itself; expected the name of a file to write")
     if target.is_dir():
         raise DataError(f"{path} is a folder; expected the name of a file to write")
     if Path(path).exists() and not Path(path).is_file():

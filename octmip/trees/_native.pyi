@@ -265,7 +265,7 @@ def branch_and_bound(
     """Return the best tree and a bound.
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
-    the state to begin with (see `octmip.trees.methods.checkpoint`) or None. `submit`: gives a cut of the root at a
+    the state to begin with (see `octmip.trees.checkpoint`) or None. `submit`: gives a cut of the root at a
     level to somebody with a `CutSolver` and returns a future, with the number of cuts in work at once (0: as on one
     machine); without it the threads of this process solve the cuts.
     """

@@ -125,7 +125,7 @@ PARTS = ("fixed_splits", "path_rules", "max_changes")
 CART = Registration("octmip.trees.methods.cart", "greedy_tree", proves=False, cannot=PARTS)
 SEARCH = Registration("octmip.trees.methods.search", "local_search", proves=False, without=(), cannot=PARTS)
 EXACT = Registration("octmip.trees.methods.exact", "branch_and_bound", proves=True, alone_to_depth=4, without=())
-SHAPED = replace(EXACT, cannot=("sensor_budget",), without=("cluster", "proof", "checkpoint", "every"))
+SHAPED = replace(EXACT, cannot=("sensor_budget",), without=("cluster", "proof", "every"))
 """The exact core where `Problem.is_shaped`."""
 PARTED = replace(SHAPED, alone_to_depth=MAX_DEPTH)
 """The exact core where parts of the tree are asked for, which no search before it knows."""
@@ -172,7 +172,7 @@ NUMBERS = Registration(
     proves=True,
     alone_to_depth=MAX_DEPTH,
     cannot=("any_depth", "takes_missing", "leaf_model", "max_splits", "monotone", *PARTS),
-    without=("cluster", "checkpoint", "every"),
+    without=("cluster", "every"),
 )
 NUMBERS_SEARCH = Registration(
     "octmip.trees.regression.search",

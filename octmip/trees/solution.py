@@ -156,6 +156,14 @@ class Solution:
             raise SolverError(f"{self.solver} returned objective {self.objective} {has} a tree; expected +inf iff none")
         object.__setattr__(self, "details", dict(self.details))
 
+    def with_bound(self, bound: float) -> "Solution":
+        """Return the solution with a bound that is known besides, where that one is higher."""
+        if bound <= self.bound:
+            return self
+        closer = replace(self, bound=min(bound, self.objective))
+        is_proven = closer.is_optimal and closer.stop is not Stop.INTERRUPTED
+        return replace(closer, stop=Stop.OPTIMAL) if is_proven else closer
+
     def __str__(self) -> str:
         """Return objective, bound and proof, the solver, and the tree, features and classes by their index."""
         found = f"{self.solver} {self.version}, {self.seconds:.3g} s, stop: {self.stop}"

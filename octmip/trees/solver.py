@@ -25,6 +25,7 @@ from operator import itemgetter
 
 from octmip.errors import CertificateError, ProblemError, SolverError
 from octmip.trees.certificate import certify, checked_incumbent, checked_leaf_index
+from octmip.trees.checkpoint.entry import Entry, entry_of
 from octmip.trees.drawn_rows import setup_seconds, tree_of_drawn_rows
 from octmip.trees.methods import interruption
 from octmip.trees.methods.memory import within_process
@@ -41,7 +42,6 @@ from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chose
 from octmip.trees.regression.ordered import freed, in_order
 from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.solver_call import Call, options_for
-from octmip.trees.solves_file import kept_solve
 from octmip.trees.tree import Node
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
@@ -89,9 +89,11 @@ def solve(
     options
         what the method's own solver takes beyond all this, `SearchOptions(restarts=20)` for instance
         (`octmip.trees.methods.options`). ``cluster`` is other processes that do the work of the search and of exact
-        axis-aligned proofs (`octmip.trees.cluster`). ``solves`` is the name of a file: a solve that stands there is
-        not made again, others are added when they are finished, so that a study of many solves goes on where it was
-        killed.
+        axis-aligned proofs (`octmip.trees.cluster`). ``checkpoint`` is the name of a file that keeps what was found:
+        the same question again goes on from it, and is answered from it once it is ended. Proofs of classes keep the
+        state of their search there as they run, so that a killed one goes on; other methods what they end with. A study
+        of many solves gives `Study(path)`. A bound that rests on the file says so (`details["resumed_from"]`, or
+        `details["kept"]` where nothing was left to do).
 
     Raises
     ------
@@ -111,12 +113,13 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
     ProblemError, SolverError
         as `solve`.
     DataError
-        the file of the option ``solves`` cannot be read or written.
+        the checkpoint cannot be read or written, or belongs to another question.
     """
-    if run.options.solves is not None:
-        return checked_solution(problem, kept_solve(problem, run, run.options.solves, incumbent, solve_run))
     name = chosen_method(problem, run.method)
-    run = replace(run, options=options_for(problem, name, run.options), limits=within_process(run.limits))
+    run = replace(run, options=options_for(problem, name, run.options))
+    if not isinstance(run.options.checkpoint, Entry | None):
+        return _gone_on(problem, run, name, _known(problem, incumbent))
+    run = replace(run, limits=within_process(run.limits))
     solvers_of(problem)[name].load()  # before the clock starts: its import is not the solver's time
     first = _known(problem, incumbent)
     _write_model(problem, name, run, first)
@@ -132,6 +135,20 @@ def solve_run(problem: Problem, run: Run, incumbent: Node | Solution | None = No
 
     solution = until_interrupted(problem, result, name, None if first is None else first.tree)
     return checked_solution(problem, replace(solution, seconds=time.perf_counter() - start))
+
+
+def _gone_on(problem: Problem, run: Run, name: str, first: Solution | None) -> Solution:
+    """Return the solution of a checkpoint's entry, or make it from what is there and keep it."""
+    method = run.method if name == "search" else name  # "auto" may search from a start of its own
+    tree = None if first is None else first.tree
+    entry = entry_of(problem, method, run.limits, run.seed, run.options, tree)
+    known = entry.solution()
+    if known is not None and not run.options.outputs and entry.is_ended(known, run.limits.gap, first):
+        return known
+    starts = [first, None if known is None or known.tree is None else _known(problem, known)]
+    start = min(filter(None, starts), key=lambda start: start.objective, default=None)
+    found = solve_run(problem, replace(run, options=replace(run.options, checkpoint=entry)), start)
+    return entry.keep(found if known is None else found.with_bound(known.bound))
 
 
 def until_interrupted(problem: Problem, solve: Callable[[], Solution], name: str, known: Node | None) -> Solution:
@@ -221,13 +238,14 @@ def _by_sized_rows(problem: Problem, run: Run, first: Solution | None) -> Soluti
     Raises
     ------
     ProblemError
-        a proof log or a checkpoint is asked for.
+        a proof log is asked for.
     """
     from octmip.trees.encoding.repeated_rows import sized_rows, units_of
 
     options, start, bound = run.options, time.perf_counter(), -math.inf
-    if isinstance(options, ExactOptions) and not (options.proof is None and options.checkpoint is None):
-        raise ProblemError("proof or checkpoint is given with leaf_weight, which no such file knows; leave it out")
+    if isinstance(options, ExactOptions) and options.proof is not None:
+        raise ProblemError("proof is given with leaf_weight, which no log knows; leave it out")
+    run = replace(run, options=replace(options, checkpoint=None))  # the rows of each unit are another problem
     for unit in units_of(problem):
         seconds = max(0.0, run.limits.seconds - (time.perf_counter() - start))
         here = replace(run, limits=replace(run.limits, seconds=seconds))

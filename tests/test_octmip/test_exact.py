@@ -112,10 +112,6 @@ def test_what_equal_samples_of_all_classes_gain_is_taken_from_the_search_not_fro
     whole = without("cancelling", problem)
     assert (found.objective, found.bound, found.stop) == (whole.objective, whole.bound, Stop.OPTIMAL)
     assert check_proof(problem, tmp_path / "log", bound=found.bound).bound == found.objective
-    kept = tmp_path / "kept"
-    branch_and_bound(problem, options=ExactOptions(checkpoint=kept), limits=Limits(nodes=found.n_nodes / 2))
-    resumed = branch_and_bound(problem, options=ExactOptions(checkpoint=kept))
-    assert (resumed.objective, resumed.bound) == (found.objective, found.bound)
 
 
 def test_equal_samples_of_several_classes_bound_the_cost_at_every_depth() -> None:

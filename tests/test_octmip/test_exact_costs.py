@@ -11,7 +11,6 @@ from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
-from octmip.trees.solution import Limits
 
 BLOCK = 50
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
@@ -97,17 +96,6 @@ def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, 
         assert (solution.tree, solution.n_nodes) == (plain.tree, plain.n_nodes), f"seed {seed}"
         assert solution.bound == solution.objective == finer.objective(plain.tree), f"seed {seed}"
         assert check_proof(finer, path).bound == solution.bound, f"seed {seed}"
-
-
-def test_a_search_of_a_common_factor_goes_on_from_its_checkpoint(tmp_path):
-    for seed in range(4):
-        problem = in_smaller_units(cost_problem(np.random.default_rng([74, seed]), 90, 4, 3))
-        whole, path = branch_and_bound(problem), tmp_path / f"{seed}.checkpoint"
-        branch_and_bound(
-            problem, options=ExactOptions(checkpoint=path, every=0.0), limits=Limits(nodes=whole.n_nodes // 3)
-        )
-        again = branch_and_bound(problem, options=ExactOptions(checkpoint=path))
-        assert (again.objective, again.bound) == (whole.objective, whole.bound), f"seed {seed}"
 
 
 @pytest.mark.parametrize("unit", [0.2, 1 / 3, 1e-7])

@@ -54,7 +54,7 @@ def test_words_become_the_options_that_they_name():
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ({"colour": "red"}, "search takes no option 'colour'; expected some of: cluster, perturbations"),
+        ({"colour": "red"}, "search takes no option 'colour'; expected some of: checkpoint, cluster, perturbations"),
         ({"restarts": "many"}, "restarts is 'many'; expected a whole number, 1 or more"),
         ({"restarts": "-3"}, "restarts is -3; expected a whole number, 1 or more"),
     ],
@@ -66,8 +66,8 @@ def test_words_that_say_nothing_are_refused(words, sentence):
 
 def test_a_method_takes_the_options_of_its_class_less_those_that_its_cell_leaves_out():
     squares = Problem([[0.0], [1.0]], [0.0, 1.0], depth=1, loss=SquaredError())
-    with pytest.raises(ProblemError, match="'exact' takes no option 'checkpoint'; expected some of: proof, solves;"):
-        solve(squares, "exact", options=ExactOptions(checkpoint="kept"))
+    with pytest.raises(ProblemError, match="'exact' takes no option 'every'; expected some of: checkpoint, proof;"):
+        solve(squares, "exact", options=ExactOptions(checkpoint="kept", every=1.0))
     classes = Problem([[0.0], [1.0]], [0, 1], depth=1)
     assert options_for(classes, "exact", ExactOptions(checkpoint="kept")) == ExactOptions(checkpoint="kept")
     assert options_for(classes, "exact", SearchOptions()) == ExactOptions()

@@ -156,7 +156,7 @@ def test_progress_counts_from_the_start_of_solve(registered):
 def test_an_option_that_the_solver_does_not_take_is_refused():
     with pytest.raises(
         ProblemError,
-        match="takes no option 'proof'; expected some of: cluster, perturbations, restarts, solves;",
+        match="takes no option 'proof'; expected some of: checkpoint, cluster, perturbations, restarts;",
     ):
         solve(STRIPES, method="search", options=ExactOptions(proof="log"))
     assert solve(STRIPES, method="search", options=SearchOptions(restarts=2)).objective == 0

@@ -14,7 +14,6 @@ from octmip.trees.losses import SquaredError
 from octmip.trees.methods import exact, native_call
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.near_sets import near_optimal
-from octmip.trees.solution import Limits
 from octmip.trees.tree import depth
 
 RNG = np.random.default_rng(5)
@@ -54,7 +53,7 @@ def test_counts_by_value_cost_no_optimum():
 
 
 @pytest.mark.parametrize("values", [4, 40])  # a table of few boxes, whose levels are not searched one by one
-def test_threads_and_a_stop_change_nothing_though_nodes_are_kept(values, tmp_path):
+def test_threads_change_nothing_though_nodes_are_kept(values):
     rng = np.random.default_rng(values)
     features = rng.integers(0, values, (90, 3))
     problem = Problem(features, (features.sum(1) // values + (rng.random(90) < 0.2)) % 3, leaf_penalty=4.0)
@@ -62,10 +61,6 @@ def test_threads_and_a_stop_change_nothing_though_nodes_are_kept(values, tmp_pat
     for jobs in (2, 3):
         more = exact.branch_and_bound(problem, n_jobs=jobs)
         assert (more.tree, more.bound, more.n_nodes) == (one.tree, one.bound, one.n_nodes)
-    file = tmp_path / "search.checkpoint"
-    exact.branch_and_bound(problem, limits=Limits(nodes=one.n_nodes // 2), options=ExactOptions(checkpoint=file))
-    again = exact.branch_and_bound(problem, options=ExactOptions(checkpoint=file))
-    assert (again.objective, again.bound, again.is_optimal) == (one.objective, one.bound, True)
 
 
 def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():

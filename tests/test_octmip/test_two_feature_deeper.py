@@ -57,13 +57,12 @@ def test_a_known_tree_of_depth_three_is_kept_and_a_perfect_one_is_proven() -> No
     assert (from_axis.objective, from_axis.bound, from_axis.stop) == (0, 0, Stop.OPTIMAL)
 
 
-def test_a_limit_is_handed_down_and_logs_and_checkpoints_are_refused(tmp_path: Path) -> None:
+def test_a_limit_is_handed_down_and_logs_are_refused(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     problem = Problem(rng.normal(size=(200, 4)), rng.integers(0, 5, 200), depth=3, split="hyperplane", split_size=2)
     assert two_feature_branch_and_bound(problem, limits=Limits(nodes=10)).stop == Stop.NODES
-    for option in ("proof", "checkpoint"):
-        with pytest.raises(ProblemError, match="end at depth 2"):
-            two_feature_branch_and_bound(problem, options=ExactOptions(**{option: tmp_path / "file"}))
+    with pytest.raises(ProblemError, match="end at depth 2"):
+        two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "file"))
 
 
 def test_products_that_only_look_whole_are_taken_as_rounded() -> None:

@@ -18,7 +18,7 @@ All readers of the two packages, each a line of the table:
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX
-    octmip.trees.methods.checkpoint                   checkpoints of both kinds, the sum corrected after most changes
+    octmip.trees.checkpoint                     checkpoints of both kinds, the sum corrected after most changes
     octmip.trees.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.opening.table_twin           table of a twin, .csv and .parquet, and its card
     femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
@@ -46,7 +46,7 @@ from joblib import Parallel, delayed
 
 from benchmarks.readers.femlib import FEMLIB
 from benchmarks.readers.file_reader import Reader
-from benchmarks.readers.kept_states import KEPT, RESUMED
+from benchmarks.readers.kept_states import KEPT
 from benchmarks.readers.mangled_arrays import CANARY
 from benchmarks.readers.mangling import mangled_bytes, pick
 from benchmarks.readers.octmip import OCTMIP
@@ -56,7 +56,7 @@ from benchmarks.tables import Line, markdown
 from femlib.errors import FemlibError
 from octmip.errors import OctmipError
 
-READERS = OCTMIP | FEMLIB | KEPT | TWINS | STRUCTURES | RESUMED
+READERS = OCTMIP | FEMLIB | KEPT | TWINS | STRUCTURES
 STREAM = 50  # of seeds: file i of a reader is drawn from default_rng([STREAM, number of the reader, i])
 N_FILES, CHUNK = 10_000, 50
 SLOWEST, HANGING = 2.0, 60  # seconds: of the processor, and of the clock before it counts as hanging

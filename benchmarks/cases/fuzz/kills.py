@@ -30,10 +30,12 @@ from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_fil
 from octmip.input.files import write_bytes
 from octmip.interfaces.cli import main
 from octmip.interfaces.report.markdown import markdown_table
+from octmip.trees.checkpoint.file import CheckpointFile
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
+from octmip.trees.solver import solve
 
 KILLS_A_CHAIN, N_KILLS = 5, 50
 
@@ -145,7 +147,7 @@ def _log(path: Path, rng: Any) -> None:
 def _checkpoint(path: Path, rng: Any) -> None:
     fixed = type(rng)(type(rng.bit_generator)(7))
     problem = Problem(fixed.integers(0, 90, (200, 5)).astype(float), fixed.integers(0, 3, 200), depth=3)
-    branch_and_bound(problem, options=ExactOptions(checkpoint=path, every=0.0))
+    solve(problem, "exact", options=ExactOptions(checkpoint=path, every=0.0))
 
 
 def _dataset(path: Path, rng: Any) -> None:
@@ -179,7 +181,7 @@ def _is_whole_page(path: Path) -> bool:
 READERS: Mapping[str, Callable[[Path], object]] = {
     "tree": read_tree_file,
     "proof log": lambda path: path.read_text().endswith("end\n"),
-    "checkpoint": lambda path: json.loads(path.read_bytes().split(b"\n")[1]),
+    "checkpoint": lambda path: CheckpointFile(path, is_study=True).find({}) == {},
     "dataset": lambda path: read_table(path).columns,
     "page": _is_whole_page,
     "deck": lambda path: path.read_bytes().endswith(b"\n9999\n"),

@@ -16,7 +16,7 @@ from octmip.interfaces.cli.samples.options import (
     add_leaf_model,
     add_target_arguments,
 )
-from octmip.trees.methods.options import FILE, METHODS, Options, all_options, help_of, values_of
+from octmip.trees.methods.options import CHECKPOINT, FILE, METHODS, Options, all_options, help_of, values_of
 from octmip.trees.problem import Problem
 from octmip.trees.registry import chosen_method, read_options
 from octmip.trees.solution import Limits
@@ -121,7 +121,7 @@ def _lines_of_methods(own: set[str]) -> Iterator[str]:
 
 def nameable(own: Iterable[str]) -> list[str]:
     """Return the options that --option may name: none of the command's own, and no file, which it might overwrite."""
-    return [name for name, option in all_options().items() if name not in own and values_of(option) is not FILE]
+    return [name for name, one in all_options().items() if name not in own and values_of(one) not in (FILE, CHECKPOINT)]
 
 
 def _only_classes(_: str) -> NoReturn:

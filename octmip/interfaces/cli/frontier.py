@@ -122,8 +122,8 @@ def _choice(arguments: argparse.Namespace, problem: Problem, limits: Limits, opt
     if is_heard():
         return None
     with StageLine("cross-validating") as line, contextlib.suppress(KeyboardInterrupt), contextlib.ExitStack() as stack:
-        # A file of solves is this process's own: whoever keeps one takes the folds here.
-        if options.cluster is None or options.solves is not None:
+        # A checkpoint is this process's own: whoever keeps one takes the folds here.
+        if options.cluster is None or options.checkpoint is not None:
             stack.enter_context(parallel_config(backend="threading", n_jobs=arguments.threads))
         how = {"method": arguments.method, "limits": limits, "seed": arguments.seed, "options": options}
         return choose_tree(problem, folds=arguments.folds, stage=line, **how)

@@ -41,13 +41,8 @@ COMMANDS = {
 }
 MODULES = {"near-optimal": "sets.near_optimal", "sensors": "sets.sensors"}
 """Modules of the commands that do not bear their name."""
-OPTIONS = {
-    "fixed_splits": "--fix",
-    "path_rules": "--path-rule",
-    "old_tree": "--old-tree",
-    "max_changes": "--max-changes",
-}
-"""How the command asks for the parts that a problem names so."""
+NAMES = {"fixed_splits": "fix", "path_rules": "path_rule", "sensor_budget": "budget", "n_jobs": "threads"}
+"""Names of Python whose option of the command is called otherwise."""
 LEAST_MEMORY = 2.0**24
 """Bytes; a process that may take no more fails with errors of every kind."""
 MOST_MESSAGE = 10_000  # characters of an error on standard error
@@ -87,7 +82,7 @@ def _code(words: list[str], heard: Heard) -> int:
             heard.raises = False
     except OctmipError as error:
         name = f"octmip {words[0]}" if words and words[0] in COMMANDS else "octmip"
-        print(f"{name}: {_with_options(_one_line(error))}", file=sys.stderr)
+        print(f"{name}: {_with_options(_one_line(error), words)}", file=sys.stderr)
         return 1 if isinstance(error, CertificateError | SolverError | WriteError) else 2
     except KeyboardInterrupt:
         print(f"octmip: {heard.word}", file=sys.stderr)
@@ -130,9 +125,25 @@ def _one_line(error: OctmipError) -> str:
     return visible(shown)
 
 
-def _with_options(message: str) -> str:
-    """Return a message with the options of a command in place of the names that a problem has for them."""
-    return re.sub(rf"(?<!['\w])({'|'.join(OPTIONS)})\b", lambda found: OPTIONS[found[0]], message)
+def _with_options(message: str, words: list[str]) -> str:
+    """Return a message with the options of a command in place of the names that Python has for them.
+
+    A name of one plain word stays: it may be a word of the sentence.
+    """
+    if not words or words[0] not in COMMANDS:
+        return message
+    options = {one.dest: one.option_strings[-1] for one in _parser(words[0])._actions if one.option_strings}
+    options |= {name: options[dest] for name, dest in NAMES.items() if dest in options}
+    names = "|".join(name for name in options if "_" in name)
+    return re.sub(rf"(?<!['\w.-])({names})\b(?!['(])", lambda found: options[found[0]], message) if names else message
+
+
+def _parser(command: str) -> Parser:
+    """Return the parser of a command, as its module of options makes it."""
+    options = options_of(command)
+    parser = Parser(f"octmip {command}", options.__doc__, getattr(options, "EXAMPLES", ""))
+    options.add_arguments(parser)
+    return parser
 
 
 def _run(words: list[str]) -> int:
@@ -146,9 +157,7 @@ def _run(words: list[str]) -> int:
         near = difflib.get_close_matches(words[0], COMMANDS, n=1)
         hint = f"; did you mean {near[0]}?" if near else f"; expected one of {', '.join(COMMANDS)}"
         raise DataError(f"there is no command {words[0]!r}{hint}")
-    options = options_of(words[0])
-    parser = Parser(f"octmip {words[0]}", options.__doc__, getattr(options, "EXAMPLES", ""))
-    options.add_arguments(parser)
+    parser = _parser(words[0])
     try:
         arguments = parser.finish().parse_args(words[1:])
     except SystemExit:  # its help is shown

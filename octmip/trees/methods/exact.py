@@ -5,6 +5,7 @@ docs/theory/exact.md. Categorical features: one column of 0/1 for each category,
 (`sensor_of_feature`), so that a split asks "is it this category?" and the sensor is paid for once.
 """
 
+import contextlib
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ from typing import Any
 from octmip.errors import NoTreeError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
+from octmip.trees.checkpoint.search_state import ExactState, KnownRow, StateEntry, every_of
 from octmip.trees.cluster import Cluster, Future
 from octmip.trees.encoding import (
     IntegerCosts,
@@ -30,8 +32,6 @@ from octmip.trees.encoding import (
     with_given_thresholds,
     with_old_sides,
 )
-from octmip.trees.methods.checkpoint.exact_state import ExactState, KnownRow, exact_state_of
-from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
 from octmip.trees.methods.native_call import (
     NO_TREE,
     check_threads,
@@ -84,9 +84,9 @@ def branch_and_bound(
     progress
         called with a `Progress` about every 50 ms.
     options
-        the proof's log takes a second search, about as long. The checkpoint keeps solved cuts of the root, from depth 3
-        on; a bound that goes on from it rests on it (`details["resumed_from"]`). ``cluster`` is an open `Cluster` here,
-        whose processes solve the root's cuts, from depth 3 on; tree, bound and evaluated cuts are those of one machine.
+        the proof's log takes a second search, about as long. ``checkpoint`` is an entry here, which keeps solved cuts
+        of the root, from depth 3 on. ``cluster`` is an open `Cluster` here, whose processes solve the root's cuts, from
+        depth 3 on; tree, bound and evaluated cuts are those of one machine.
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
@@ -100,7 +100,7 @@ def branch_and_bound(
         the proof was interrupted before it could be written, or the log cannot be written: the error holds the
         solution.
     DataError
-        the checkpoint cannot be read, is damaged, or belongs to another search.
+        the checkpoint holds no state of such a search.
     """
     started = time.perf_counter()
     _check(problem, n_jobs)
@@ -109,11 +109,10 @@ def branch_and_bound(
     if proof is not None:
         check_writable(proof)
     ranks = rank_features(problem)
-    file = None
-    if options.checkpoint is not None:
-        off = tuple(sorted(switched_off()))
-        file = Checkpoint(problem, ranks, options.checkpoint, every_of(options), SOLVER, off, started)
-    search = _Search(problem, limits, n_jobs, progress, started, ranks, file, options.cluster)
+    kept = None
+    if options.checkpoint is not None and not problem.is_shaped:  # such a search has no state
+        kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
+    search = _Search(problem, limits, n_jobs, progress, started, ranks, kept, options.cluster)
     if proof is not None:  # a log has no line for these bounds, and to search them out takes longer than the limit
         search.off = [*search.off, "level_below", "cancelling"]
     search.search(start)
@@ -135,7 +134,7 @@ class _Search:
     progress: ProgressCallback | None
     started: float
     ranks: Ranks
-    file: Checkpoint | None
+    kept: StateEntry | None
     cluster: Cluster | None
     off: list[str] = field(default_factory=switched_off)
     tree: Node | None = None
@@ -147,7 +146,6 @@ class _Search:
     proven: tuple[_native.Problem, IntegerCosts, int] | None = None  # of the best bound of this search
     grid: Node | None = None  # the tree from which the costs on the grid were made
     known: KnownRow | None = None  # what was last kept of this grid
-    resumed: ExactState | None = None  # of the checkpoint
 
     def search(self, start: Node | None) -> None:
         """Search until the bound meets the tree, or no grid of whole numbers is finer."""
@@ -182,25 +180,15 @@ class _Search:
             version=_native.__version__,
             seed=seed,
             tolerance=self.tolerance,
-            details={"ties_broken": ties} | self.resumed_from | self.scope,
+            details={"ties_broken": ties} | self.scope,
         )
 
     def _resume(self) -> None:
         """Take up what a checkpoint holds, if there is one."""
-        kept = None if self.file is None else self.file.read(exact_state_of)
-        if self.file is None or kept is None:
-            return
-        self.grid, costs, self.resumed = kept
-        self.bound, self.known = self.resumed.bound, self.resumed.known
-        if self.resumed.tree is not None:
-            self._keep(self.file.tree(self.resumed.tree))
-        if self.known is not None:  # the cost of its best tree is counted again
-            best = self.file.tree(self.known.best[1], is_within=False)
-            self.known = self.known._replace(
-                best=(costs.whole_objective(self.problem, best), rows_from_tree(best, self.ranks))
-            )
-        if self.bound > self.objective:
-            raise unusable(self.file.path, f"claims the bound {self.bound} above its tree's {self.objective}")
+        read = None if self.kept is None else self.kept.read_exact()
+        if read is not None:
+            self.grid, (self.bound, tree, self.known) = read
+            self._keep(tree)
 
     @property
     def shape(self) -> dict[str, Any]:
@@ -222,14 +210,9 @@ class _Search:
             else {"scope": f"trees {limits_in_words(self.problem, MAX_DEPTH)}"}
         )
 
-    @property
-    def resumed_from(self) -> dict[str, object]:
-        """What earlier searches have spent, for the details of a solution."""
-        return {} if self.file is None or self.resumed is None else self.file.resumed_from(self.resumed.n_nodes)
-
     def _save(self, costs: IntegerCosts, known: KnownRow | None) -> None:
         """Write the checkpoint: what is known of the root, the best tree within the budget, what was spent."""
-        if self.file is None:
+        if self.kept is None:
             return
         self.known, best, n_nodes = known, self.tree, self.n_nodes
         if known is not None:
@@ -238,9 +221,7 @@ class _Search:
             if is_within and (best is None or self.problem.objective(tree) <= self.problem.objective(best)):
                 best = tree
             n_nodes = max(n_nodes, known.n_nodes)
-        rows = None if best is None else rows_from_tree(best, self.ranks)
-        before = 0 if self.resumed is None else self.resumed.n_nodes
-        self.file.write(self.grid, costs, ExactState(before + n_nodes, self.bound, rows, known).to_json())
+        self.kept.write_exact(self.grid, costs, ExactState(self.bound, best, known), n_nodes)
 
     def _search_grid(self, costs: IntegerCosts) -> Stop:
         native = native_problem(self.problem, self.ranks, costs)
@@ -255,9 +236,9 @@ class _Search:
             return Stop(free.stop)
         before = self._state(began)
         saving = None
-        if self.file is not None:
-            saving = (self.file.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
-        try:
+        if self.kept is not None:
+            saving = (self.kept.every, lambda row: self._save(costs, KnownRow(**row)), self.known)
+        with contextlib.nullcontext() if self.kept is None else self.kept.going_on():
             limits = self.limits.remaining(began, self.n_nodes)
             progress = native_progress(self.progress, costs.value, before)
             if not self.problem.is_shaped:
@@ -267,10 +248,6 @@ class _Search:
             else:
                 known = None if free is None else (free.objective, free.rows)
                 result = _native.shaped_search(native, first, limits, progress, free=known, **self.shape)
-        except ValueError as error:
-            if self.file is None or not str(error).startswith("known: "):
-                raise
-            raise unusable(self.file.path, f"holds what cannot be proven: {error}") from error
         self.n_nodes += result.n_nodes
         lower, stop = costs.value(result.bound), Stop(result.stop)
         if self.proven is None or lower > self.bound:

@@ -29,6 +29,25 @@ MODEL_FILES = (".mps", ".lp")
 T = TypeVar("T", bound="Options")
 
 
+class Opened:
+    """A checkpoint that is more than the name of a file: a `Study`, or the entry of one solve."""
+
+    __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Study(Opened):
+    """A checkpoint file of many solves: each is made once, and what a limit ended stays as it is.
+
+    Attributes
+    ----------
+    path
+        of the file.
+    """
+
+    path: str | os.PathLike[str]
+
+
 @dataclass(frozen=True, slots=True)
 class Values:
     """The values that an option may have.
@@ -61,6 +80,7 @@ def _is_path(value: object) -> bool:
 
 
 FILE = Values("the name of a file", _is_path)
+CHECKPOINT = Values("the name of a file, or a Study of one", lambda value: _is_path(value) or isinstance(value, Opened))
 MODEL_FILE = Values(
     f"the name of a file that ends with {' or '.join(MODEL_FILES)}",
     lambda value: _is_path(value) and Path(value).suffix in MODEL_FILES,
@@ -125,11 +145,9 @@ class Options:
         a value is none of those that its option may have.
     """
 
-    solves: str | Path | None = field(
+    checkpoint: Any = field(
         default=None,
-        metadata=_means(
-            FILE, "file of solves that are done: one that stands there is not made again, others are added"
-        ),
+        metadata=_means(CHECKPOINT, "file that keeps what was found: the same question again goes on from it"),
     )
     cluster: Any = field(
         default=None,
@@ -150,6 +168,22 @@ class Options:
         """Return the options that differ from their defaults, by name."""
         values = {one.name: (getattr(self, one.name), one.default) for one in fields(self)}
         return {name: value for name, (value, default) in values.items() if value is not default}
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the options that name a file which a solver writes."""
+        given = self.given()
+        return tuple(one.name for one in fields(self) if one.name in given and values_of(one) in (FILE, MODEL_FILE))
+
+    def asked(self) -> dict[str, Any]:
+        """Return the options given that change what is found, by name."""
+        without = {*self.outputs, "cluster", "checkpoint", "every"}
+        return {name: value for name, value in self.given().items() if name not in without}
+
+    def of_study(self) -> Self:
+        """Return the options with the checkpoint as a file of many solves."""
+        given = self.checkpoint
+        return self if given is None or isinstance(given, Opened) else replace(self, checkpoint=Study(given))
 
     @contextlib.contextmanager
     def opened(self, n_workers: int | None) -> Iterator[Self]:
@@ -252,11 +286,10 @@ class ExactOptions(Options):
             FILE, "file for a proof log that certify --proof and check_proof verify; a second search writes it"
         ),
     )
-    checkpoint: str | Path | None = field(
+    every: float | None = field(
         default=None,
-        metadata=_means(FILE, "file that keeps the proven part; where it exists the search goes on from it"),
+        metadata=_means(SECONDS, "a proof of classes writes its state to the checkpoint so often [s] (default 60)"),
     )
-    every: float | None = field(default=None, metadata=_means(SECONDS, "seconds between two checkpoints (default 60)"))
 
     def __post_init__(self) -> None:
         Options.__post_init__(self)

@@ -12,6 +12,7 @@ numerically undecided: it counts for the bound but is not returned, and `Stop.NU
 Trees of depth 3 are not searched: the best tree of depth 2 is, and what it costs bounds them.
 """
 
+import contextlib
 import math
 import time
 from dataclasses import replace
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from octmip.errors import CertificateError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
+from octmip.trees.checkpoint.search_state import StateEntry, TwoFeatureState, every_of
 from octmip.trees.digits import midpoint
 from octmip.trees.encoding import (
     IntegerCosts,
@@ -32,8 +34,6 @@ from octmip.trees.encoding import (
     rank_features,
     tree_from_rows,
 )
-from octmip.trees.methods.checkpoint.file import Checkpoint, every_of, unusable
-from octmip.trees.methods.checkpoint.two_feature_state import TwoFeatureState, two_feature_state_of
 from octmip.trees.methods.native_call import (
     better,
     check_threads,
@@ -88,8 +88,8 @@ def two_feature_branch_and_bound(
     progress
         called every few hundredths of a second.
     options
-        the proof's log takes a second search, about as long. The checkpoint keeps the open nodes of a proof of
-        depth 2; a bound that goes on from it rests on it (`details["resumed_from"]`).
+        the proof's log takes a second search, about as long. ``checkpoint`` is an entry here, which keeps the open
+        nodes of a proof of depth 2.
     check_log
         the log is written once that check accepts it, which takes up to ten times as long; without it, it is
         written unchecked.
@@ -105,33 +105,30 @@ def two_feature_branch_and_bound(
         the proof was interrupted, rounding leaves no room for it, or the log cannot be written; the error holds
         the solution.
     DataError
-        the checkpoint cannot be read, or belongs to another search.
+        the checkpoint holds no state of such a search.
     """
-    proof, checkpoint = options.proof, options.checkpoint
-    _check(problem, n_jobs, checkpoint)
-    if problem.depth > MOST_DEPTH and (proof is not None or checkpoint is not None):
+    proof = options.proof
+    _check(problem, n_jobs)
+    if problem.depth > MOST_DEPTH and proof is not None:
         raise ProblemError(
-            f"depth is {problem.depth} but proof logs and checkpoints of two-feature trees end at depth {MOST_DEPTH}; "
-            "leave them out"
+            f"depth is {problem.depth} but proof logs of two-feature trees end at depth {MOST_DEPTH}; leave proof out"
         )
     if proof is not None:
         check_writable(proof)
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     if problem.depth > MOST_DEPTH:
         return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
-    ranks, file, state, first = rank_features(problem), None, None, known
+    ranks, kept, state, first = rank_features(problem), None, None, known
     costs = integer_costs(problem, first)
-    if checkpoint is not None:
-        settings = seed % 2**64, whole_coefficients, *sorted(switched_off())
-        file = Checkpoint(problem, ranks, checkpoint, every_of(options), SOLVER, settings, start)
-        if (kept := file.read(two_feature_state_of)) is not None:
-            first, costs, state = kept
-            state.check(file, costs)
+    if options.checkpoint is not None and problem.depth == MOST_DEPTH:  # one level is one scan, which has no state
+        kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
+        if (read := kept.read_two_feature()) is not None:
+            first, costs, state = read
     before = 0 if state is None else state.n_nodes
 
     def save(row: dict[str, Any]) -> None:
-        assert file is not None
-        file.write(first, costs, TwoFeatureState(**row).to_json(costs))
+        assert kept is not None
+        kept.write_two_feature(first, costs, TwoFeatureState(**row))
 
     native = native_problem(problem, ranks, costs)
     call = (
@@ -144,16 +141,12 @@ def two_feature_branch_and_bound(
         switched_off(),
         native_progress(progress, costs.value),
     )
-    try:
+    with contextlib.nullcontext() if kept is None else kept.going_on():
         result = _native.two_feature_branch_and_bound(
             *call,
             whole_coefficients=whole_coefficients,
-            checkpoint=None if file is None else (file.every, save, state),
+            checkpoint=None if kept is None else (kept.every, save, state),
         )
-    except ValueError as error:
-        if file is None or not str(error).startswith("known: "):
-            raise
-        raise unusable(file.path, f"holds {str(error).removeprefix('known: ')}") from error
     found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.features)
     tree, objective = better(problem, better(problem, found, first)[0], known)
     bound, stop = result.bound, result.stop
@@ -172,8 +165,7 @@ def two_feature_branch_and_bound(
         version=_native.__version__,
         seed=seed,
         tolerance=tolerance if met else 0.0,
-        details=_details(problem, is_open=not met and stop == "finished")
-        | ({} if file is None or state is None else file.resumed_from(before)),
+        details=_details(problem, is_open=not met and stop == "finished"),
     )
     if proof is not None:
         with logged(proof, Stop(stop), lambda: solution):
@@ -247,7 +239,7 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
     return details | {"numerically_undecided": is_open}
 
 
-def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None:
+def _check(problem: Problem, n_jobs: int) -> None:
     if problem.depth > MOST_BOUNDED_DEPTH:
         raise ProblemError(
             f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH} and bounded to depth "
@@ -258,10 +250,6 @@ def _check(problem: Problem, n_jobs: int, checkpoint: str | Path | None) -> None
             f"a split may have {problem.max_split_size} features; expected at most {MOST_FEATURES}; say split_size=2"
         )
     check_threads(n_jobs)
-    if checkpoint is not None and problem.depth < 2:
-        raise ProblemError(
-            "a two-feature proof of depth 1 is one scan, of which nothing can be kept; leave checkpoint out"
-        )
 
 
 def _write_proof(

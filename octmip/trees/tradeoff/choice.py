@@ -223,6 +223,7 @@ def choose_tree(
     if rule not in RULES:
         raise ProblemError(f"rule is {rule!r}; expected one of {', '.join(RULES)}")
     parts = [part_of(problem, rows, f"the training rows of fold {k}") for k, (rows, _) in enumerate(pairs)]
+    options = options.of_study()
     # A fold is one task of a cluster, and is not divided any further.
     run = Run(method, limits, seed, options=replace(options, cluster=None))
     with options.opened(n_jobs) as shared:

@@ -47,7 +47,7 @@ class Family:
     n_cuts
         a feature is cut at so many quantiles at most; None: anywhere.
     options
-        of the method, instead of those of the run but for its cluster and file of solves.
+        of the method, instead of those of the run but for its cluster and checkpoint.
     by_impurity
         CART's tree is pruned by its Gini impurity, as scikit-learn prunes it, and not by its cost.
     """
@@ -70,7 +70,7 @@ class Family:
 
     def run(self, run: Run) -> Run:
         """Return a run of this method: the options of the family beside those of the run."""
-        shared = {"cluster": run.options.cluster, "solves": run.options.solves}
+        shared = {"cluster": run.options.cluster, "checkpoint": run.options.checkpoint}
         options = run.options if self.options is None else replace(self.options, **shared)
         return replace(run, method=self.method, options=options)
 

@@ -90,7 +90,7 @@ def frontier_run(problem: Problem, over: Over, values: Sequence[float] | None, r
     """
     if over not in OVERS:
         raise ProblemError(f"over is {over!r}; expected one of {', '.join(OVERS)}")
-    with run.options.opened(run.n_jobs) as options:
+    with run.options.of_study().opened(run.n_jobs) as options:
         points = _points(problem, over, values, replace(run, options=options))
     return points if over == "penalty" else _with_bounds_of_wider_limits(points)
 
@@ -127,11 +127,6 @@ def _with_bounds_of_wider_limits(points: Sequence[Point]) -> list[Point]:
     """Return the points with each bound at least that of every wider limit, which allows all its trees and more."""
     best, out = -math.inf, []
     for point in reversed(points):
-        solution = point.solution
-        best = max(best, solution.bound)
-        if best > solution.bound:
-            solution = replace(solution, bound=min(best, solution.objective))
-            if solution.is_optimal and solution.stop is not Stop.INTERRUPTED:
-                solution = replace(solution, stop=Stop.OPTIMAL)
-        out.append(replace(point, solution=solution))
+        best = max(best, point.solution.bound)
+        out.append(replace(point, solution=point.solution.with_bound(best)))
     return out[::-1]

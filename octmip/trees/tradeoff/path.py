@@ -172,7 +172,7 @@ def trace_run(
     if most_solves < 1:
         raise ProblemError(f"most_solves is {most_solves}; expected 1 or more; raise it")
     free = replace(problem, leaf_penalty=0.0)
-    with run.options.opened(run.n_jobs) as options:
+    with run.options.of_study().opened(run.n_jobs) as options:
         tracer = _Tracer(free, replace(run, options=options), grown)
         for tree in (free.best_leaf(), *incumbents):
             tracer.add(tree)
@@ -300,9 +300,9 @@ class _Tracer:
     def _first_trees(self) -> bool:
         """Add the trees of CART and of a search that takes as long as before a proof; return whether Ctrl-C let it."""
         limits = replace(self.run.limits, seconds=SEARCH_SHARE * self.run.limits.seconds)
-        solves = self.run.options.solves
-        cart = replace(self.run, method="cart", limits=limits, options=Options(solves=solves))
-        few = SearchOptions(solves=solves, restarts=FIRST_RESTARTS)
+        kept = self.run.options.checkpoint
+        cart = replace(self.run, method="cart", limits=limits, options=Options(checkpoint=kept))
+        few = SearchOptions(checkpoint=kept, restarts=FIRST_RESTARTS)
         for run in (cart, replace(cart, method="search", options=few)):
             first = solve_run(self.free, run)
             if first.tree is not None:

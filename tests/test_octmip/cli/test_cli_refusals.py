@@ -31,13 +31,15 @@ def test_a_bad_table_ends_in_one_line_and_nothing_written(run, tmp_path, name):
 
 BAD_WORDS = {
     "depth 0": (["--depth", 0], "depth is 0; expected a whole number from 1"),
+    "no leaf size": (["--depth", 1, "--leaf-size", 0], ": --leaf-size is 0; expected"),
+    "a negative budget": (["--depth", 1, "--budget", -1], ": --budget is -1.0; expected"),
     "depth text": (["--depth", "two"], "--depth: invalid int value: 'two'"),
     "a proof of no depth": (["--proof", "log"], "--proof is given without --depth"),
     "unknown option": (["--depth", 1, "--dept", 2], "unrecognized arguments: --dept"),
     "unknown method": (["--depth", 1, "--method", "magic"], "invalid choice: 'magic'"),
     "a start of HiGHS without HiGHS": (
         ["--depth", 1, "--option", "start=search"],
-        "method 'exact' takes no option 'start'; expected some of: checkpoint, cluster, every, proof, solves;",
+        "method 'exact' takes no option 'start'; expected some of: checkpoint, cluster, every, proof;",
     ),
     "option without a value": (["--depth", 1, "--option", "restarts"], "--option is 'restarts'; expected NAME=VALUE"),
     "file as an option": (["--depth", 1, "--option", "proof=iris.csv"], "--option is 'proof=iris.csv'; expected NAME="),

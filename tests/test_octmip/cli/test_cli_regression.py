@@ -77,7 +77,6 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
     ("options", "sentence"),
     [
         (["--label", "kind"], "named by --label and --target"),
-        (["--checkpoint", "c.json"], "takes no option 'checkpoint'"),
         (["--proof", "p.log", "--method", "search"], "takes no option 'proof'"),
         (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
         (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),

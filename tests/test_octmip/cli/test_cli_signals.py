@@ -16,12 +16,11 @@ import pandas as pd
 import pytest
 
 from benchmarks.cases.command import signals
-from octmip import Certificate, Problem, Solution, certify, solve
+from octmip import Certificate, Options, Problem, Solution, Study, certify, solve
 from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.cli.stages import term_as_interrupt
 from octmip.trees.methods.interruption import held_back
-from octmip.trees.methods.options import Options
 from octmip.trees.near_sets import Role, sensor_roles
 from octmip.trees.solution import Progress, Stop
 
@@ -235,13 +234,15 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
     assert solve(Problem(np.array([[0.0], [1.0]]), np.array([0, 1]), depth=1)).is_optimal
 
 
-def test_a_solve_that_was_interrupted_is_not_kept_as_finished(random_problem: Problem, tmp_path: Path) -> None:
+def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(random_problem: Problem, tmp_path: Path) -> None:
     def interrupted(state: Progress) -> None:
         raise KeyboardInterrupt
 
-    solves = tmp_path / "solves"
-    assert solve(random_problem, progress=interrupted, options=Options(solves=solves)).stop is Stop.INTERRUPTED
-    assert solves.read_bytes().count(b"\n") == 1  # the line of the format
+    for checkpoint in (tmp_path / "kept", Study(tmp_path / "study")):
+        options = Options(checkpoint=checkpoint)
+        assert solve(random_problem, progress=interrupted, options=options).stop is Stop.INTERRUPTED
+        again = solve(random_problem, options=options)
+        assert (again.stop, "kept" in again.details) == (Stop.OPTIMAL, False)
 
 
 @pytest.fixture(scope="module")

@@ -159,7 +159,7 @@ def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, r
     out_file = tmp_path / "t.json"
     words = ["--label", "y", "--depth", 2, "--weights", "w", "--leaf-weight", 150, "--out", out_file]
     code, _, err = run("solve", data, *words)
-    assert (code, "leaf_weight is 150 but all samples together weigh 60" in err) == (2, True)
+    assert (code, "--leaf-weight is 150 but all samples together weigh 60" in err) == (2, True)
     code, out, err = run("solve", data, *words, "--class-weight", "low=9,high=4")
     assert code == 0, err
     assert "with a weight of 150 or more in each leaf, has" in out

@@ -16,7 +16,6 @@ from octmip.interfaces.cli.arguments import (
     add_problem_arguments,
     add_run_arguments,
     group_of,
-    rarely,
 )
 from octmip.interfaces.cli.picture import PICTURES
 from octmip.interfaces.cli.samples.file_arguments import writes
@@ -44,13 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     out = group_of(parser, OUTPUT).add_argument(
         "--out", metavar="FILE", help=f"draw it in this file, one of {', '.join(PICTURES)}"
     )
-    kept = group_of(parser, METHOD).add_argument(
-        "--checkpoint",
-        dest="solves",
-        metavar="FILE",
-        help="keep every finished solve in this file: the same command again makes only those that are missing",
-    )
-    writes(out), writes(rarely(kept))
+    writes(out), writes(add_flag(group_of(parser, METHOD), "checkpoint", "FILE"))
     add_problem_arguments(parser)
     add_run_arguments(parser)
     add_flag(group_of(parser, METHOD), "cluster", "ADDRESS")

@@ -20,7 +20,7 @@ use crate::python::run::{Found, LimitValues, found, limits, supervised, switches
 use crate::python::workers::Workers;
 use crate::supervise::Supervision;
 
-/// State of a search: a dict to Python, `octmip.trees.methods.checkpoint.exact_state.KnownRow` back. Costs are above
+/// State of a search: a dict to Python, `octmip.trees.checkpoint.search_state.KnownRow` back. Costs are above
 /// the base, the objective of the tree is not.
 #[derive(FromPyObject, IntoPyObject)]
 struct KnownRow {

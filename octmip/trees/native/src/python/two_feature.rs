@@ -14,7 +14,7 @@ use crate::two_feature::options::Options;
 use crate::two_feature::switches::Switches;
 use crate::two_feature::{go_on, proof};
 
-/// The state of a search: a dict to Python, `octmip.trees.methods.checkpoint.two_feature_state.TwoFeatureState` back.
+/// The state of a search: a dict to Python, `octmip.trees.checkpoint.search_state.TwoFeatureState` back.
 #[derive(FromPyObject, IntoPyObject)]
 struct StateRow {
     state: Py<PyBytes>,
