@@ -95,6 +95,13 @@ def test_complete_data_have_no_sides_unless_asked_for():
     assert splits(solve(Problem(features, labels, depth=1, takes_missing=True)).tree)[0].missing == "right"
 
 
+@pytest.mark.parametrize("method", ["oct", "flow"])
+def test_a_model_of_lacking_readings_keeps_to_the_features_that_splits_may_read(method):
+    rows, labels = [[0, 0], [1, 1], [0, 1], [NAN, 0]], [0, 1, 1, 0]  # the second feature alone tells all
+    problem = Problem(rows, labels, depth=1, takes_missing=True, allowed_splits=[[0]])
+    assert solve(problem, method).objective == 1.0
+
+
 def test_a_feature_that_is_missing_everywhere_has_no_cut():
     problem = Problem([[NAN, 0.0], [NAN, 1.0]], [0, 1], depth=2)
     assert solve(problem).tree == Split(1, 0.5, Leaf(0), Leaf(1), missing="left")

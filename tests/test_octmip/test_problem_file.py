@@ -7,7 +7,7 @@ import numpy as np
 
 from benchmarks.oracles.strategies import random_problem
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
-from octmip import Problem
+from octmip import Leaf, Problem, Split
 from octmip.interfaces.cli import main
 from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import checker_question
@@ -24,6 +24,13 @@ def problems() -> list[Problem]:
 def test_the_checker_computes_the_digests_that_a_log_names() -> None:
     for problem in problems():
         assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
+
+
+def test_every_limit_of_the_trees_is_part_of_what_is_asked() -> None:
+    old = {"old_tree": Split(0, 0.5, Leaf(0), Leaf(1))}
+    limits = [{}, {"leaf_weight": 2.0}, {"max_splits": 1}, old | {"max_changes": 0}, old | {"max_changes": 1}]
+    asked = [Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=2, **some) for some in limits]
+    assert len(set(map(question_digest, asked))) == len(asked)
 
 
 def test_a_file_holds_every_number_to_the_last_bit() -> None:
