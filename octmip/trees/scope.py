@@ -11,7 +11,7 @@ def limits_in_words(problem: Problem, depth: int | None = None) -> str:
     Example: "of depth 2 or less, with 5 samples or more in each leaf".
     """
     depth = problem.depth if depth is None else depth
-    most = problem.max_splits if problem.any_depth else problem.limited_splits
+    most = problem.max_splits if isinstance(problem.depth, AnyDepth) else problem.limited_splits
     number = f"up to {problem.max_split_size} features in a split"
     counted = f"{'split' if problem.split == 'axis' else 'feature'}{'' if most == 1 else 's'}"
     counted += "" if problem.split == "axis" else " in all splits"
