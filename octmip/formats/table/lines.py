@@ -82,10 +82,15 @@ def _last_read(lines: Sequence[tuple[int, str]], separator: str) -> int:
 
 def width_of(rows: Sequence[Line]) -> int:
     """Return the width of the last rows: that of the last two neighbours of one width; no word alone is one."""
-    widths = [len(row.cells) for row in rows if len(row.cells) > 1 or is_value(row.cells[0])]
+    widths = [len(row.cells) for row in rows if len(row.cells) > 1 or not _is_word(row.cells[0])]
     widths = widths or [len(row.cells) for row in rows]
     pairs = (a for a, b in zip(widths[::-1], widths[-2::-1], strict=False) if a == b)
     return next(pairs, widths[-1] if widths else 0)
+
+
+def _is_word(cell: str) -> bool:
+    """Whether a line of one cell is words: no value, and no row between other separators."""
+    return not is_value(cell) and not any(mark in cell for mark in SEPARATORS if mark != " ")
 
 
 def comment_text(line: str) -> str:
