@@ -26,10 +26,17 @@ SETUP_SHARE = 0.25
 SECONDS_OF_ROW = {"class": 5e-7, "number": 1.2e-6}
 """To fit the leaves of a tree of drawn rows to all rows, and to check it; errors of numbers are summed exactly."""
 
+SECONDS_OF_COST = 1e-7
+"""To set up the cost of one class told for another, which no step of a search interrupts."""
+
 
 def search_seconds(problem: Problem, left: float) -> float:
     """Return the seconds of those that are left in which a tree may be searched: its leaves take the rest."""
-    return left - min(left / 2, problem.n_samples * SECONDS_OF_ROW[problem.loss.predicts])
+    kind = problem.loss.predicts
+    after = problem.n_samples * SECONDS_OF_ROW[kind]
+    if kind == "class":
+        after += problem.n_classes**2 * SECONDS_OF_COST
+    return left - min(left / 2, after)
 
 
 def setup_seconds(problem: Problem, name: str, options: Options) -> float:
