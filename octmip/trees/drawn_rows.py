@@ -25,7 +25,6 @@ SETUP_SHARE = 0.25
 """Of the time that is left, in which the drawn rows are set up."""
 SECONDS_OF_ROW = {"class": 5e-7, "number": 1.2e-6}
 """To fit the leaves of a tree of drawn rows to all rows, and to check it; errors of numbers are summed exactly."""
-
 SECONDS_OF_COST = 1e-7
 """To set up the cost of one class told for another, which no step of a search interrupts."""
 

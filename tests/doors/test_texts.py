@@ -112,3 +112,9 @@ def test_a_column_of_numbers_and_many_words_is_refused_by_its_words() -> None:
     rows = [f"{'<0.1' if k % 4 == 0 else k}" for k in range(60)]
     with pytest.raises(DataError, match="holds 45 different numbers, and texts such as '<0\\.1'"):
         Columns.learn(pd.DataFrame({"a": rows}))
+
+
+def test_a_comment_that_is_indented_stands_above_a_header(tmp_path: Path) -> None:
+    rows = [f"{k} {k % 7} {k % 2}" for k in range(30)]
+    (tmp_path / "data.txt").write_text("\n".join(["  # logger 7", "a b y", *rows, ""]))
+    assert read_table(tmp_path / "data.txt").frame.shape == (30, 3)

@@ -53,7 +53,8 @@ def split_rows(lines: Iterable[tuple[int, str]], separator: str, strict: bool = 
 
 def is_comment(line: str, separator: str) -> bool:
     """Whether a line begins with the mark of a comment, and not with what Excel writes of an error."""
-    if is_missing_word(line.split(separator, 1)[0]):
+    first = line.lstrip().split(separator, 1)[0]
+    if first.startswith("#") and is_missing_word(first):
         return False
     return bool(COMMENT.match(line)) or (separator != ";" and line.lstrip().startswith(";"))
 
