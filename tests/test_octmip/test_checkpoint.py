@@ -229,19 +229,19 @@ def test_every_damage_is_found(tmp_path):
 @pytest.mark.parametrize(
     ("change", "run", "complaint"),
     [
-        ({"weights": np.full(200, 2.0)}, {}, "samples, labels and weights"),
-        ({"depth": 4}, {}, "depth, costs, limits and sensors"),
-        ({"sensor_budget": 2.0}, {}, "depth, costs, limits and sensors"),
-        ({"loss": COSTS}, {}, "depth, costs, limits and sensors"),
-        ({"sensor_cost": [1, 1, 1, 1, 2]}, {}, "depth, costs, limits and sensors"),
-        ({"max_splits": 5}, {}, "depth, costs, limits and sensors"),
-        ({}, {"seed": 1}, "seed '0'; expected '1'"),
-        ({}, {"method": "cart"}, "method 'exact'; expected 'cart'"),
+        ({"weights": np.full(200, 2.0)}, {}, "other samples, labels and weights"),
+        ({"depth": 4}, {}, "other depth, costs, limits and sensors"),
+        ({"sensor_budget": 2.0}, {}, "other depth, costs, limits and sensors"),
+        ({"loss": COSTS}, {}, "other depth, costs, limits and sensors"),
+        ({"sensor_cost": [1, 1, 1, 1, 2]}, {}, "other depth, costs, limits and sensors"),
+        ({"max_splits": 5}, {}, "other depth, costs, limits and sensors"),
+        ({}, {"seed": 1}, "the seed '0'; expected '1'"),
+        ({}, {"method": "cart"}, "the method 'exact'; expected 'cart'"),
     ],
 )
 def test_the_checkpoint_of_another_question_is_refused_by_name(change, run, complaint, tmp_path):
     options = Options(checkpoint=cut_off(hard(), tmp_path / "kept").checkpoint)
-    with pytest.raises(DataError, match=f"belongs to another search: it has the {complaint}"):
+    with pytest.raises(DataError, match=f"belongs to another search: it has {complaint}"):
         solve(replace(hard(), **change), **{"method": "exact"} | run, options=options)
 
 

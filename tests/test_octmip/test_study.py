@@ -60,7 +60,7 @@ def test_a_study_has_an_entry_for_each_question_and_leaves_what_a_limit_ended(tm
     for again in (False, True):
         for changes, run in runs:
             assert ("kept" in solve(small(**changes), "exact", **run, options=options).details) is again
-    with pytest.raises(DataError, match="it has the limits and start of one solve of a study"):
+    with pytest.raises(DataError, match="it has other limits and start of one solve of a study"):
         solve(small(), "exact", options=Options(checkpoint=tmp_path / "kept"))
 
 

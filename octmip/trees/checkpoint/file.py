@@ -108,7 +108,9 @@ class CheckpointFile:
         except (ValueError, TypeError) as error:
             return self.unusable(f"names no question ({error!r})")
         name = next((name for name in MEANING if got.get(name) != asked.get(name)), "question")
-        has = f"the {MEANING[name]} {got.get(name)!r}; expected {asked.get(name)!r}"
+        has = f"other {MEANING[name]}"
+        if name in ("method", "seed"):  # the others are sums, which tell a reader nothing
+            has = f"the {MEANING[name]} {got.get(name)!r}; expected {asked.get(name)!r}"
         return self.unusable(f"belongs to another search: it has {has}")
 
 
