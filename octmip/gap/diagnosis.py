@@ -19,6 +19,8 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
+from octmip.gap.doors.built import as_built
+from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
 from octmip.gap.inference.confounding import ABSURD, detectable, ties
@@ -145,7 +147,8 @@ class Diagnosis:
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         level = self.posterior.model.level
-        return AugmentedTwin(twin, tuple(additions), partial(whole_difference, inputs, level))
+        own = inputs.twin.twin if isinstance(inputs.twin.twin, FunctionTwin) else twin
+        return AugmentedTwin(own, tuple(additions), partial(whole_difference, inputs, level))
 
 
 def diagnose(
@@ -229,10 +232,13 @@ def _inputs(
     trust_run: bool | None,
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    chosen = effects if effects is not None else library_of(twin, campaign)
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
     run = commissioning if trust_run is not False else None
-    inputs, notes = prepare(campaign, asked, chosen, run, noise_sd, odds)
+    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    sound = as_built(asked, run)
+    chosen = effects if effects is not None else library_of(sound, campaign)
+    own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
+    chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
+    inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
     if run is not commissioning:
         notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
     return inputs, notes
@@ -262,7 +268,9 @@ def _beside_doubt(
 
 def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
     """Return the effects that are looked for where none are given: the measuring chain's and the twin's own."""
-    return {**chain_of(twin, _typical(campaign, twin), _histories(campaign)), **getattr(twin, "effects", {})}
+    extents = dict(zip(campaign.load_names, np.ptp(campaign.applied, axis=0).tolist(), strict=True))
+    chain = chain_of(twin, _typical(campaign, twin), _histories(campaign), extents)
+    return {**chain, **getattr(twin, "effects", {})}
 
 
 def _histories(campaign: Campaign) -> dict[str, History]:

@@ -32,9 +32,9 @@ class Differences:
         of each gauge, over the rms of its unit's readings: gauges of little strain differ by more.
     damage
         of the change that damage makes.
-    constant, bend, cell
-        of each gauge at all loads alike, as the load squared, and at each load by itself, over the rms of its unit's
-        readings.
+    constant, bend, cell, course
+        of each gauge at all loads alike, as the load squared, at each load by itself and, of several loads, as a smooth
+        course over them, over the rms of its unit's readings.
 
     Raises
     ------
@@ -50,6 +50,7 @@ class Differences:
     constant: float = 0.001
     bend: float = 0.001
     cell: float = 0.001
+    course: float = 0.01
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

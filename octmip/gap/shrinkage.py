@@ -3,7 +3,7 @@
 One load level, then one test, is held out at a time (never single repeats: they share the bias). With r the residual
 of a held-out entry, S theta the effect as fitted to the rest, and v the variance of noise alone,
 
-    G0 = mean(r^2 - v),   G1 = mean((r - S theta)^2 - v),   closed = (G0 - G1) / (G0 - G*),
+    G0 = mean(r^2 - v),   G1 = mean((r - S theta)^2 - v),   closed = 1 - max(0, G1 - G*) / (G0 - G*),
 
 all noise-corrected mean squares (of readings of several units, each over the variance of its noise); G* is what twin
 and asset differ by before any effect (the discrepancy's variance, zero once a commissioning run is perfect). States
@@ -102,8 +102,9 @@ class _Left:
         return _Left(self.before[kept], self.after[kept], self.noise[kept], self.floor[kept])
 
     def held_out(self, name: str) -> HeldOut:
-        gap = _square(self.before, self.noise) - float(self.floor.mean())
-        closed = (_square(self.before, self.noise) - _square(self.after, self.noise)) / gap if gap > 0.0 else np.nan
+        floor = float(self.floor.mean())
+        left, gap = _square(self.after, self.noise) - floor, _square(self.before, self.noise) - floor
+        closed = 1.0 - max(0.0, left) / gap if gap > 0.0 else np.nan
         return HeldOut(name, _rms(self.before, self.noise), _rms(self.after, self.noise), closed)
 
 
@@ -223,5 +224,6 @@ def _closed(whole: _Left, draws: Floats) -> tuple[float, float, float]:
         return nan, nan, nan
     g0 = np.mean((before + draws) ** 2 - 2 * noise, axis=1)
     g1 = np.mean((after + draws) ** 2 - 2 * noise, axis=1)
-    low, high = np.quantile((g0 - g1) / np.maximum(g0 - floor, 0.1 * gap), [0.05, 0.95])
-    return (first - second) / gap, float(low), float(high)
+    shares = 1.0 - np.maximum(0.0, g1 - floor) / np.maximum(g0 - floor, 0.1 * gap)
+    low, high = np.quantile(shares, [0.05, 0.95])
+    return 1.0 - max(0.0, second - floor) / gap, float(low), float(high)

@@ -126,7 +126,8 @@ def test_tests_of_a_run_that_differ_show_by_how_much_the_campaign_may():
 def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_widened(n):
     difference = prepared(measured(5)).difference
     gauge, none = np.repeat([0, 1], n), np.zeros(2 * n, int)
-    rows = Rows(gauge, none, np.tile(np.arange(n), 2), none, np.ones(2 * n), np.zeros(2 * n), np.ones(2 * n))
+    ones = np.ones(2 * n)
+    rows = Rows(gauge, none, np.tile(np.arange(n), 2), none, ones, 0.0 * ones, ones, ones[:, None])
     offsets, scale = np.random.default_rng(n).normal(size=(2, n)), difference.frame.scale[gauge]
     found = wander_of(difference, rows, offsets.ravel() * scale, np.diag(0.02 * scale**2))[0]
     raw = np.cov(offsets)

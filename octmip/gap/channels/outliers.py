@@ -25,6 +25,7 @@ from scipy.ndimage import median_filter
 from scipy.stats import t
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.display import steps_of
 
 Floats = NDArray[np.float64]
 
@@ -42,6 +43,8 @@ SKEWED, BODY = 0.35, (2.0, 3.5)
 """Imbalance of the two sides of the body of the noise, and where it is counted [sd], beyond which noise is skewed."""
 LOPSIDED = 3.0
 """Standard deviations of the count of far readings on either side beyond which they lie to one side."""
+SHOWN = 3.0
+"""Steps of a display within which no reading is far off: the medians of a coarse one say little of its noise."""
 PASSES = 10
 """Rounds of weights and means: they have settled to 1e-4 of a standard deviation after 6."""
 REACH = 5.0
@@ -84,6 +87,7 @@ def robust(campaign: Campaign) -> Robust:
     every = readings[rows] / scale
     centre, sd = _start(every, cell_of)
     far = _far((every - centre[cell_of]) / sd, cell_of)
+    far &= np.abs(every - centre[cell_of]) * scale > SHOWN * steps_of(campaign)
     gauges = np.flatnonzero(far.any(axis=0))
     if not gauges.size or _is_skewed((every - centre[cell_of]) / sd):
         return Robust(readings, {})

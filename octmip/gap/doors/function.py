@@ -15,7 +15,7 @@ Each question is put to the function once; its answer is kept.
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -51,6 +51,8 @@ class FunctionTwin:
         what it is asked for and answers.
     effects
         one for every parameter, and others that are added: `with_effects`.
+    signature_error
+        relative sd of what an error of a load changes; 0 where no run says how good the model is.
 
     The others are the card's, under the names of `octmip.twin.Twin`.
     """
@@ -62,6 +64,7 @@ class FunctionTwin:
         self.channels = tuple(card.channels.get(name, name) for name in card.readings)
         self.loads, self.parameters = tuple(card.loads), tuple(card.states)
         self.state_limits, self.sign, self.is_linear_in_load = card.state_limits, card.sign, card.linear
+        self.signature_error = 0.0
         own: list[Effect] = [parameter_effect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
         self._answers: dict[tuple[float, ...], Floats] = {}
@@ -79,6 +82,26 @@ class FunctionTwin:
         """
         twin = copy(self)
         twin.effects = {**self.effects, **{effect.name: effect for effect in effects}}
+        return twin
+
+    def at(self, values: Mapping[str, float], signature_error: float) -> "FunctionTwin":
+        """Return the twin with other nominal values of some parameters, and of how well it knows what each does.
+
+        The answers are shared.
+        """
+        twin = copy(self)
+        ranges = {name: replace(own, nominal=values.get(name, own.nominal)) for name, own in self.card.ranges.items()}
+        twin.card = replace(self.card, parameters=ranges)
+        own = {
+            name: replace(
+                parameter_effect(name, ranges[name], twin.ask, SOUND if name in values else MODEL),
+                signature_error=signature_error,
+            )
+            for name, effect in self.effects.items()
+            if isinstance(getattr(effect, "apply", None), _Moved)
+        }
+        twin.effects = {**self.effects, **own}
+        twin.signature_error = signature_error
         return twin
 
     def predict(self, state: State, load_factor: Applied) -> Floats:
@@ -180,7 +203,11 @@ class _Moved:
         return readings + moved - self.ask(state, load, {})
 
 
-def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
+MODEL, SOUND = "the model's", "the sound asset's"
+"""Whose value of a parameter an effect is a change from."""
+
+
+def parameter_effect(name: str, own: Range, ask: Ask, whose: str = MODEL) -> SimpleEffect:
     """Return the effect that the asset's value of a parameter with a range is another than the model's.
 
     Its size is the asset's value less the nominal one; how far it is below where the nominal value is the greatest.
@@ -188,7 +215,7 @@ def parameter_effect(name: str, own: Range, ask: Ask) -> SimpleEffect:
     called, width = name.replace("_", " "), own.high - own.low
     is_at_end, below = own.nominal in (own.low, own.high), own.nominal == own.high
     unit = "" if own.unit in PURE else f" {own.unit}"
-    of, way = f"the model's {own.nominal:g}{unit}", "below" if below else "above"
+    of, way = f"{whose} {own.nominal:.4g}{unit}", "below" if below else "above"
     return SimpleEffect(
         name=name,
         unit=own.unit,

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping
 
-from octmip.gap.effects.chain import FORMULAS, LOAD_FACTOR_ERROR, ChainEffect, error_of_load
+from octmip.gap.effects.chain import FORMULAS, ChainEffect
 from octmip.gap.effects.families import History, families_of, named_families
+from octmip.gap.effects.loads import LOAD_FACTOR_ERROR, errors_of_load
 from octmip.twin import MICROSTRAIN, ONE_LOAD, Effect, Twin, loads_of
 
 _OF_STRAINS: tuple[Effect, ...] = (*named_families([MICROSTRAIN], {}), *FORMULAS, LOAD_FACTOR_ERROR)
@@ -12,7 +13,10 @@ CHAIN: dict[str, Effect] = {effect.name: effect for effect in _OF_STRAINS}
 
 
 def chain_of(
-    twin: Twin, typical: Mapping[str, float] | None = None, histories: Mapping[str, History] | None = None
+    twin: Twin,
+    typical: Mapping[str, float] | None = None,
+    histories: Mapping[str, History] | None = None,
+    extents: Mapping[str, float] | None = None,
 ) -> dict[str, Effect]:
     """Return the effects of a measuring chain as this twin needs them: an error for each load, families of each unit.
 
@@ -24,9 +28,13 @@ def chain_of(
         root mean square of the readings of each unit; without it 1.
     histories
         courses of the campaign's own time, by name.
+    extents
+        greatest less least amount of each load that was applied; without it no load has an offset.
     """
     loads = loads_of(twin)
-    of_loads = [LOAD_FACTOR_ERROR] if loads == ONE_LOAD else [error_of_load(load) for load in loads]
+    error = float(getattr(getattr(twin, "twin", twin), "signature_error", 0.0))
+    named = [one for load in loads for one in errors_of_load(load, (extents or {}).get(load, 0.0), error)]
+    of_loads = [LOAD_FACTOR_ERROR] if loads == ONE_LOAD else named
     found: list[Effect] = [*families_of(twin, typical or {}, histories or {}), *FORMULAS, *of_loads]
     return {effect.name: effect for effect in found}
 

@@ -7,28 +7,25 @@
 | dead_gauge | (1 - s) r with s = 1: zero and noise whatever the strain |
 | crosstalk | r_a + s / 100 r_b for channels a, b next to each other; place ``a<b`` |
 | swapped_pair | r_a and r_b exchanged with s = 1; place ``a/b`` |
-| load_factor_error | what the twin reads at (1 + s / 100) L |
 
 Angle and place are asked of strain gauges alone. Where one instrument gives several readings
 (`octmip.twin.channels_of`), its faults act on all of them, and it is never exchanged.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
-from octmip.twin import STRAINS, Load, Loads, State, Twin, channels_of, positions_of, units_of
+from octmip.twin import STRAINS, Load, State, Twin, channels_of, positions_of, units_of
 
 Floats = NDArray[np.float64]
 
 POISSON = 0.3
 """Transverse contraction that a turned gauge feels."""
-STEP = 0.01
-"""Step of the load, one unit of size."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -170,7 +167,8 @@ def _all_pairs(twin: Twin) -> tuple[str, ...]:
     return tuple(f"{a}/{b}" for a, b in _alike(twin, every))
 
 
-def _whole(twin: Twin) -> tuple[str, ...]:
+def whole(twin: Twin) -> tuple[str, ...]:
+    """Return the one place of an effect that acts on the whole."""
     return ("",)
 
 
@@ -229,23 +227,6 @@ def _exchanged(moment: Moment, places: Sequence[str]) -> Floats:
 
 def _exchanged_here(moment: Moment) -> Floats:
     return np.asarray(_exchanged(moment, (moment.place,))[0])
-
-
-def _more_load(moment: Moment) -> Floats:
-    """Return what a per cent of the load changes; a twin that refuses more, as a table does, is asked for less."""
-    here, twin, state = moment.readings, moment.twin, moment.state
-    try:
-        return twin.predict(state, _times(moment, 1.0 + STEP)) - here
-    except TwinError:
-        return here - twin.predict(state, _times(moment, 1.0 - STEP))
-
-
-def _times(moment: Moment, factor: float) -> Load:
-    """Return the load with the one that is wrong multiplied."""
-    load = moment.load
-    if not isinstance(load, Loads):
-        return load * factor
-    return Loads(load.names, tuple(v * factor if name == moment.load_name else v for name, v in load.items()))
 
 
 MISALIGNMENT = ChainEffect(
@@ -330,33 +311,7 @@ SWAPPED_PAIR = ChainEffect(
     action="exchange the wires of gauges {first} and {second}",
     says=("each shows the strain of the other", "each shows the strain of the other"),
 )
-LOAD_FACTOR_ERROR = ChainEffect(
-    name="load_factor_error",
-    parameter="error of the load factor",
-    unit="%",
-    prior_sd=1.5,  # load cells and accelerometers are good to about one per cent
-    separated_by="strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does",
-    change=_more_load,
-    places_in=_whole,
-    seen_by=("applied_load",),
-    words="error of the load factor",
-    action="correct the load factor",
-    says=("the load was {size} higher than noted", "the load was {size} lower than noted"),
-)
+
+
 FORMULAS = (MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, DEAD_GAUGE, CROSSTALK)
 """Those that need no load's name."""
-
-
-def error_of_load(load: str) -> ChainEffect:
-    """Return the error of a load of this name."""
-    called = load.replace("_", " ")
-    return replace(
-        LOAD_FACTOR_ERROR,
-        name=f"{load}_error",
-        parameter=f"error of the {called}",
-        separated_by=f"a second instrument for the {called} shows it",
-        words=f"error of the {called}",
-        action=f"correct the {called}",
-        says=(f"the {called} was {{size}} higher than noted", f"the {called} was {{size}} lower than noted"),
-        load_name=load,
-    )

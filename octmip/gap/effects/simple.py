@@ -42,6 +42,8 @@ class SimpleEffect:
         words: what the size measures, what would tell the effect from its likes, and those of `octmip.twin.Effect`.
     step
         of the finite difference that is its signature, over the prior sd.
+    signature_error
+        relative sd of what it changes: models of one thing differ by some parts in a hundred.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -60,6 +62,7 @@ class SimpleEffect:
     action: str = ""
     says: tuple[str, str] = ("", "")
     step: float = 0.1
+    signature_error: float = 0.1
     n_arguments: int = field(init=False)
 
     def __post_init__(self) -> None:

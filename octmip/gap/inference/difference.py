@@ -5,6 +5,7 @@ r"""What twin and asset differ by before any effect: one Gaussian process, share
     K(i, j) = (common^2 + smooth^2 k(g_i, g_j)) h_i h_j              readings of one kind: proportional, in common
             + [g_i = g_j] t_g^2 (own^2 h_i h_j + floor^2 p_i p_j     proportional, each reading its own
                                + constant^2 s_g^2 + bend^2 b_i b_j   constant, square
+                               + course^2 s_g^2 q(L_i, L_j)          of several loads, a smooth course over them
                                + cell^2 [L_i = L_j] p_i p_j)         free in every cell
             + damage^2 c_i c_j (0.3 + 0.7 [g_i = g_j]) (0.5 + 0.5 [z_i = z_j])   what damage changes
 
@@ -24,6 +25,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from octmip.gap.inference.rows import Frame, Rows
 from octmip.gap.inference.whitening import log_normal
@@ -43,6 +45,9 @@ ALL_GAUGES, ALL_STATES = 0.3, 0.5
 """Shares of the variance of a change by damage that all gauges, and all states of a gauge, have in common."""
 LENGTH = 0.3
 """Length over which the smooth part varies, as a share of the structure's extent."""
+UNLIKELY = 0.01
+"""Chance of differences between tests as great as those seen, in all readings or in one, above which nothing wanders:
+two tests leave one degree of freedom, whose square is often large."""
 POOR = 3.0
 """Times the usual difference from which a reading is called poor in the twin."""
 
@@ -67,6 +72,8 @@ class Difference:
         of the whole; once a run has told the levels of kinds, of what damage changes alone.
     is_learnt
         whether a run has.
+    has_course
+        whether readings may have a course of their own over several loads: without a run that would hide every effect.
     """
 
     usual: Differences
@@ -77,6 +84,7 @@ class Difference:
     wander: Floats
     level: float = 1.0
     is_learnt: bool = False
+    has_course: bool = False
 
     def covariance(self, a: Rows, b: Rows) -> Floats:
         """Return K (n_a, n_b) with the wander of tests that both hold."""
@@ -93,6 +101,9 @@ class Difference:
         free = np.where(a.load[:, None] == b.load[None, :], u.floor**2 + u.cell**2, u.floor**2)
         single = free * np.outer(*part) + u.constant**2 * np.outer(*flat) + u.bend**2 * np.outer(*bend)
         single += u.own**2 * np.outer(self.tail[a.gauge], self.tail[b.gauge]) * healthy
+        if self.has_course and a.applied.shape[1] > 1:
+            apart = np.sum((a.applied[:, None] - b.applied[None, :]) ** 2, axis=2)
+            single += u.course**2 * np.outer(*flat) * np.exp(-0.5 * apart)
         found += np.where(same, single, 0.0)
         found *= 1.0 if self.is_learnt else self.level**2
         if a.change.any() and b.change.any():
@@ -112,10 +123,11 @@ class Difference:
         return replace(self, level=level)
 
 
-def usual_difference(frame: Frame, usual: Differences) -> Difference:
+def usual_difference(frame: Frame, usual: Differences, has_course: bool = False) -> Difference:
     """Return the difference to expect from the twin alone."""
     n = len(frame.order)
-    return Difference(usual, frame, frame.along(LENGTH), np.ones(n), np.ones(n), np.zeros((2, n, n)))
+    none = np.zeros((2, n, n))
+    return Difference(usual, frame, frame.along(LENGTH), np.ones(n), np.ones(n), none, has_course=has_course)
 
 
 def learnt(difference: Difference, rows: Rows, residual: Floats, noise: Floats) -> Difference:
@@ -219,6 +231,9 @@ def _between(coefficients: Floats, spread: Floats) -> Floats:
     n_free = len(c) - 1
     raw = c.T @ c / n_free
     variance = np.maximum(np.diag(raw) - spread[seen], 0.0)
+    ratio = n_free * np.diag(raw) / np.maximum(spread[seen], 1e-300)
+    own = chi2.sf(ratio, n_free) * len(ratio)
+    variance = np.where(np.minimum(own, chi2.sf(ratio.sum(), n_free * len(ratio))) < UNLIKELY, variance, 0.0)
     shrink = n_free / (n_free + 0.5 * c.shape[1])
     sd = np.sqrt(np.maximum(np.diag(raw), 1e-300))
     correlation = shrink * raw / np.outer(sd, sd)

@@ -169,7 +169,7 @@ class Inputs:
     @property
     def usual(self) -> Difference:
         """The difference to expect from the twin alone."""
-        return usual_difference(self.frame, self.odds.differences)
+        return usual_difference(self.frame, self.odds.differences, has_course=self.run is not None)
 
     @property
     def twin(self) -> CachedTwin:

@@ -26,6 +26,7 @@ from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, linearise
+from octmip.gap.inference.own_sizes import at_own_sizes
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.odds import Differences
@@ -97,11 +98,11 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     """
-    variants = _variants(linearise(inputs, states[0]))
+    variants = _variants(at_own_sizes(linearise(inputs, states[0])))
     lead, first = variants[0]
     inferences = [Inference(first)]
     for assignment in states[1:]:
-        model = linearise(first.inputs, assignment, first.level)
+        model = at_own_sizes(linearise(first.inputs, assignment, first.level))
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
             inferences.append(Inference(model))
     found: dict[Members, float] = {}
@@ -270,7 +271,10 @@ def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inf
         if not new:
             break
         like = inferences[0].model
-        inferences = [*inferences, *(Inference(linearise(like.inputs, states, like.level)) for states in new)]
+        inferences = [
+            *inferences,
+            *(Inference(at_own_sizes(linearise(like.inputs, states, like.level))) for states in new),
+        ]
         again = _weigh(inferences, [w.members for w in _contenders(weighed)])
         weighed = [*{w.members: w for w in [*weighed, *again]}.values()]
     return inferences, weighed

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Cell
 from octmip.gap.twins import CachedTwin
-from octmip.twin import Load
+from octmip.twin import Load, amounts_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,6 +30,8 @@ class Rows:
         what the twin predicts of the sound asset, and what the state changes in it.
     share
         phi.
+    applied
+        (n, n_loads) loads over half of their range in run and campaign.
     """
 
     gauge: Ints
@@ -39,11 +41,12 @@ class Rows:
     healthy: Floats
     change: Floats
     share: Floats
+    applied: Floats
 
     def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
         """Return some of the rows."""
         numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
-        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows])
+        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows], self.applied[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +111,12 @@ class Frame:
         numbers = {load: k for k, load in enumerate(dict.fromkeys(loads))}
         return cls(twin, order, _scale(twin, order, kind, reference), healthy, kind, numbers)
 
+    def applied(self, load: Load) -> Floats:
+        """Return a load (n_loads,) over half of the range of each of its amounts in run and campaign."""
+        amounts = np.array([amounts_of(one) for one in self.loads])
+        half = np.ptp(amounts, axis=0) / 2.0
+        return np.asarray(np.array(amounts_of(load)) / np.where(half > 0.0, half, 1.0))
+
     def along(self, length: float) -> Floats:
         """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
         positions, n = self.twin.gauge_positions, len(self.order)
@@ -143,6 +152,7 @@ class Frame:
             healthy=healthy[average, gauge],
             change=(now - healthy)[average, gauge],
             share=np.array([self.shares(row) for row in healthy])[average, gauge],
+            applied=np.array([self.applied(part.load) for part in averages])[average],
         )
         measured = np.array([part.mean for part in averages])[average, gauge]
         return Means(average, gauge, measured, now[average, gauge], now, rows)
@@ -161,6 +171,7 @@ class Frame:
             healthy=healthy,
             change=now - healthy,
             share=self.shares(healthy),
+            applied=np.tile(self.applied(load), (n, 1)),
         )
 
 

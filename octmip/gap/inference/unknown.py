@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from octmip.gap.inference.linear_model import LinearModel
+from octmip.twin import amounts_of
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +39,8 @@ SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
 """Sd of the field over the scale of the readings at the greatest load."""
 OF_ONE_LOAD = ("there as soon as there is load", "growing with the root of the load")
 """Courses that need one load: of several, each has a size of its own."""
+OWN_COURSE, FEWEST_LOADS = "a rough field, with a course of its own over the loads in every reading", 4
+"""A threshold or a bend along one of several loads: words, and loads from which it is looked for."""
 SMOOTH = 0.3
 """Length over which a smooth field varies, as a share of the structure's extent."""
 
@@ -93,4 +96,17 @@ def _roots(model: LinearModel) -> dict[str, Floats]:
     fields = {"rough": rough, "smooth": scale * np.linalg.cholesky(smooth)[gauge]}
     n_loads = len(inputs.campaign.load_names)
     courses = {name: course(share) for name, course in LOADS.items() if n_loads == 1 or name not in OF_ONE_LOAD}
-    return {f"{FIELD_WORDS[f]}, {c}": course * root for f, root in fields.items() for c, course in courses.items()}
+    found = {f"{FIELD_WORDS[f]}, {c}": course * root for f, root in fields.items() for c, course in courses.items()}
+    if len(set(model.loads)) >= FEWEST_LOADS:
+        found[OWN_COURSE] = _own_courses(model, rough)
+    return found
+
+
+def _own_courses(model: LinearModel, rough: Floats) -> Floats:
+    """Return the root (n, n_gauges * n_loads) of a field in which each reading has a smooth course over all loads."""
+    applied = np.array([amounts_of(load) for load in model.loads])
+    half = np.maximum(np.ptp(applied, axis=0) / 2.0, 1e-300)
+    distinct, at = np.unique(applied / half, axis=0, return_inverse=True)
+    apart = np.sum((distinct[:, None] - distinct[None, :]) ** 2, axis=2)
+    course = np.linalg.cholesky(np.exp(-0.5 * apart) + 1e-6 * np.eye(len(distinct)))[at.ravel()]
+    return np.asarray((rough[:, :, None] * course[:, None, :]).reshape(len(rough), -1))

@@ -7,7 +7,7 @@ drop 0.4 V. Each constant is 3 to 12 % off besides.
 
 import numpy as np
 
-from benchmarks.strangers.stranger import Numbers, Stranger, off
+from benchmarks.machines.machine import Machine, Numbers, off
 from femlib.arrays import FloatArray
 from octmip.gap import FunctionTwin, function_twin
 
@@ -65,7 +65,7 @@ def own_numbers(rng: np.random.Generator) -> Numbers:
     return {name: off(rng) for name in ("resistance", "magnet", "dry", "friction", "to_air", "to_case")}
 
 
-MOTOR = Stranger(
+MOTOR = Machine(
     name="motor",
     twin=twin,
     cells=[{"voltage": v, "torque": t} for v in (12.0, 18.0, 24.0) for t in (0.05, 0.1, 0.2)],
@@ -81,5 +81,4 @@ MOTOR = Stranger(
         "armature_reaction": (0.001, 0.004), "rubbing_blade": (5e-5, 2e-4), "brush_bounce": (0.5, 1.5),
         "eddy_currents": (3.0, 8.0), "slipping_coupling": (0.03, 0.1),
     },
-    offsets={name: f"gauge_bias_{unit}" for name, unit in zip(READINGS, ("a", "rad_s", "k", "k", "w"), strict=True)},
 )  # fmt: skip

@@ -1,5 +1,6 @@
-"""A stranger's machine: a twin, an asset that is not like it, and what may be wrong with the asset."""
+"""A machine: a twin of some lines, an asset that obeys another model, and what may be wrong with the asset."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -36,7 +37,7 @@ class Fault:
 
 
 @dataclass(frozen=True)
-class Stranger:
+class Machine:
     """One machine.
 
     Attributes
@@ -59,8 +60,6 @@ class Stranger:
         least and greatest size of each fault of the machine that the twin has a parameter for.
     outside
         the same for what no library holds.
-    offsets
-        name of an offset of each reading in the library.
     """
 
     name: str
@@ -72,36 +71,55 @@ class Stranger:
     measure: Measure
     faults: Mapping[str, tuple[float, float]]
     outside: Mapping[str, tuple[float, float]]
-    offsets: Mapping[str, str]
 
-    def means(self, own: Numbers, fault: Fault | None = None) -> FloatArray:
+    @property
+    def readings(self) -> tuple[str, ...]:
+        """Names of what is read."""
+        return self.twin().gauges
+
+    @property
+    def new_cell(self) -> Numbers:
+        """Loads that no campaign holds: between the first and the last ones."""
+        first, last = self.cells[0], self.cells[-1]
+        return {name: 0.45 * first[name] + 0.55 * last[name] for name in first}
+
+    def means(self, own: Numbers, faults: Sequence[Fault] = (), cells: Sequence[Numbers] = ()) -> FloatArray:
         """Return what the asset shows without noise (n_cells, n_readings)."""
-        readings, rows = list(self.offsets), []
-        for loads in self.cells:
-            acting = {fault.kind: fault.size} if fault and not fault.place else {}
-            felt = dict(loads)
-            if fault and fault.kind == "load":
-                felt[fault.place] *= 1.0 + fault.size
-            rows.append(self.measure(own, acting, felt))
-        means = np.array(rows)
-        if fault and fault.place in readings:
-            k = readings.index(fault.place)
-            of = np.sqrt(np.mean(means[:, k] ** 2))
-            means[:, k] += fault.size * (means[:, k] if fault.kind == "gain" else of)
-        return means
+        acting = {fault.kind: fault.size for fault in faults if not fault.place}
+        wrong = {fault.place: 1.0 + fault.size for fault in faults if fault.kind == "load"}
+
+        def asked(some: Sequence[Numbers]) -> FloatArray:
+            felt = [{name: load * wrong.get(name, 1.0) for name, load in loads.items()} for loads in some]
+            return np.array([self.measure(own, acting, loads) for loads in felt])
+
+        usual = asked(self.cells)
+        found = asked(cells) if cells else usual.copy()
+        for fault in faults:
+            if fault.place in self.readings:
+                k = self.readings.index(fault.place)
+                of = np.sqrt(np.mean(usual[:, k] ** 2))
+                found[:, k] += fault.size * (found[:, k] if fault.kind == "gain" else of)
+        return found
 
     def singles(self, rng: np.random.Generator) -> list[Fault]:
         """Return one draw of each fault that the library holds: the machine's, gains, offsets and loads."""
         found = [Fault((name,), name, "", float(rng.uniform(*ends))) for name, ends in self.faults.items()]
-        for name, offset in self.offsets.items():
+        for name, unit in zip(self.readings, self.twin().units, strict=True):
             found.append(Fault(("gauge_gain",), "gain", name, _signed(rng, 0.03, 0.12)))
-            found.append(Fault((offset,), "bias", name, _signed(rng, 0.03, 0.12)))
+            found.append(Fault((_offset(unit),), "bias", name, _signed(rng, 0.03, 0.12)))
         found += [Fault((f"{name}_error",), "load", name, _signed(rng, 0.03, 0.08)) for name in self.cells[0]]
         return found
 
     def outsiders(self, rng: np.random.Generator) -> list[Fault]:
         """Return one draw of each thing that no library holds."""
         return [Fault((), name, "", float(rng.uniform(*ends))) for name, ends in self.outside.items()]
+
+
+def _offset(unit: str) -> str:
+    """Return what the library calls an offset of readings of a unit, one of several."""
+    return (
+        "gauge_bias" if unit == "microstrain" else f"gauge_bias_{re.sub(r'[^a-z0-9]+', '_', unit.lower()).strip('_')}"
+    )
 
 
 def _signed(rng: np.random.Generator, low: float, high: float) -> float:

@@ -7,7 +7,7 @@ one strain gauge is wrong in the twin, by 12.5 %, as it may be in anybody's.
 
 import numpy as np
 
-from benchmarks.strangers.stranger import Numbers, Stranger, off
+from benchmarks.machines.machine import Machine, Numbers, off
 from femlib.arrays import FloatArray
 from octmip.gap import FunctionTwin, function_twin
 
@@ -98,7 +98,7 @@ def own_numbers(rng: np.random.Generator) -> Numbers:
     return {**own, "base": float(rng.uniform(0.5, 1.5)), "weight": float(rng.uniform(0.5, 1.5))}
 
 
-FRAME = Stranger(
+FRAME = Machine(
     name="frame",
     twin=twin,
     cells=[{"force": f} for f in (20.0, 60.0, 100.0)],
@@ -111,6 +111,4 @@ FRAME = Stranger(
         "slipping_bolt": (0.2, 0.5), "cladding": (0.08, 0.25), "uplift": (1.0, 4.0),
         "sun": (8.0, 25.0),
     },
-    offsets={name: {"Hz": "gauge_bias_hz", "mm": "gauge_bias_mm"}.get(unit, "gauge_bias")
-             for name, unit in READINGS.items()},
 )  # fmt: skip

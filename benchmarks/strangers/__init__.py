@@ -1,1 +1,0 @@
-"""Machines as strangers would write them: a twin of fifteen lines, an asset that obeys another model."""

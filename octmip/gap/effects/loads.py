@@ -1,0 +1,123 @@
+"""Loads that were not what was noted: the twin reads at (1 + s / 100) L by a factor, and at L + s by an offset."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import TwinError
+from octmip.gap.effects.chain import ChainEffect, Moment, whole
+from octmip.twin import Load, Loads, State, Twin
+
+Floats = NDArray[np.float64]
+
+STEP = 0.01
+"""Step of the load, one unit of size."""
+OFFSET_SHARE = 0.02
+"""Prior sd of a load's offset over the extent of what was applied."""
+
+
+def _more_load(moment: Moment) -> Floats:
+    """Return what a per cent of the load changes; a twin that refuses more, as a table does, is asked for less."""
+    here, twin, state = moment.readings, moment.twin, moment.state
+    try:
+        return twin.predict(state, _times(moment, 1.0 + STEP)) - here
+    except TwinError:
+        return here - twin.predict(state, _times(moment, 1.0 - STEP))
+
+
+def _risen(moment: Moment, step: float) -> Floats:
+    """Return what one unit more of a load changes; a twin that refuses more, as a table does, is asked for less."""
+    here = moment.readings
+    try:
+        return (moment.twin.predict(moment.state, _raised(moment, step)) - here) / step
+    except TwinError:
+        return (here - moment.twin.predict(moment.state, _raised(moment, -step))) / step
+
+
+def _raised(moment: Moment, amount: float) -> Load:
+    """Return the load with the one that is wrong raised by an amount."""
+    load = moment.load
+    if not isinstance(load, Loads):
+        return load + amount
+    return Loads(load.names, tuple(v + amount if name == moment.load_name else v for name, v in load.items()))
+
+
+def _times(moment: Moment, factor: float) -> Load:
+    """Return the load with the one that is wrong multiplied."""
+    load = moment.load
+    if not isinstance(load, Loads):
+        return load * factor
+    return Loads(load.names, tuple(v * factor if name == moment.load_name else v for name, v in load.items()))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LoadError(ChainEffect):
+    """A load that is not what was noted: by a factor in per cent or, in its own unit, by an offset.
+
+    Attributes
+    ----------
+    is_offset
+        which of the two.
+    signature_error
+        relative sd of what it changes: as good as the twin.
+    """
+
+    is_offset: bool = False
+    signature_error: float = 0.0
+
+    def predict(self, twin: Twin, state: State, load: Load, size: float, place: str, time: float) -> Floats:
+        """Return the readings (n_gauges,) at the load that was, exactly; of a table that has no such load, linearly."""
+        moment = Moment(twin, state, load, load_name=self.load_name)
+        try:
+            there = _raised(moment, size) if self.is_offset else _times(moment, 1.0 + 0.01 * size)
+            return twin.predict(state, there)
+        except TwinError:
+            return moment.readings + size * self.change(moment)
+
+
+LOAD_FACTOR_ERROR = LoadError(
+    name="load_factor_error",
+    parameter="error of the load factor",
+    unit="%",
+    prior_sd=1.5,  # load cells and accelerometers are good to about one per cent
+    separated_by="strain alone cannot tell it from a common gain or a modulus: a second load cell or a known mass does",
+    change=_more_load,
+    places_in=whole,
+    seen_by=("applied_load",),
+    words="error of the load factor",
+    action="correct the load factor",
+    says=("the load was {size} higher than noted", "the load was {size} lower than noted"),
+)
+
+
+def errors_of_load(load: str, extent: float, signature_error: float) -> list[LoadError]:
+    """Return the error of a load of this name and, where it was applied over an extent in its unit, its offset."""
+    called = load.replace("_", " ")
+    factor = replace(
+        LOAD_FACTOR_ERROR,
+        signature_error=signature_error,
+        name=f"{load}_error",
+        parameter=f"error of the {called}",
+        separated_by=f"a second instrument for the {called} shows it",
+        words=f"error of the {called}",
+        action=f"correct the {called}",
+        says=(f"the {called} was {{size}} higher than noted", f"the {called} was {{size}} lower than noted"),
+        load_name=load,
+    )
+    if not extent > 0.0:
+        return [factor]
+    sd = OFFSET_SHARE * extent
+    offset = replace(
+        factor,
+        name=f"{load}_offset",
+        parameter=f"offset of the {called}",
+        unit=f"of {called}",
+        prior_sd=sd,
+        is_offset=True,
+        change=partial(_risen, step=0.1 * sd),
+        separated_by=f"a second instrument for the {called}, or its reading at zero, shows it",
+        words=f"offset of the {called}",
+    )
+    return [factor, offset]

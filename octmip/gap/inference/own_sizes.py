@@ -1,0 +1,85 @@
+"""Signatures at the sizes that effects have: what an effect is judged by is its exact map at its own refitted size.
+
+An effect with a forward map g is not linear in its size. Its column of S is the chord g(theta) / theta, so that the
+readings are met exactly where it is judged. theta is refitted with it, alone for the effects that explain most alone,
+and together for those that matching pursuit adds one by one, as the second of a pair has another size alone.
+Source: Pati, Rezaiifar and Krishnaprasad (1993), 27th Asilomar Conference (orthogonal matching pursuit).
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.signatures import exact_change, ratios
+
+Floats = NDArray[np.float64]
+
+LAPS, N_ALONE, N_TOGETHER = 3, 2, 3
+WIDE = 3.0
+"""Prior sds within which a size is refitted."""
+CLOSE, SEEN = 0.1, 2.0
+"""Relative change of a size below which its chord stays; d' below which an effect is as good as linear."""
+
+
+def at_own_sizes(model: LinearModel) -> LinearModel:
+    """Return the model with the chords of the effects that explain its readings best."""
+    candidates, prior = model.inputs.candidates, model.inputs.priors
+    forward = np.array([candidate.forward is not None for candidate in candidates])
+    if not forward.any():
+        return model
+    chords: dict[int, float] = {}
+    expected = model.means.expected.copy()
+    expected[model.average, model.gauge] += model.given.mean
+    ratio = ratios(model.inputs, model.states, expected)[model.average, model.gauge]
+    for _ in range(LAPS):
+        wanted = {**_alone(model, forward), **_together(model)}
+        new = {
+            j: float(np.clip(size, *prior.bounds[:, j]))
+            for j, size in wanted.items()
+            if forward[j] and abs(size) * np.sqrt(model.lengths[j]) > SEEN
+        }
+        new = {j: size for j, size in new.items() if size and abs(size - chords.get(j, 0.0)) > CLOSE * abs(size)}
+        if not new:
+            break
+        chords |= new
+        signatures = model.signatures.copy()
+        for j, size in new.items():
+            rows = exact_change(model.inputs, model.states, candidates[j], size)
+            own = ratio if getattr(candidates[j].effect, "load_power", None) != 0 else 1.0
+            signatures[:, j] = own * rows[model.average, model.gauge] / size
+        signatures.flags.writeable = False
+        model = replace(model, signatures=signatures)
+    return model
+
+
+def _alone(model: LinearModel, forward: NDArray[np.bool_]) -> dict[int, float]:
+    """Return the sizes of the nonlinear effects that gain most alone, by candidate."""
+    sizes = model.projection / (model.lengths + (WIDE * model.inputs.priors.sd) ** -2)
+    gain = np.where(forward, sizes * model.projection, -np.inf)
+    best = np.argsort(-gain, kind="stable")[:N_ALONE]
+    return {int(j): float(sizes[j]) for j in best if forward[j]}
+
+
+def _together(model: LinearModel) -> dict[int, float]:
+    """Return the joint sizes of the effects that matching pursuit takes, by candidate."""
+    taken: list[int] = []
+    sizes = np.zeros(0)
+    for _ in range(N_TOGETHER):
+        left = model.projection - model.gram_rows(taken).T @ sizes if taken else model.projection
+        gain = left**2 / (model.lengths + (WIDE * model.inputs.priors.sd) ** -2)
+        gain[taken] = -np.inf
+        best = int(np.argmax(gain))
+        if gain[best] < SEEN**2:
+            break
+        taken.append(best)
+        sizes = _sizes(model, taken)
+    return dict(zip(taken, sizes.tolist(), strict=True))
+
+
+def _sizes(model: LinearModel, taken: Sequence[int]) -> Floats:
+    index = list(taken)
+    gram = model.gram_rows(index)[:, index] + np.diag((WIDE * model.inputs.priors.sd[index]) ** -2)
+    return np.asarray(np.linalg.solve(gram, model.projection[index]))

@@ -1,0 +1,136 @@
+"""An asset as it was built: constants that its run says, changes from there, effects at their own sizes."""
+
+import numpy as np
+import pytest
+
+from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, function_twin, gathered
+from octmip.gap.channels.outliers import robust
+from octmip.gap.doors.built import built_by
+from octmip.gap.effects import chain_of
+
+READINGS = {"u1": "mm", "u2": "mm", "moment": "N m", "sum": "mm"}
+RANGES = {"k1": (10.0, 5.0, 14.0, "N/mm"), "k2": (12.0, 8.0, 16.0, "N/mm"), "arm": (0.5, 0.4, 0.6, "m")}
+SD = np.array([0.02, 0.02, 0.1, 0.02])
+FORCES = (20.0, 40.0, 60.0)
+
+
+def springs(p, loads):
+    force = loads["force"]
+    return [force / p["k1"], force / p["k2"], force * p["arm"], 2 * force / (p["k1"] + p["k2"])]
+
+
+def valve(p, loads):
+    flow = loads["q"]
+    return [min(flow**2 * p["k"], p["relief"] + 0.1 * flow), 5.0 * flow, 0.3 * flow**2 * p["k"]]
+
+
+SPRINGS = function_twin(springs, READINGS, RANGES, loads=("force",))
+VALVE = function_twin(
+    valve,
+    {"p1": "bar", "flow": "l/min", "p2": "bar"},
+    {"k": (1.0, 0.7, 1.4, "-"), "relief": (8.0, 4.0, 12.0, "bar")},
+    loads=("q",),
+)
+
+
+def read(twin: FunctionTwin, loads: list[dict], seed: int, sd=SD, tests: int = 1, **values: float) -> Campaign:
+    """Return 24 readings of each load of a twin with other values of its parameters, in some tests."""
+    rng, nominal = np.random.default_rng(seed), {name: own.nominal for name, own in twin.card.ranges.items()}
+    blocks = []
+    for t in range(tests):
+        for load in loads:
+            clean = np.array(twin.function(nominal | values, load))
+            blocks.append(Recorded(clean + sd * rng.standard_normal((24 // tests, len(clean))), load, test=f"T{t}"))
+    return gathered(twin, blocks)
+
+
+def under(forces=FORCES, **others: float) -> list[dict]:
+    return [{"force": force, **others} for force in forces]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_run_says_the_constants_of_an_asset_within_its_noise(seed):
+    built = built_by(read(SPRINGS, under(), seed, k1=9.2, arm=0.53), SPRINGS)
+    assert built.values["k1"] == pytest.approx(9.2, abs=0.04)
+    assert built.values["arm"] == pytest.approx(0.53, abs=0.005)
+    assert built.signature_error == 0.02
+
+
+def test_constants_that_are_zero_or_at_an_end_are_not_moved():
+    twin = function_twin(
+        springs, READINGS, RANGES | {"k1": (10.0, 5.0, 10.0, "N/mm"), "leak": (0.0, -1.0, 1.0)}, ("force",)
+    )
+    assert set(built_by(read(twin, under(), 1, k1=9.2), twin).values) == {"k2", "arm"}
+
+
+@pytest.mark.parametrize(("built", "now"), [(9.2, 10.0), (10.8, 10.0), (9.2, 8.0), (11.0, 12.0)])
+def test_an_asset_that_is_built_off_its_drawing_is_no_wrong_run(built, now):
+    found = diagnose(read(SPRINGS, under(), 1, k1=now), SPRINGS, commissioning=read(SPRINGS, under(), 2, k1=built))
+    assert found.which[0].effects == ("k1",)
+    assert not found.doubts
+    size = found.which[0].parameters[0]
+    assert size.low - 0.05 <= now - built <= size.high + 0.05
+    assert "sound asset's" in size.named.above
+    load = {"force": 50.0}
+    there = found.augmented(SPRINGS).predict({}, 50.0)
+    assert there == pytest.approx(springs({"k1": now, "k2": 12.0, "arm": 0.5}, load), rel=0.01)
+
+
+@pytest.mark.parametrize("k1", [8.0, 6.0, 5.1])
+@pytest.mark.parametrize("relief", [6.0, 9.0, 10.5])
+def test_an_effect_is_judged_by_its_exact_map_at_its_own_size(k1, relief):
+    soft = diagnose(read(SPRINGS, under(), 1, k1=k1), SPRINGS, commissioning=read(SPRINGS, under(), 2))
+    flows = [{"q": q} for q in (1.0, 2.0, 2.5, 3.0, 3.5, 4.0)]
+    bent = [read(VALVE, flows, seed, sd=0.02, relief=value) for seed, value in ((3, relief), (4, 8.0))]
+    open_ = diagnose(bent[0], VALVE, commissioning=bent[1])
+    assert [soft.which[0].effects, open_.which[0].effects] == [("k1",), ("relief",)]
+    assert min(soft.which[0].probability, open_.which[0].probability) > 0.9
+    assert soft.shrinkage.closed == pytest.approx(1.0, abs=0.02)
+    assert max(found.shrinkage.closed for found in (soft, open_)) <= 1.0
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name", "size"), [((1.0, 3.0), "air_offset", 3.0), ((1.06, 0.0), "power_error", 6.0)]
+)
+def test_a_load_is_wrong_by_a_factor_or_by_an_offset(wrong, name, size):
+    def heated(p, loads):
+        rise = p["film"] * loads["power"]
+        return [rise + loads["air"], 0.4 * rise + loads["air"], loads["power"] ** 0.5]
+
+    parameters = {"film": (5.0, 3.0, 8.0, "K/kW")}
+    twin = function_twin(heated, {"hot": "deg C", "cold": "deg C", "fan": "V"}, parameters, loads=("power", "air"))
+    loads = [{"power": p, "air": a} for p in (2.0, 5.0, 8.0) for a in (5.0, 15.0, 25.0)]
+    factor, offset = wrong
+    felt = [{"power": factor * load["power"], "air": load["air"] + offset} for load in loads]
+    sd = np.array([0.1, 0.1, 0.01])
+    shown = [(read(twin, [load], 7 + k, sd), load) for k, load in enumerate(felt)]
+    campaign = gathered(twin, [Recorded(one.readings, load) for (one, _), load in zip(shown, loads, strict=True)])
+    found = diagnose(campaign, twin, commissioning=read(twin, loads, 30, sd))
+    assert name in found.which[0].names[0]
+    parameter = found.which[0].parameters[0]
+    assert (parameter.effect != name) or parameter.low <= size <= parameter.high
+
+
+def test_a_load_that_is_never_changed_has_no_offset():
+    assert "q_offset" not in chain_of(VALVE, extents={"q": 0.0})
+    assert "q_offset" in chain_of(VALVE, extents={"q": 3.0})
+
+
+@pytest.mark.parametrize("tests", [2, 4])
+def test_a_run_of_white_noise_in_several_tests_does_not_wander(tests):
+    runs = [read(SPRINGS, under(), seed, tests=tests) for seed in range(6)]
+    campaign = read(SPRINGS, under(), 50, k1=9.8)
+    wanders = [diagnose(campaign, SPRINGS, commissioning=run).posterior.model.inputs.difference.wander for run in runs]
+    assert sum(one.any() for one in wanders) <= 1
+
+
+def test_a_coarse_display_shows_no_far_off_readings():
+    step = 1.5 * SD
+    for seed in range(8):
+        campaign = read(SPRINGS, under(), seed)
+        shown = step * np.round(campaign.readings / step)
+        coarse = Campaign(
+            campaign.gauges, (), campaign.test, campaign.load_factor, campaign.states, shown, campaign.time,
+            campaign.temperature, load_names=campaign.load_names,
+        )  # fmt: skip
+        assert not robust(coarse).share
