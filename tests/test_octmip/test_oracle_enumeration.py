@@ -7,10 +7,9 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Leaf, Problem, Split
+from octmip import Leaf, Split
 from octmip.errors import CertificateError
 from octmip.trees.certificate import checked_leaf_index
-from octmip.trees.losses import ClassCosts
 from octmip.trees.tree import n_splits
 
 
@@ -51,35 +50,6 @@ def test_no_tree_written_out_is_better_than_the_oracles(problem):
     assert best.objective == pytest.approx(least, rel=1e-12, abs=1e-12)
     tied = [v[1:] for v in values if v[0] <= least + 1e-12 * max(1.0, least)]
     assert (best.n_splits, best.n_sensors) == min(tied)
-
-
-@pytest.mark.parametrize("seed", range(100))
-def test_the_oracles_tree_is_allowed_and_holds_what_it_says(seed):
-    problem = random_problem(np.random.default_rng([1, seed]))
-    best = optimum(problem)
-    objective, splits, sensors = value(problem, best.tree)
-    assert objective == pytest.approx(best.objective, rel=1e-12, abs=1e-12)
-    assert (splits, sensors) == (best.n_splits, best.n_sensors)
-
-
-STRIPES = np.array([[0.0], [1.0], [2.0], [3.0]]), [0, 1, 0, 1]
-
-
-@pytest.mark.parametrize(
-    ("options", "objective", "splits"),
-    [
-        ({"depth": 1}, 1.0, 1),
-        ({"depth": 2}, 0.0, 3),
-        ({"depth": 2, "leaf_penalty": 1.0}, 2.0, 0),
-        ({"depth": 2, "leaf_size": 2}, 2.0, 0),
-        ({"depth": 2, "sensor_budget": 0}, 2.0, 0),
-        ({"depth": 1, "weights": [1, 1, 1, 5]}, 1.0, 1),
-        ({"depth": 1, "loss": ClassCosts([[0, 1], [9, 0]])}, 1.0, 1),
-    ],
-)
-def test_stripes_of_two_classes_by_hand(options, objective, splits):
-    best = optimum(Problem(*STRIPES, **options))
-    assert (best.objective, best.n_splits) == (objective, splits)
 
 
 def test_random_problems_hold_every_complication():
