@@ -82,6 +82,8 @@ def test_every_alpha_of_every_depth_has_its_step():
         assert mine[-1].alpha_high == math.inf
         assert all(a.alpha_high == b.alpha_low for a, b in pairwise(mine))
         assert all(step.alpha_low <= step.alpha <= step.alpha_high for step in mine)
+    with pytest.raises(ProblemError, match=r"no step of depth 3 and alpha 0; expected a depth of \[1, 2\]"):
+        choice.step_at(3, 0)
 
 
 def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
