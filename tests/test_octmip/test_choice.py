@@ -114,9 +114,10 @@ def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_
 
 
 def test_one_standard_error_buys_a_simpler_tree():
-    least, simple = (choose_tree(IRIS, folds=5, method="exact", rule=rule) for rule in ("least", "one_se"))
+    least, simple = (choose_tree(COSTLY, method="cart", rule=rule) for rule in ("least", "one_se"))
     assert simple.steps == least.steps
-    assert simple.chosen.complexity <= least.chosen.complexity
+    assert least.chosen.validation_cost == min(step.validation_cost for step in least.steps)
+    assert simple.chosen.complexity < least.chosen.complexity
     assert simple.chosen.validation_cost <= least.chosen.validation_cost + least.chosen.standard_error
 
 
