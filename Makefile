@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes: modules are compiled once, whatever the environment says.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: uav mission blind test lint lint-python-then-rust lint-python lint-rust pytest wheel site verified tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-python-then-test-rust test-rust pytest wheel site verified tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
@@ -21,28 +21,27 @@ mission: $(VENV)/.installed
 blind: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.blind $(ARGS)
 
-# One job builds the native core, which keeps one core of the machine busy for minutes; the other installs the packages
-# and checks Python, then Rust (in that order: clippy waits for the build). The tests begin when the core is built.
+# One job builds the native core, which keeps one core of the machine busy for minutes; the other installs the packages,
+# checks Python and tests Rust. The tests of Python begin when the core is built. Clippy is `make lint`'s.
 test: | tools
-	$(MAKE) --jobs 2 $(VENV)/.core lint-python-then-rust pytest
+	$(MAKE) --jobs 2 $(VENV)/.core lint-python-then-test-rust pytest
 
 pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
-lint: lint-python
+lint: lint-python | tools
 	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
-lint-python-then-rust: lint-python
-	$(MAKE) lint-rust
+lint-python-then-test-rust: lint-python
+	$(MAKE) test-rust
 
 lint-python: $(VENV)/.packages-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-lint-rust: | tools
+test-rust: | tools
 	cd octmip/trees/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
-	cd octmip/trees/native && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
 
 # An abi3 wheel and the source distribution in dist/; a wheel is built from the latter too, to see that it can be. Linked
 # by zig the wheel runs on every Linux since 2014 (manylinux2014); without zig maturin's audit gives it the tag of this

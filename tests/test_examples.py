@@ -94,9 +94,3 @@ def test_the_readme_shows_a_diagnosis_and_its_output_as_the_start_page_runs_them
     kinds = [kind for kind, _ in blocks[first : first + 2]]
     assert kinds == ["python", "text"]
     assert all(content in start for _, content in blocks[first : first + 2])
-
-
-def test_links_between_pages_lead_somewhere():
-    for page in PAGES:
-        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text()):
-            assert (page.parent / target).exists(), f"{page.name} links to {target}"

@@ -3,8 +3,8 @@
 `python -m benchmarks.run mutants --seed N --draws M [--only octmip/gap] [--limit 60] [--csv FILE]`. Without a seed the
 clock gives one. `--only` is a folder or file of Python, or the native core (with cargo-mutants).
 
-Each mutant is made alone in a copy of the tree. There the tests that are nearest to its module run until the first one
-fails, for `--limit` CPU seconds at most.
+Each mutant is made alone in a copy of the tree. There the tests that are nearest to its module run, then the common
+check of all defaults, until the first one fails, for `--limit` CPU seconds at most.
 
     killed    a test failed
     time      a test did not end, which takes a third of that time at most without the mutant
@@ -39,7 +39,14 @@ PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", 
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
-BATCHES = (0, 2, 7, 12)  # ends of tests' files: most mutants are killed by the first; 99 lines of 100 are run by one
+BATCHES = (
+    0,
+    2,
+    7,
+    12,
+    13,
+)  # ends of tests' files: most mutants are killed by the first; 99 lines of 100 are run by one
+COMMON = "tests/test_octmip/test_defaults.py"
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
 PROFILE = ("--profile", "checks", "--config", "profile.checks.opt-level=1")  # its tests of Python take half the time
@@ -75,7 +82,8 @@ class _Runs:
 
     def line(self, mutant: Mutant) -> Line:
         """Return the outcome of a mutant; the copy is then as it was."""
-        tests = self.nearest.of(mutant.file, mutant.line)
+        tests = self.nearest.of(mutant.file, mutant.line)[: BATCHES[-2]]
+        tests += [COMMON] * (self.tree / COMMON).exists()
         with _replaced(self.tree / mutant.file, mutant.after.encode()), ExitStack() as built:
             found = self._refused(built) if mutant.file.endswith(".rs") else None
             outcome, said, seconds = found or self._tested(tests)
@@ -83,7 +91,7 @@ class _Runs:
             without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
-        return line | {"tests": " ".join(tests[: BATCHES[-1]])}
+        return line | {"tests": " ".join(tests)}
 
     def _tested(self, tests: Sequence[str]) -> Outcome:
         found: Outcome = ("survived", "", 0.0)

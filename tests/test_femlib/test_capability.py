@@ -42,6 +42,8 @@ def test_every_corner_near_failing_in_a_sampled_state_is_kept(tiny, capable):
     assert near.sum() > 1
     kept = sum(len(block.corners) for block in capable.blocks)
     assert near.sum() <= kept <= capability.MOST_KEPT + 1
+    looked_at = {height for own in wing_limits(tiny).faces for _, height in own}
+    assert {block.height for block in capable.blocks} <= looked_at
 
 
 def test_the_least_limit_counts_and_the_error_is_the_largest_of_all_that_were_checked(tiny, tiny_reduced, monkeypatch):

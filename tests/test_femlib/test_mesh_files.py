@@ -8,33 +8,6 @@ from femlib.errors import InputError, MeshError
 from femlib.structure import read
 from tests.test_femlib.own_meshes import plate_mesh
 
-
-def gmsh_mesh():
-    """The plate with gmsh's physical groups: middle, rest and mast, and the left edge as a group of lines."""
-    mesh = plate_mesh()
-    middle = np.isin(np.arange(24), mesh.cell_sets["middle"][0])
-    quads, mast = mesh.cells[0].data, mesh.cells[1].data
-    edge = np.array([[k, k + 7] for k in range(0, 28, 7)])
-    tags = [np.full(int(middle.sum()), 1), np.full(int((~middle).sum()), 2), np.full(2, 3), np.full(len(edge), 4)]
-    return meshio.Mesh(
-        mesh.points,
-        [("quad", quads[middle]), ("quad", quads[~middle]), ("line", mast), ("line", edge)],
-        cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-        field_data={name: np.array([tag, dimension]) for name, tag, dimension in
-                    (("middle", 1, 2), ("rest", 2, 2), ("mast", 3, 1), ("left", 4, 1))},
-    )  # fmt: skip
-
-
-def test_the_names_of_gmsh_2_are_kept(tmp_path):
-    meshio.write(tmp_path / "plate.msh", gmsh_mesh(), file_format="gmsh22", binary=False)
-    found = read(tmp_path / "plate.msh")
-    assert {*found.element_sets} == {"middle", "rest", "mast", "left"}
-    assert found.elements_of("middle").sum() == 8
-    np.testing.assert_array_equal(found.nodes_of("left"), [0, 7, 14, 21, 28])
-    assert found.elements_of("mast")[found.n_shells :].sum() == 2
-    assert (found.n_shells, len(found.lines)) == (24, 6)
-
-
 GMSH = """$MeshFormat
 4.1 0 8
 $EndMeshFormat
@@ -82,8 +55,11 @@ $EndElements
 """
 
 
-def test_the_names_of_gmsh_4_are_kept(tmp_path):
+@pytest.mark.parametrize("version", ["4.1", "2.2"])
+def test_the_names_of_gmsh_are_kept(version, tmp_path):
     (tmp_path / "plate.msh").write_text(GMSH)
+    if version == "2.2":
+        meshio.write(tmp_path / "plate.msh", meshio.read(tmp_path / "plate.msh"), file_format="gmsh22", binary=False)
     found = read(tmp_path / "plate.msh")
     assert (len(found.quads), len(found.trias), len(found.lines)) == (1, 2, 1)
     assert found.elements_of("skin").tolist() == [True, True, True, False]
@@ -198,13 +174,3 @@ def test_shells_are_turned_to_face_away_from_a_point():
     found = read(mesh).facing_away("skin", (0.3, 0.2, -1.0))
     turned = np.cross(*(found.nodes[found.quads[:, k]] - found.nodes[found.quads[:, 0]] for k in (1, 2)))
     assert (turned[:, 2] > 0.0).all()
-
-
-def test_the_set_of_a_gmsh_point_is_its_node():
-    mesh = gmsh_mesh()
-    cells = [*mesh.cells, meshio.CellBlock("vertex", np.array([[36]]))]
-    tags = [*mesh.cell_data["gmsh:physical"], np.array([1])]
-    names = mesh.field_data | {"tip": np.array([1, 0])}
-    found = read(meshio.Mesh(mesh.points, cells, cell_data={"gmsh:physical": tags}, field_data=names))
-    assert found.nodes_of("tip").tolist() == [36]
-    assert found.elements_of("middle").sum() == 8

@@ -82,6 +82,8 @@ def test_every_alpha_of_every_depth_has_its_step():
         assert mine[-1].alpha_high == math.inf
         assert all(a.alpha_high == b.alpha_low for a, b in pairwise(mine))
         assert all(step.alpha_low <= step.alpha <= step.alpha_high for step in mine)
+    with pytest.raises(ProblemError, match=r"no step of depth 3 and alpha 0; expected a depth of \[1, 2\]"):
+        choice.step_at(3, 0)
 
 
 def test_the_tree_that_generalises_is_chosen_and_fitted_to_all_samples():
@@ -112,9 +114,10 @@ def test_one_pair_of_training_and_validation_rows_chooses_as_bertsimas_and_dunn_
 
 
 def test_one_standard_error_buys_a_simpler_tree():
-    least, simple = (choose_tree(IRIS, folds=5, method="exact", rule=rule) for rule in ("least", "one_se"))
+    least, simple = (choose_tree(COSTLY, method="cart", rule=rule) for rule in ("least", "one_se"))
     assert simple.steps == least.steps
-    assert simple.chosen.complexity <= least.chosen.complexity
+    assert least.chosen.validation_cost == min(step.validation_cost for step in least.steps)
+    assert simple.chosen.complexity < least.chosen.complexity
     assert simple.chosen.validation_cost <= least.chosen.validation_cost + least.chosen.standard_error
 
 

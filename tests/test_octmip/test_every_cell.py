@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, solve
+from octmip import ExactOptions, Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, near_optimal, solve
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.report.html import tree_page
 from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
+from octmip.trees.problem_file import encode, question_digest
 from octmip.trees.registry import REGISTRY
 from octmip.trees.tree import depth
 
@@ -39,9 +40,10 @@ SETTINGS = {
     "any_depth": {"depth": None, "leaf_penalty": 1.0},
     "max_splits": {"max_splits": 1},
     "monotone": {"monotone": [1, 0, 0]},
-    "fixed_splits": {"fixed_splits": {"ROOT": "x2"}},
+    "fixed_splits": {"fixed_splits": {"ROOT": "x2<=1.5"}},
     "path_rules": {"path_rules": [("root-only", "x0")]},
     "max_changes": {"old_tree": Leaf(0), "max_changes": 1},
+    "leaf_weight": {"leaf_weight": 3.0},
 }
 """Of settings that some methods do not know, one that asks for each."""
 
@@ -126,6 +128,23 @@ def test_a_setting_is_kept_or_refused_by_name(cell, setting):
         certify(asked, found)
         # A tree that a method pruned to fit, as it knows nothing of the setting, would end as FINISHED.
         assert found.stop is Stop.OPTIMAL or not REGISTRY[loss, split][method].proves
+
+
+@pytest.mark.parametrize("setting", SETTINGS)
+def test_a_setting_is_another_question_comes_back_from_its_file_and_is_refused_where_none_knows_it(setting, tmp_path):
+    asked = problem("classes", "axis", **SETTINGS[setting])
+    write_tree_file(tmp_path / "tree.json", record_tree(asked, solve(asked)))
+    file = read_tree_file(tmp_path / "tree.json")
+    again = file.problem(FEATURES, TARGETS, WEIGHTS)
+    certify(again, file.solution)
+    assert question_digest(again) == question_digest(asked) != question_digest(problem("classes", "axis"))
+    with pytest.raises(ProblemError, match=f"near_optimal .*{'depth' if setting == 'any_depth' else setting}"):
+        near_optimal(asked, within=1.0)
+    with pytest.raises(ProblemError, match="proof"):
+        solve(asked, "exact", options=ExactOptions(proof=tmp_path / "log"))
+    if setting != "any_depth":
+        with pytest.raises(ProblemError, match="of which a problem file says nothing"):
+            encode(asked)
 
 
 def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):

@@ -4,7 +4,6 @@ import math
 import shutil
 import sqlite3
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -176,10 +175,9 @@ def shape(request):
 @pytest.mark.parametrize("export", EXPORTS)
 @pytest.mark.parametrize("missing", [None, "left", "right"])
 def test_infinite_readings_of_a_hyperplane_end_where_the_tree_ends(missing, export, tmp_path_factory):
-    tree = HyperplaneSplit(
-        (0, 1), (1.0, -2.0), 0.5, Leaf(1), HyperplaneSplit((0, 1), (1.0, 1.0), 3.0, Leaf(0), Leaf(2))
-    )
-    tree = replace(tree, missing=missing, right=replace(tree.right, missing=missing))
+    below = HyperplaneSplit((0, 1), (1.0, 1.0), 3.0, Leaf(0), Leaf(2), missing=missing)
+    asks = Split(1, None, below, Leaf(3), missing=missing) if missing else below
+    tree = HyperplaneSplit((0, 1), (1.0, -2.0), 0.5, Leaf(1), asks, missing=missing)
     values = [math.inf, -math.inf, 0.25, 2.0, *([math.nan] if missing else [])]
     readings = np.array([(a, b) for a in values for b in values])
     deep = tree

@@ -29,6 +29,7 @@ LABELS = np.random.default_rng(1).integers(0, 2, 12)
         ("-9223372036854775807", "line 3, column 'x': -9223372036854775807 is beyond 2"),
         ("1e999", "line 3, column 'x': inf is not finite"),
         ('"1,000"', "column 'x' holds '1,000', which may be 1000 or 1"),
+        *((cell, f"line 3, column 'x': '{cell}' is no number") for cell in ("1_000", "\u0661\u0662", "0x10", "True")),
         ("a" * 100_000, r"'aaa[a]*\.\.\. is no number"),
         ("\x1b[2J", r"'\\x1b\[2J' is no number"),
     ],

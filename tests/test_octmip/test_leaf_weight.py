@@ -8,13 +8,11 @@ from sklearn.tree import DecisionTreeClassifier
 
 import octmip
 from benchmarks.oracles.enumeration import optimum
-from octmip import AbsoluteError, Limits, OptimalTreeClassifier, OptimalTreeRegressor, Problem, SquaredError, Stop
+from octmip import AbsoluteError, OptimalTreeClassifier, OptimalTreeRegressor, Problem, SquaredError, Stop
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import repeated_rows
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem_file import encode, question_digest
 
 STRIPES = [[0.0], [1.0], [2.0], [3.0]], ["a", "b", "a", "b"]
 WEIGHTS = {
@@ -97,23 +95,6 @@ def test_rows_too_coarse_to_tell_leaves_apart_claim_no_optimum(monkeypatch):
     problem = Problem(*STRIPES, depth=2, weights=[1, 1, 1, 1], leaf_weight=2)
     found = octmip.solve(problem, "exact")
     assert (found.objective, found.bound, found.stop) == (2.0, 0.0, Stop.NUMERICS)
-
-
-def test_the_limit_enters_file_and_digest_and_what_lacks_it_says_so(tmp_path):
-    problem = Problem(*STRIPES, depth=2, leaf_weight=2)
-    assert "leaf_weight=2" in repr(problem)
-    assert question_digest(problem) != question_digest(replace(problem, leaf_weight=None))
-    refused = (
-        lambda: encode(problem),
-        lambda: octmip.solve(problem, "oct", Limits(seconds=5)),
-        lambda: octmip.solve(problem, "flow"),
-        lambda: octmip.solve(problem, "benders"),
-        lambda: octmip.solve(problem, "exact", options=ExactOptions(proof=tmp_path / "log")),
-        lambda: octmip.near_optimal(problem),
-    )
-    for ask in refused:
-        with pytest.raises(ProblemError, match="leaf_weight"):
-            ask()
 
 
 @pytest.mark.parametrize(

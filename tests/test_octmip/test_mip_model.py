@@ -2,17 +2,20 @@
 
 import math
 
+import highspy
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import octmip
 from benchmarks.cases.mio.random_problems import by_pyomo, judged
 from benchmarks.data import SHARED, first_rows, published, uci
 from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
+from benchmarks.oracles.strategies import hyperplane_problem, random_problem
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import DataError, ProblemError, SolverError
+from octmip.trees.mip import rows_file
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.model_rows import Answer, model_of
 
@@ -171,11 +174,27 @@ def test_a_false_bound_of_a_solver_is_refused_by_a_tree_that_it_denies():
         made.solution(Answer(split, 2.0, "SCIP"))
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_no_row_of_a_model_is_empty(method):
-    for seed in range(40):
-        problem = random_problem(np.random.default_rng(seed), max_samples=6, max_features=2, max_depth=2)
-        assert np.diff(model_of(problem, method).formulation.rows.matrix().indptr).all()
+@pytest.mark.parametrize("suffix", [".lp", ".mps"])
+@pytest.mark.parametrize("method", [*METHODS, "oct_h"])
+def test_a_model_is_read_by_others_as_it_is_and_has_no_empty_row(method, suffix, tmp_path):
+    draw = hyperplane_problem if method == "oct_h" else random_problem
+    for seed in range(12):
+        rows = model_of(draw(np.random.default_rng(seed), max_samples=6, max_features=2), method).formulation.rows
+        rows_file.write_rows(rows, tmp_path / f"m{suffix}", "a model")
+        highs = highspy.Highs()
+        highs.silent()
+        assert highs.readModel(str(tmp_path / f"m{suffix}")) == highspy.HighsStatus.kOk
+        found = highs.getLp()
+        place = [found.col_names_.index(name) for name in rows_file.names(rows)]
+        constant = set(range(found.num_col_)) - set(place)
+        assert [found.col_cost_[j] * found.col_lower_[j] for j in constant] == [rows.offset] * bool(rows.offset)
+        columns = np.array([found.col_cost_, found.col_lower_, found.col_upper_])[:, place]
+        assert columns == pytest.approx(np.array([rows.cost, rows.lower, rows.upper]), rel=1e-15)
+        assert [found.integrality_[j] == highspy.HighsVarType.kInteger for j in place] == rows.is_integer.tolist()
+        assert (found.row_lower_, found.row_upper_) == tuple(ends.tolist() for ends in rows.row_bounds)
+        matrix = sp.csc_array((found.a_matrix_.value_, found.a_matrix_.index_, found.a_matrix_.start_))[:, place]
+        assert abs(matrix - rows.matrix()).max() < 1e-12 * abs(matrix).max()
+        assert np.diff(rows.matrix().indptr).all()
 
 
 def test_highs_begins_with_carts_tree_unless_a_search_is_asked_for():

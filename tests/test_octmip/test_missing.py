@@ -1,6 +1,5 @@
 """Missing readings: where each split sends them, chosen in the optimum, and the same by all that reads a tree."""
 
-import itertools
 import json
 from dataclasses import replace
 
@@ -11,8 +10,6 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
-from octmip.monitor.compiled import CompiledTree
-from octmip.monitor.export import sql
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.methods.exact import branch_and_bound
@@ -21,8 +18,7 @@ from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.reached import centred, without_empty_sides
 from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, condition, goes_left, splits, with_sides_for_missing
-from tests.test_octmip.exported import EXPORTS, sql_labels
+from octmip.trees.tree import condition, goes_left, splits, with_sides_for_missing
 
 NAN = float("nan")
 
@@ -176,52 +172,6 @@ def test_a_problem_file_holds_null_for_what_is_missing_and_the_checker_knows_its
     assert file["version"] == 2
     assert encode(Problem([[1.0], [0.0]], [0, 1], depth=1, takes_missing=True))["version"] == 1
     assert checker_question(problem).digests() == (data_digest(problem), question_digest(problem))
-
-
-# The compiled tree
-
-TREES: list[Node] = [
-    Split(0, 0.5, Leaf(0), Split(1, None, Leaf(1), Leaf(2), missing="left"), missing="right"),
-    Split(1, None, Split(0, 0.5, Leaf(0), Leaf(1), missing="left"), Split(2, -0.5, Leaf(2), Leaf(3)), missing="right"),
-    HyperplaneSplit(
-        (0, 2), (1.0, -2.0), 0.25, Leaf(0), Split(1, 0.0, Leaf(1), Leaf(2), missing="left"), missing="left"
-    ),
-    Split(2, 0.0, HyperplaneSplit((0, 1), (0.5, 2.0), 0.0, Leaf(0), Leaf(1), missing="right"), Leaf(2), missing="left"),
-]
-READINGS = np.array(list(itertools.product([-1.0, 0.5, 1.0, NAN], repeat=3)))
-
-
-def answered(tree: Node) -> list[int]:
-    """Return what a tree predicts for `READINGS`, -1 where it refuses."""
-
-    def one(row: np.ndarray) -> int:
-        try:
-            return int(predict(tree, row[None])[0])
-        except TreeError:
-            return -1
-
-    return [one(row) for row in READINGS]
-
-
-@pytest.mark.parametrize("tree", TREES)
-def test_a_compiled_tree_goes_the_same_ways(tree):
-    compiled = CompiledTree(tree, ("a", "b", "c"))
-    expected = answered(tree)
-    assert compiled.labels(READINGS).tolist() == expected
-    for row, label in zip(READINGS, expected, strict=True):
-        if label >= 0:
-            assert compiled.label(row) == compiled.label(row.tolist()) == label
-
-
-# The exports
-
-
-@pytest.mark.parametrize("tree", TREES)
-@pytest.mark.parametrize("export", EXPORTS)
-def test_every_export_goes_the_same_ways(export, tree, tmp_path_factory, monkeypatch):
-    assert list(export(tree, READINGS, tmp_path_factory.mktemp("tree"))) == answered(tree)
-    monkeypatch.setattr(sql, "DEEPEST_NEST", 0)  # the flat form, which only trees of more than ten levels get
-    assert list(sql_labels(tree, READINGS, tmp_path_factory.mktemp("flat"))) == answered(tree)
 
 
 # The estimator

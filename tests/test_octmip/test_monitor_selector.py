@@ -21,7 +21,6 @@ from octmip.monitor import (
 )
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.test_octmip.beam_twin import Beam
-from tests.test_octmip.exported import EXPORTS
 
 N_READINGS = 20_000
 NAMES = ("a", 'b "quoted" */', "c")
@@ -103,12 +102,6 @@ def test_the_path_leads_to_its_leaf(case):
         for one, other in pairwise(path):
             assert every[other] in (every[one].left, every[one].right)
         assert isinstance(every[path[-1]], Leaf)
-
-
-@pytest.mark.parametrize("export", EXPORTS)
-def test_an_export_answers_bit_for_bit(case, export, tmp_path):
-    tree, readings, answers = case
-    assert np.array_equal(export(tree, readings, tmp_path), answers)
 
 
 # The library and the selector

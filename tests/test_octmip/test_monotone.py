@@ -13,11 +13,9 @@ from benchmarks.kinds.shaped import MONOTONE_KINDS
 from benchmarks.oracles.monotone import least_monotone_error
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
 from octmip.trees.losses import AbsoluteError, QuantileError, SquaredError
 from octmip.trees.methods.ordering import ordered
-from octmip.trees.near_sets import near_optimal
 from octmip.trees.order import disorder
 from octmip.trees.registry import Run
 from octmip.trees.solution import Progress
@@ -188,14 +186,6 @@ def test_what_no_proof_knows_is_searched_unless_a_proof_is_asked_for():
     assert (solve(priced).solver, solve(asked()).solver) == ("search", "exact")
     with pytest.raises(ProblemError, match="does not know the problem's sensor_budget; use method 'cart' or 'search'"):
         solve(priced, "exact")
-
-
-def test_a_tree_file_keeps_it_and_near_optimal_sets_refuse_it(tmp_path):
-    problem = asked()
-    write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
-    assert read_tree_file(tmp_path / "tree.json").settings["monotone"] == ["+", "0", "-"]
-    with pytest.raises(ProblemError, match="knows nothing of monotone"):
-        near_optimal(problem, within=1)
 
 
 def test_the_classifier_takes_scikit_learns_name():

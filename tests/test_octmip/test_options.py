@@ -47,8 +47,14 @@ def test_every_option_has_a_line_of_help_and_a_default_that_needs_no_value(kind)
 
 
 def test_words_become_the_options_that_they_name():
-    words = {"start": "search", "mu": "0.01", "write": "model.lp"}
-    assert MipOptions.read(words, "flow") == MipOptions(start="search", mu=0.01, write="model.lp")
+    words = {"start": "search", "mu": "0.01", "write": "model.lp", "highs": "presolve=off,mip_rounding=False, seed=3"}
+    highs = {"presolve": "off", "mip_rounding": False, "seed": 3}
+    assert MipOptions.read(words, "flow") == MipOptions(start="search", mu=0.01, write="model.lp", highs=highs)
+
+
+def test_options_of_highs_are_names_and_values():
+    with pytest.raises(ProblemError, match="highs is 'presolve'; expected HiGHS's options by name, none of dual_"):
+        MipOptions.read({"highs": "presolve"}, "flow")
 
 
 @pytest.mark.parametrize(
@@ -57,6 +63,7 @@ def test_words_become_the_options_that_they_name():
         ({"colour": "red"}, "search takes no option 'colour'; expected some of: checkpoint, cluster, perturbations"),
         ({"restarts": "many"}, "restarts is 'many'; expected a whole number, 1 or more"),
         ({"restarts": "-3"}, "restarts is -3; expected a whole number, 1 or more"),
+        ({"restarts": "1.5"}, "restarts is '1.5'; expected a whole number, 1 or more"),
     ],
 )
 def test_words_that_say_nothing_are_refused(words, sentence):

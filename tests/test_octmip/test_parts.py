@@ -11,12 +11,11 @@ from benchmarks.kinds.shaped import PART_KINDS
 from benchmarks.oracles.parts import least_cost_with_parts
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, NoTreeError, ProblemError
-from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.formats.tree_file import read_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.interfaces.report.tree.evidence import gather
 from octmip.trees.losses import SquaredError
-from octmip.trees.near_sets import near_optimal
 from octmip.trees.part_check import n_changes
 from octmip.trees.parts import rules_of_columns
 from octmip.trees.solution import Stop
@@ -92,17 +91,6 @@ def test_a_part_that_is_none_is_refused(options, message):
         asked(**options)
 
 
-def test_who_cannot_says_so():
-    problem = asked(fixed_splits={"ROOT": "x2"})
-    for method in ("cart", "search", "oct", "flow", "benders"):
-        with pytest.raises(ProblemError, match="does not know the problem's fixed_splits; use method 'exact'"):
-            solve(problem, method)
-    with pytest.raises(ProblemError, match="knows nothing of fixed_splits"):
-        near_optimal(problem, within=1)
-    with pytest.raises(ProblemError, match="does not know the problem's path_rules"):
-        solve(Problem(FEATURES, FEATURES[:, 0], depth=2, loss=SquaredError(), path_rules=[("root-only", 0)]))
-
-
 def test_given_and_old_thresholds_come_back_as_they_were_given():
     fixed = solve(asked(fixed_splits={"ROOT": ("x0", 2.125)})).tree
     assert (fixed.feature, fixed.threshold) == (0, 2.125)
@@ -142,20 +130,6 @@ def test_a_search_that_is_stopped_claims_no_more_than_it_knows():
     solution = solve(problem, limits=Limits(seconds=0.3))
     certify(problem, solution)
     assert solution.bound <= solution.objective
-
-
-def test_a_tree_file_keeps_every_part(tmp_path):
-    problem = asked(fixed_splits={"ROOT": "x0<=2.25"}, path_rules=[("apart", 1, 2)], old_tree=OLD, max_changes=3)
-    write_tree_file(tmp_path / "t.json", record_tree(problem, solve(problem)))
-    file = read_tree_file(tmp_path / "t.json")
-    again = file.problem(FEATURES, LABELS, None)
-    assert (again.fixed_splits, again.path_rules, again.max_changes) == (
-        problem.fixed_splits,
-        problem.path_rules,
-        3,
-    )
-    assert again.old_tree == problem.old_tree
-    assert certify(again, file.solution).objective == file.solution.objective
 
 
 def test_the_classifier_takes_rules_by_column_and_splits_by_feature():

@@ -13,7 +13,7 @@ from octmip.trees import problem_values
 from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.problem_file import data_digest
+from octmip.trees.problem_file import data_digest, question_digest
 from octmip.trees.tree import splits
 
 FEATURES = np.arange(12.0).reshape(4, 3)
@@ -97,6 +97,7 @@ def test_the_digest_knows_the_training_data_and_nothing_else():
     changed[2, 1] = np.nextafter(changed[2, 1], 99)
     others = [{"features": changed}, {"targets": ["a", "a", "b", "b"]}, {"weights": [1, 1, 1, 2]}]
     assert len({problem(**other).digest() for other in [{}, *others]}) == 4
+    assert len({question_digest(problem(max_splits=most)) for most in (1, 2, 3, None)}) == 3  # 3 are no limit
 
 
 WRONG = {
@@ -243,6 +244,7 @@ def test_a_problem_shows_its_size_and_settings_and_no_arrays():
         leaf_size=2, leaf_penalty=0.5, weights=[1, 2, 1, 1], loss=ClassCosts([[0, 2], [1, 0]]), sensor_budget=2
     )
     assert repr(asked).endswith("split='axis', leaf_size=2, leaf_penalty=0.5, sensor_budget=2, weighted, with costs)")
+    assert "leaf_weight=2" in repr(problem(leaf_weight=2))
 
 
 def test_a_table_that_nobody_can_write_to_is_not_copied():

@@ -11,7 +11,6 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
-from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
@@ -31,18 +30,6 @@ def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_th
         assert solution.objective >= best - 1e-9 * max(1.0, best)
         n_missed += solution.objective > best + 1e-9 * max(1.0, best)
     assert n_missed <= 3
-
-
-def test_larger_random_problems_get_feasible_trees_no_worse_than_cart_that_they_start_from():
-    rng = np.random.default_rng(3)
-    for seed in range(20):
-        problem = random_problem(rng, max_samples=120, max_features=8, max_depth=6)
-        cart = greedy_tree(problem)
-        solution = local_search(
-            problem, seed=seed, options=SearchOptions(restarts=2, perturbations=5), incumbent=cart.tree
-        )
-        certify(problem, solution)
-        assert solution.objective <= cart.objective
 
 
 def test_perturbations_of_deep_trees_keep_every_constraint_and_the_objective_of_the_certificate():

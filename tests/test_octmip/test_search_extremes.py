@@ -150,9 +150,12 @@ def test_polishing_stops_when_asked_to_and_keeps_the_planes():
 
 def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():
     rng = np.random.default_rng(27)
-    points = np.array(TEN_POINTS)
-    problem = Problem(points, TEN_LABELS, depth=1, split="hyperplane")
-    for _ in range(60):
-        row = points[rng.integers(10)]
-        plane = HyperplaneSplit((0,), (float(rng.choice([-1.0, 0.5])),), float(row[0] / 2), Leaf(0), Leaf(1))
+    sizes = [value for value in VALUES if value]
+    for _ in range(120):
+        points = rng.choice(VALUES, (8, 2))
+        problem = Problem(points, np.arange(8) % 2, depth=1, split="hyperplane")
+        normal = tuple(rng.choice(sizes, 2).tolist())
+        with np.errstate(over="ignore", invalid="ignore"):
+            offset = float(np.nan_to_num(points[0] @ normal))
+        plane = HyperplaneSplit((0, 1), normal, offset, Leaf(0), Leaf(1))
         assert np.array_equal(leaf_index(polished(problem, plane), points), leaf_index(plane, points))

@@ -1,6 +1,7 @@
 """solve: which solver answers, what it starts from, and that nothing leaves it uncertified."""
 
 import dataclasses
+import functools
 import math
 import threading
 
@@ -198,3 +199,36 @@ def test_a_signal_ends_a_proof_in_another_thread(loss):
     interruption.note()
     thread.join(60)
     assert found[0].stop is Stop.INTERRUPTED
+
+
+RNG = np.random.default_rng(8)
+TABLE, HALVES = RNG.normal(size=(30, 3)), RNG.integers(0, 2, 30)
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        Problem(TABLE, HALVES, depth=5),
+        Problem(TABLE, HALVES, depth=2, split="hyperplane", split_size=2),
+        Problem(TABLE, HALVES, depth=1, split="hyperplane"),
+        Problem(TABLE, HALVES, depth=2, monotone=[1, 0, 0]),
+        Problem(TABLE, TABLE[:, 0] ** 2, depth=2, loss=SquaredError()),
+        Problem(TABLE, TABLE[:, 0] ** 2, depth=2, loss=SquaredError(), monotone=[1, 0, 0]),
+    ],
+)
+def test_no_solver_is_given_more_seconds_than_are_left(asked, monkeypatch):
+    given, load = [], registry.Registration.load
+
+    def watched(registration):
+        function = load(registration)
+
+        @functools.wraps(function)
+        def answer(*arguments, limits, **named):
+            given.append(limits.seconds)
+            return function(*arguments, limits=limits, **named)
+
+        return answer
+
+    monkeypatch.setattr(registry.Registration, "load", watched)
+    solve(asked, limits=Limits(seconds=100.0))
+    assert 0 < max(given) <= 100

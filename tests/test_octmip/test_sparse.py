@@ -6,14 +6,10 @@ import numpy as np
 import pytest
 
 from benchmarks.kinds.classes import SPARSE_KIND
-from octmip import Leaf, Problem, Split, certify, solve
+from octmip import Leaf, Problem, Split, solve
 from octmip.errors import ProblemError
-from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.estimator import OptimalTreeClassifier
-from octmip.trees.losses import SquaredError
 from octmip.trees.methods import exact, native_call
-from octmip.trees.methods.options import ExactOptions
-from octmip.trees.near_sets import near_optimal
 from octmip.trees.tree import depth
 
 RNG = np.random.default_rng(5)
@@ -75,19 +71,11 @@ def test_the_depth_follows_the_price_and_a_depth_that_is_given_stays():
     assert priced(0.0, max_splits=4).depth == 4
 
 
-def test_what_has_no_price_or_is_not_known_is_refused():
+def test_what_has_no_price_is_refused():
     with pytest.raises(ProblemError, match=r"depth is None and leaf_penalty 0.* give leaf_penalty"):
         priced(0.0)
     with pytest.raises(ProblemError, match="depth is None but split is 'hyperplane'; give a depth"):
         priced(1.0, split="hyperplane")
-    with pytest.raises(ProblemError, match=r"does not know the problem's depth of None; .*give a depth, such as 3"):
-        solve(priced(1.0), "flow")
-    with pytest.raises(ProblemError, match="of a problem without a depth"):
-        solve(priced(1.0), "exact", options=ExactOptions(proof="proof.log"))
-    with pytest.raises(ProblemError, match="near_optimal goes through trees level by level and depth is None"):
-        near_optimal(priced(1.0), 0.1)
-    with pytest.raises(ProblemError, match=r"does not know the problem's depth of None; .*give a depth, such as 3"):
-        solve(Problem(FEATURES, FEATURES[:, 0], loss=SquaredError(), leaf_penalty=1.0), "exact")
 
 
 def test_a_tree_deeper_than_any_that_pays_is_one_of_the_problem():
@@ -104,16 +92,6 @@ def test_where_deeper_trees_might_pay_the_bound_says_for_which_it_holds(monkeypa
     solution = solve(priced(2.0), "exact")
     assert solution.bound > 3 * 2.0
     assert solution.details["scope"] == "trees of depth 2 or less"
-
-
-def test_a_tree_file_keeps_that_any_depth_will_do(tmp_path):
-    problem = priced(2.0)
-    write_tree_file(tmp_path / "tree.json", record_tree(problem, solve(problem)))
-    file = read_tree_file(tmp_path / "tree.json")
-    assert file.settings["depth"] is None
-    again = file.problem(FEATURES, LABELS, np.ones(30))
-    assert again.any_depth
-    certify(again, file.solution)
 
 
 def test_an_estimator_takes_no_depth():

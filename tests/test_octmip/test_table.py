@@ -137,14 +137,6 @@ def test_another_ending_leaves_it_to_the_content(tmp_path, name):
     assert read_table(path).columns == ("z",)
 
 
-@pytest.mark.parametrize("content", [b"", b"PAR1 and then nothing"])
-def test_a_broken_parquet_file_is_refused(tmp_path, content):
-    path = tmp_path / "data.parquet"
-    path.write_bytes(content)
-    with pytest.raises(DataError, match=r"empty|no Parquet file"):
-        read_table(path)
-
-
 def test_costs_are_read_in_any_order(tmp_path):
     path = csv_file(tmp_path, "true,b,a\nb,0,1\na,10,0\n")
     assert read_costs(path, ["a", "b"]).tolist() == [[0, 10], [1, 0]]

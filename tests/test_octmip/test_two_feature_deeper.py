@@ -60,7 +60,10 @@ def test_a_known_tree_of_depth_three_is_kept_and_a_perfect_one_is_proven() -> No
 def test_a_limit_is_handed_down_and_logs_are_refused(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     problem = Problem(rng.normal(size=(200, 4)), rng.integers(0, 5, 200), depth=3, split="hyperplane", split_size=2)
-    assert two_feature_branch_and_bound(problem, limits=Limits(nodes=10)).stop == Stop.NODES
+    seen: list[Progress] = []
+    assert two_feature_branch_and_bound(problem, limits=Limits(nodes=200), progress=seen.append).stop == Stop.NODES
+    assert seen
+    assert all(state.bound <= state.objective <= problem.baseline for state in seen)
     with pytest.raises(ProblemError, match="end at depth 2"):
         two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "file"))
 

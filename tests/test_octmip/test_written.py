@@ -157,22 +157,6 @@ def test_every_dtype_of_text_becomes_questions_with_its_missing_readings(kind):
 # By the command
 
 
-def test_a_table_of_dates_and_prices_is_solved_and_predicted(tmp_path, capsys):
-    rows = [
-        f'{k % 28 + 1:02}/0{k % 9 + 1}/2025,"${k * 100:,}.50",{k}%,{"late" if k > 40 else "early"}' for k in range(80)
-    ]
-    data, tree = tmp_path / "t.csv", tmp_path / "t.json"
-    data.write_text("\n".join(["day,price,rate,y", *rows]) + "\n")
-    assert main(["solve", str(data), "--label", "y", "--depth", "1", "--out", str(tree)]) == 0
-    told = capsys.readouterr()
-    assert "read as dates" in told.out + told.err
-    assert "read as amounts in $" in told.out + told.err
-    assert "read as per cent" in told.out + told.err
-    assert main(["certify", str(tree), str(data)]) == 0
-    assert main(["predict", str(tree), str(data), "--label", "y"]) == 0
-    assert "0 of 80" in capsys.readouterr().err
-
-
 def test_a_threshold_on_dates_is_a_date_where_no_column_is_text(tmp_path, capsys):
     rows = [f"2025-01-{k:02},{'late' if k > 15 else 'early'}" for k in range(1, 29)]
     data = tmp_path / "t.csv"

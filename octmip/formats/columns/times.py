@@ -211,7 +211,7 @@ def _first(
         return None
 
 
-def _instant(part: dict[str, str | None]) -> tuple[int, int] | None:
+def _instant(part: dict[str, Any]) -> tuple[int, int] | None:
     clock = _clock(part)
     if clock is None:
         return None
@@ -223,30 +223,30 @@ def _instant(part: dict[str, str | None]) -> tuple[int, int] | None:
     return _day(part) - EPOCH + days, rest
 
 
-def _day(part: dict[str, str | None]) -> int:
+def _day(part: dict[str, Any]) -> int:
     """Return the number of a day, 1 for 0001-01-01; ValueError where there is none."""
-    year = int(part["Y"] or 0)
+    year = int(part["Y"])
     if part.get("V"):
-        return date.fromisocalendar(year, int(part["V"] or 1), int(part["u"] or 1)).toordinal()
+        return date.fromisocalendar(year, int(part["V"]), int(part["u"] or 1)).toordinal()
     if part.get("j"):
-        day = date(year, 1, 1).toordinal() + int(part["j"] or 1) - 1
+        day = date(year, 1, 1).toordinal() + int(part["j"]) - 1
         if date.fromordinal(day).year != year:
             raise ValueError(part["j"])
         return day
-    month = 3 * int(part["q"] or 1) - 2 if part.get("q") else _month(part)
+    month = 3 * int(part["q"]) - 2 if part.get("q") else _month(part)
     return date(year, month, int(part.get("d") or 1)).toordinal()
 
 
-def _month(part: dict[str, str | None]) -> int:
+def _month(part: dict[str, Any]) -> int:
     name = part.get("b")
     if name is None:
-        return int(part["m"] or 1)
+        return int(part["m"])
     full = pd.Timestamp(2000, MONTHS.get(name[:3].lower(), 1), 1).month_name().lower()
     is_known = name.lower() in (full, full[:3], "sept", *GERMAN)
     return MONTHS.get(name[:3].lower(), 0) if is_known else 0  # there is no month 0
 
 
-def _clock(part: dict[str, str | None]) -> int | None:
+def _clock(part: dict[str, Any]) -> int | None:
     """Return the nanoseconds of a time of day, up to 24:00, 0 where none is written; None where there is none such."""
     hours, minutes, seconds = (int(part.get(key) or part.get(f"{key}3") or 0) for key in "HMS")
     fraction = int((part.get("f") or part.get("f3") or "0").ljust(9, "0"))
@@ -258,7 +258,7 @@ def _clock(part: dict[str, str | None]) -> int | None:
     return total if minutes < 60 and seconds < 60 and total <= NANOSECONDS else None
 
 
-def _duration(part: dict[str, str | None]) -> tuple[int, int] | None:
+def _duration(part: dict[str, Any]) -> tuple[int, int] | None:
     if part.get("p") or part.get("p2"):
         clock = _clock(part)
         return None if clock is None or part.get("D") or part.get("minus") else (0, clock)

@@ -76,10 +76,9 @@ class Table:
         lines = [row.number for row in rows_in(layout_of(self.name, text, self.source.format))]
         return tuple(lines[row] for row in places)
 
-    def rows(self, chosen: NDArray[Any]) -> "Table":
-        """Return the table of some rows: their positions (n,), or whether each is chosen (n_rows,)."""
-        frame = self.frame[chosen] if chosen.dtype == bool else self.frame.iloc[chosen]
-        return replace(self, frame=frame)
+    def rows(self, is_chosen: NDArray[np.bool_]) -> "Table":
+        """Return the table of the rows that are chosen (n_rows,)."""
+        return replace(self, frame=self.frame[is_chosen])
 
     def with_plain_numbers(self, name: str) -> "Table":
         """Return the table with a column as whole numbers or numbers where missing cells had made it something else."""

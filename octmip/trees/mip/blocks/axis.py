@@ -43,10 +43,6 @@ def cut_of(split: Split | HyperplaneSplit, ranks: Ranks) -> int:
 
 
 def threshold_at(feature: int, cut: int, ranks: Ranks) -> float:
-    """Return the threshold of a cut; -1 sends every sample right, the last rank every sample left."""
+    """Return the threshold of a cut of `cut_of`, which leaves samples on both sides."""
     values = ranks.values[feature]
-    if cut < 0:
-        return float(np.nextafter(values[0], -np.inf))
-    if cut >= len(values) - 1:
-        return float(values[-1])
     return midpoint(float(values[cut]), float(values[cut + 1]))

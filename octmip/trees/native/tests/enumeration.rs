@@ -15,6 +15,11 @@ use oracle::{Case, case_of_many_labels, cost_of, optimum, random_case};
 /// So many problems of each kind.
 const N_CASES: u64 = 45;
 
+/// So many of small problems of many kinds; each level more takes several times as long.
+fn n_small(depth: usize) -> u64 {
+    (4 * N_CASES) >> (depth - 1)
+}
+
 fn cases(depth: usize, split_size: usize) -> impl Iterator<Item = (u64, Case)> {
     let stream = (10 * depth + split_size) as u64 * 1000;
     (stream..stream + N_CASES)
@@ -45,7 +50,7 @@ fn assert_proves(problem: &Problem, question: &Question, best: i64, switches: ex
 #[test]
 fn logs_of_cost_matrices_prove_what_the_best_of_all_trees_costs() {
     for depth in 1..=3 {
-        for seed in 0..4 * N_CASES {
+        for seed in 0..n_small(depth) {
             let rng = &mut fastrand::Rng::with_seed(9000 * depth as u64 + seed);
             let Case { problem, question } = case_of_many_labels(rng, depth);
             let best = optimum(&problem);
@@ -74,7 +79,7 @@ fn the_best_trees_of_one_level_fewer_bound_all_trees() {
     // Four samples of four classes: 3 errors of a leaf, 2 of a split, none of two levels.
     assert_eq!([(3, 0), (2, 1)].map(|(errors, level)| exact::one_level_deeper(errors, level, 4, 0)), [2, 0]);
     let mut n_above = 0;
-    for (depth, seed) in (1..=3).flat_map(|depth| (0..4 * N_CASES).map(move |seed| (depth, seed))) {
+    for (depth, seed) in (1..=3).flat_map(|depth| (0..n_small(depth)).map(move |seed| (depth, seed))) {
         let drawn = |levels| {
             let rng = &mut fastrand::Rng::with_seed(70_000 + seed);
             let case = if seed % 2 == 0 { random_case(rng, depth, 1) } else { case_of_many_labels(rng, depth) };
