@@ -2,6 +2,7 @@
 
 pub(crate) mod axis;
 mod by_values;
+pub(crate) mod beside;
 mod depth_two;
 pub(crate) mod kept;
 pub(crate) mod log;

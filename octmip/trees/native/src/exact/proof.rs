@@ -8,7 +8,7 @@ use crate::effort::Control;
 use crate::exact::node::log::Log;
 use crate::exact::node::search::Search;
 use crate::exact::root_search::elsewhere::Elsewhere;
-use crate::exact::root_search::frontier::Frontier;
+use crate::exact::root_search::frontier::{Frontier, Level};
 use crate::exact::root_search::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
@@ -83,8 +83,9 @@ fn record(
     if control.is_stopped() || view.leaf().min(shallower.cost(i64::MAX)) < upper {
         return None; // a tree of fewer levels costs less
     }
-    let fewer = (depth - 1, whole, &[][..]);
-    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, fewer, upper, None)
+    let incumbents = &search.incumbents[..];
+    let level = Level { before: depth - 1, depth, upper, incumbents, whole, fewer: &[], free: &[] };
+    let frontier = Frontier::new(samples, switches, control, &view, &level, None)
         .by_windows_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
     match helpers {
         Helpers::Threads(n_threads) => std::thread::scope(|scope| {

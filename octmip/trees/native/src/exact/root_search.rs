@@ -1,5 +1,6 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, sensor budget, limits.
 
+mod beside_free;
 pub(crate) mod elsewhere;
 pub(crate) mod frontier;
 pub(crate) mod known;
@@ -52,6 +53,7 @@ pub(crate) fn go_on<'s>(
         if has_lists_on_demand(problem, options) { Samples::without_order(problem) } else { Samples::new(problem) };
     let mut samples = samples.in_units_of(problem);
     samples.avoided = avoided;
+    let samples = samples.beside_free(&options.switches);
     let view = View::root(&samples);
     let known = known.map(|known| known.without(samples.base_cost()).map_costs(|cost| samples.counted(cost)));
     if let Some(known) = &known {

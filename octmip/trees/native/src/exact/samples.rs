@@ -83,6 +83,10 @@ pub(crate) struct Samples {
     /// Of each sample the cell of its value and label in each usable feature, where cells of all features stand one
     /// after the other (`n * p`); empty where they are more than the samples, or a split has no price.
     pub(crate) cells: Vec<u16>,
+    /// The same with leaves of any size, where a search carries the bounds of that problem beside its own.
+    pub(crate) free: Option<Box<Samples>>,
+    /// The largest cost range of a sample; 0 where no free problem stands beside.
+    pub(crate) widest: i64,
     /// What each sample costs in every tree, as equal ones have other labels (`n`); empty where that is nothing, or a
     /// split has no price.
     pub(crate) lost: Vec<i64>,
@@ -139,6 +143,8 @@ impl Samples {
             values: Vec::new(),
             n_values: 0,
             cells: Vec::new(),
+            free: None,
+            widest: 0,
             lost: Vec::new(),
         };
         samples.values = samples.features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
@@ -166,6 +172,19 @@ impl Samples {
             .for_each(|count| *count /= self.unit);
         self.penalty /= self.unit;
         self.range_of_all = self.ranges.first().copied().filter(|first| self.ranges.iter().all(|range| range == first));
+        self
+    }
+
+    /// The same beside their free problem, in which leaves may have any size (`node::beside`).
+    pub(crate) fn beside_free(mut self, switches: &Switches) -> Self {
+        if self.leaf_size > 1 && switches.free {
+            let mut free = Self { leaf_size: 1, ..self.clone() };
+            if free.is_single && free.penalty > 0 {
+                free.set_cells();
+            }
+            self.widest = self.ranges.iter().copied().max().unwrap_or(0);
+            self.free = Some(Box::new(free));
+        }
         self
     }
 
@@ -359,6 +378,7 @@ impl Samples {
             values: usable.iter().map(|&f| self.values[f]).collect(),
             n_values: usable.iter().map(|&f| self.values[f]).sum(),
             cells: Vec::new(),
+            free: self.free.as_ref().map(|free| Box::new(free.with_features(usable))),
             lost: self.lost.clone(), // fewer features part no more samples
             ranks: pick(&self.ranks),
             order: pick(&self.order),

@@ -17,11 +17,23 @@ pub(super) struct Unknown {
 
 impl Search<'_> {
     pub(super) fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        self.solve_beside(view, depth, upper, floor, None)
+    }
+
+    /// The same, where the free problem of the node may be solved.
+    pub(super) fn solve_beside(
+        &mut self,
+        view: &View,
+        depth: usize,
+        upper: i64,
+        floor: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
         let (len, totals, range) = (view.len, &view.totals[..], view.total_range);
         let has_ids = self.has_ids(len);
         let mut known = |ids: &[u32]| self.without_search(Set { len, ids, totals, range }, depth, upper, floor);
         let known = if has_ids { view.with_ids(&mut known) } else { known(&[]) };
-        known.unwrap_or_else(|unknown| self.search(view, depth, unknown, upper))
+        known.unwrap_or_else(|unknown| self.search_beside(view, depth, unknown, upper, free))
     }
 
     /// Whether the ids of a set of so many samples tell something without a search.
@@ -77,6 +89,17 @@ impl Search<'_> {
     }
 
     pub(super) fn search(&mut self, view: &View, asked: usize, unknown: Unknown, upper: i64) -> NodeResult {
+        self.search_beside(view, asked, unknown, upper, None)
+    }
+
+    fn search_beside(
+        &mut self,
+        view: &View,
+        asked: usize,
+        unknown: Unknown,
+        upper: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
         let Unknown { key, depth, floor } = unknown;
         if asked > 2 && depth <= 2 {
             self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
@@ -84,7 +107,10 @@ impl Search<'_> {
         if depth == 1 {
             return self.depth_one(view, upper);
         }
-        let result = self.searched(view, depth, upper, floor);
+        let result = match free {
+            Some(free) => self.beside(view, depth, upper, floor, free),
+            None => self.searched(view, depth, upper, floor),
+        };
         self.keep(key, depth, &result);
         result
     }
