@@ -75,7 +75,7 @@ fn trees_of_large_leaves_cost_what_the_best_of_all_such_trees_does() {
     let n_kept = exact::Switches::NAMES.len();
     for (depth, seed) in (1..=4).flat_map(|depth| (0..n_cases).map(move |seed| (depth, seed))) {
         let rng = &mut fastrand::Rng::with_seed(90_000 * depth as u64 + seed);
-        let Case { problem, .. } = case_of_large_leaves(rng, depth);
+        let Case { problem, question } = case_of_large_leaves(rng, depth);
         let off: Vec<&str> = exact::Switches::NAMES.iter().copied().filter(|_| seed % 2 == 1 && rng.usize(0..n_kept) < 2).collect();
         let switches = exact::Switches::without(&off).expect("known names");
         let n_threads = 1 + (seed % 3) as usize / 2;
@@ -85,6 +85,7 @@ fn trees_of_large_leaves_cost_what_the_best_of_all_such_trees_does() {
         let name = format!("depth {depth}, seed {seed}, without {off:?}");
         assert_eq!((found.objective, found.bound), (best, best), "{name}");
         assert_eq!(cost_of(&problem, &found.tree), Some(best), "{name}");
+        assert_proves(&problem, &question, best, exact::Switches::default(), seed);
     }
 }
 

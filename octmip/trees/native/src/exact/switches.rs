@@ -38,6 +38,6 @@ crate::switches::switches! {
 impl Switches {
     /// Without the prunes that the checker of a log does not know.
     pub(crate) fn of_logs(self) -> Self {
-        Self { free: false, cancelling: false, price: false, kept: false, ..self }
+        Self { cancelling: false, price: false, kept: false, ..self }
     }
 }

@@ -67,7 +67,7 @@ impl Axis {
         self.is_beside = samples.free.is_some() && switches.monotone;
         self.is_monotone = (samples.leaf_size == 1 || self.is_beside) && switches.monotone;
         let most = (n_leaves as i64 - 1).saturating_mul(samples.leaf_size as i64 - 1);
-        self.merged = most.saturating_mul(samples.widest);
+        self.merged = if std::env::var_os("NOMERGE").is_some() { i64::MAX / 4 } else { most.saturating_mul(samples.widest) };
         self.has_range = switches.cost_range;
         self.make_room(view.len + 1);
         self.lay_cuts(samples, view, f);
@@ -148,7 +148,7 @@ impl Axis {
         [self.left[k], self.right[k]] = bounds;
         if self.is_beside {
             for side in [0, 1] {
-                self.free[side][k] = free[side].max(bounds[side].saturating_sub(self.merged));
+                self.free[side][k] = free[side].max(bounds[side].saturating_sub(self.merged)).max(0);
             }
         }
     }

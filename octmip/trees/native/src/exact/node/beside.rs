@@ -13,6 +13,7 @@
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
 use crate::exact::node::kept::Kept;
+use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::node::search::{Both, Children, Cut, Search};
@@ -60,7 +61,8 @@ impl<'a> Search<'a> {
             None => NodeResult::none(upper),
         };
         let floor = floor.max(cost);
-        let mut step = first_step(cost, view);
+        // A log names the cuts once, of the last step.
+        let mut step = if self.log.is_some() { i64::MAX } else { first_step(cost, view) };
         let mut proven = floor;
         while proven < best.cost(upper) && !(takes_first && best.best.is_some()) && !self.is_stopped() {
             let asked = best.cost(upper).min(proven.max(cost).saturating_add(step));
@@ -104,7 +106,7 @@ impl<'a> Search<'a> {
 
     /// Trees of fewer levels on a node: of the free problem, where one stands beside. With the cuts solved at their
     /// root, and each feature's incumbent.
-    pub(super) fn shallower(
+    pub(crate) fn shallower(
         &mut self,
         view: &View,
         depth: usize,
@@ -117,6 +119,11 @@ impl<'a> Search<'a> {
         };
         let searched = self.of_stumps();
         (result, std::mem::take(&mut searched.solved), std::mem::take(&mut searched.incumbents))
+    }
+
+    /// The record of the node last closed by the search that `shallower` asks.
+    pub(crate) fn last_record(&mut self) -> Option<String> {
+        self.of_stumps().log.as_mut().and_then(Log::take)
     }
 
     /// The best stump of a view by its best free one; exact below `upper`.
@@ -167,7 +174,8 @@ impl<'a> Search<'a> {
             kept: Kept::default(),
         };
         let both = self.free.as_deref_mut().and_then(|free| free.both(view, depth, cut, cut.free, sides));
-        let Some(Both { bounds: free, plans, is_split, .. }) = both else { return children };
+        let Some(Both { bounds: free, plans, records, is_split }) = both else { return children };
+        let mut records = [records, [None, None]];
         let mut bounds = [0, 1].map(|side| cut.bounds[side].max(free[side]));
         children.free = free;
         if bounds[0] + bounds[1] < cut.target && !is_split {
@@ -187,7 +195,9 @@ impl<'a> Search<'a> {
             }
             bounds[side] = bounds[side].max(result.lower);
             found[side] = result.best;
+            records[1][side] = self.log.as_mut().and_then(Log::take);
         }
+        self.log_cut(view, cut, &records);
         Children { bounds, tree: self.joined(view, cut, found), ..children }
     }
 }

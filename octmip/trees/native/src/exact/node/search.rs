@@ -136,6 +136,13 @@ impl<'a> Search<'a> {
         self
     }
 
+    /// The same with a log of what is proven, of the free problem too.
+    pub(crate) fn logging(mut self) -> Self {
+        self.log = Some(Log::default());
+        self.free = self.free.map(|free| Box::new(free.logging()));
+        self
+    }
+
     /// Whether the search is stopped; what is returned after that proves nothing.
     pub(crate) fn is_stopped(&self) -> bool {
         self.control.is_stopped()
@@ -143,15 +150,32 @@ impl<'a> Search<'a> {
 
     /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
     pub(crate) fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        self.solve_beside(view, depth, upper, floor, None)
+    }
+
+    /// The same, where the free problem of the node may be solved: its record then need not be written again.
+    pub(super) fn solve_beside(
+        &mut self,
+        view: &View,
+        depth: usize,
+        upper: i64,
+        floor: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
+        let least = free.as_ref().map(|free| free.lower);
         let Some(log) = &mut self.log else {
-            return self.solve_unlogged(view, depth, upper, floor);
+            return self.solve_unlogged(view, depth, upper, floor, free);
         };
         let outer = log.open();
         if upper <= floor {
             log.pass_over(outer);
             return NodeResult::none(floor);
         }
-        let result = self.solve_unlogged(view, depth, upper, 0);
+        let result = self.solve_unlogged(view, depth, upper, 0, free);
+        if let Some(log) = self.log.as_mut().filter(|_| least.is_some_and(|least| result.lower <= least)) {
+            log.pass_over(outer);
+            return result;
+        }
         let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
         if let Some(log) = &mut self.log {
             log.close(outer, depth, self.samples.leaf_size, base + self.samples.cost(result.lower));
@@ -210,8 +234,9 @@ impl<'a> Search<'a> {
             let (result, solved, incumbents) = self.shallower(view, shallower, leaf + 1, floor);
             whole = at_all_levels(result.lower, shallower, depth - 1, self.price());
             fewer = solved;
+            let record = self.last_record();
             if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
-                log.shallower();
+                log.shallower(record);
             }
             if self.free.is_none() && result.cost(i64::MAX) < best.cost(upper) {
                 best = result;
@@ -321,12 +346,17 @@ impl<'a> Search<'a> {
         let Some(Both { bounds, plans, records, .. }) = self.both(view, depth, cut, cut.bounds, sides) else {
             return nothing;
         };
+        self.log_cut(view, cut, &[records]);
+        Children { bounds, tree: self.joined(view, cut, plans), ..nothing }
+    }
+
+    /// Log a cut with records of its sides.
+    pub(super) fn log_cut(&mut self, view: &View, cut: &Cut, records: &[[Option<String>; 2]]) {
         if let Some(log) = &mut self.log {
             let mut position = [cut.position as u32];
             self.samples.rows_left(view.list(cut.feature), &mut position);
             log.cut(self.samples.features[cut.feature], position[0] as usize, records);
         }
-        Children { bounds, tree: self.joined(view, cut, plans), ..nothing }
     }
 
     /// The tree of a cut whose sides were both found, the cut included.

@@ -16,12 +16,7 @@ pub(super) struct Unknown {
 }
 
 impl Search<'_> {
-    pub(super) fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
-        self.solve_beside(view, depth, upper, floor, None)
-    }
-
-    /// The same, where the free problem of the node may be solved.
-    pub(super) fn solve_beside(
+    pub(super) fn solve_unlogged(
         &mut self,
         view: &View,
         depth: usize,

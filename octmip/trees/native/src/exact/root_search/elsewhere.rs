@@ -7,7 +7,6 @@
 
 use crate::effort::Control;
 use crate::exact::node::kept::Kept;
-use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::search::{Children, Cut, Search};
 use crate::exact::samples::Samples;
@@ -72,8 +71,8 @@ impl CutSolver {
     pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
         // Leaves of any size are asked for by a root that searches them first.
         let samples = self.samples.free.as_deref().filter(|_| cut.is_free).unwrap_or(&self.samples);
-        let mut search = Search::new(samples, self.switches, control, level);
-        search.log = self.is_logged.then(Log::default);
+        let search = Search::new(samples, self.switches, control, level);
+        let mut search = if self.is_logged { search.logging() } else { search };
         if level == 3 {
             search.prepare(&self.view);
         }
