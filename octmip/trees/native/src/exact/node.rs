@@ -1,8 +1,8 @@
 //! The search of one node: the best tree of some samples, or the proof that none is cheap enough.
 
 pub(crate) mod axis;
-mod by_values;
 pub(crate) mod beside;
+mod by_values;
 mod depth_two;
 pub(crate) mod kept;
 pub(crate) mod log;

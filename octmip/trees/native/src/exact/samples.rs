@@ -85,8 +85,6 @@ pub(crate) struct Samples {
     pub(crate) cells: Vec<u16>,
     /// The same with leaves of any size, where a search carries the bounds of that problem beside its own.
     pub(crate) free: Option<Box<Samples>>,
-    /// The largest cost range of a sample; 0 where no free problem stands beside.
-    pub(crate) widest: i64,
     /// What each sample costs in every tree, as equal ones have other labels (`n`); empty where that is nothing, or a
     /// split has no price.
     pub(crate) lost: Vec<i64>,
@@ -144,7 +142,6 @@ impl Samples {
             n_values: 0,
             cells: Vec::new(),
             free: None,
-            widest: 0,
             lost: Vec::new(),
         };
         samples.values = samples.features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
@@ -182,7 +179,6 @@ impl Samples {
             if free.is_single && free.penalty > 0 {
                 free.set_cells();
             }
-            self.widest = self.ranges.iter().copied().max().unwrap_or(0);
             self.free = Some(Box::new(free));
         }
         self

@@ -39,8 +39,6 @@ pub(crate) struct Axis {
     /// The same of both children with leaves of any size; not where that is the problem itself.
     free: [Vec<i64>; 2],
     is_beside: bool,
-    /// What a free tree of a child costs more at most once its small leaves are merged.
-    merged: i64,
     mixed: MixedLabels,
     /// Least cost of both children by price and labels, or by earlier searches; never falls as a child grows.
     least_of: [Vec<i64>; 2],
@@ -66,8 +64,6 @@ impl Axis {
     ) {
         self.is_beside = samples.free.is_some() && switches.monotone;
         self.is_monotone = (samples.leaf_size == 1 || self.is_beside) && switches.monotone;
-        let most = (n_leaves as i64 - 1).saturating_mul(samples.leaf_size as i64 - 1);
-        self.merged = if std::env::var_os("NOMERGE").is_some() { i64::MAX / 4 } else { most.saturating_mul(samples.widest) };
         self.has_range = switches.cost_range;
         self.make_room(view.len + 1);
         self.lay_cuts(samples, view, f);
@@ -139,17 +135,11 @@ impl Axis {
     }
 
     /// Enter a solved cut: lower bounds of its children, and of the same with leaves of any size.
-    ///
-    /// A free tree of a child has fewer than so many leaves too small, each of fewer samples than the least size. Each
-    /// can be merged with its neighbour, which moves its samples alone: so the free bound is no less than the other,
-    /// less what these samples may cost more.
     #[inline(always)]
     pub(crate) fn enter(&mut self, k: usize, bounds: [i64; 2], free: [i64; 2]) {
         [self.left[k], self.right[k]] = bounds;
         if self.is_beside {
-            for side in [0, 1] {
-                self.free[side][k] = free[side].max(bounds[side].saturating_sub(self.merged)).max(0);
-            }
+            [self.free[0][k], self.free[1][k]] = free;
         }
     }
 

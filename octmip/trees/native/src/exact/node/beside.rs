@@ -8,7 +8,7 @@
 //! * else the cuts of the node are searched with two pairs of bounds (`axis`), for trees below `e + 1`, then below more
 //!   and more: what such a search finds is the best tree, and what it does not find bounds the node;
 //! * a cut is solved in the free problem first, with slack; only where both its sides together stay below the target
-//!   they are solved again with their own size, and as their own target no more than that.
+//!   they are solved again with their own size, and with little slack.
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
@@ -23,6 +23,10 @@ use crate::exact::view::View;
 
 /// Shares of what the free tree of a node costs by which trees may cost more at first: one in so many.
 const FIRST: i64 = 64;
+
+/// Share of the least size whose usual cost is the slack of a child: its own target alone closes few neighbours, and much
+/// more is seldom reached.
+const SLACK: usize = 4;
 
 /// The first step above what the free problem costs, a cost of the usual size of one sample at least.
 pub(crate) fn first_step(free: i64, view: &View) -> i64 {
@@ -50,7 +54,7 @@ impl<'a> Search<'a> {
         depth: usize,
         upper: i64,
         floor: i64,
-        free: NodeResult,
+        (free, is_child): (NodeResult, bool),
     ) -> NodeResult {
         let takes_first = self.takes_first;
         let Some((cost, plan)) = free.best.filter(|_| !self.is_stopped()) else {
@@ -61,8 +65,8 @@ impl<'a> Search<'a> {
             None => NodeResult::none(upper),
         };
         let floor = floor.max(cost);
-        // A log names the cuts once, of the last step.
-        let mut step = if self.log.is_some() { i64::MAX } else { first_step(cost, view) };
+        // The budget of a child is little above its free cost; and a log names the cuts once, of the last step.
+        let mut step = if is_child || self.log.is_some() { i64::MAX } else { first_step(cost, view) };
         let mut proven = floor;
         while proven < best.cost(upper) && !(takes_first && best.best.is_some()) && !self.is_stopped() {
             let asked = best.cost(upper).min(proven.max(cost).saturating_add(step));
@@ -135,11 +139,13 @@ impl<'a> Search<'a> {
         self.fitting.stump(self.samples, &place, 1, upper, |f| solver.reach(f, 1)).value
     }
 
-    /// Best stumps of both sides of a cut by their best free ones: exact where they cost less than its target together.
+    /// Best stumps of both sides of a cut by their best free ones: exact unless their bounds reach the target of the cut
+    /// or `threshold` together.
     pub(super) fn fitting_stumps(
         &mut self,
         solver: &dyn StumpSolver,
         place: &Place<'_>,
+        threshold: i64,
         mut stumps: [Stump; 2],
     ) -> [Stump; 2] {
         if self.free.is_none() {
@@ -147,8 +153,8 @@ impl<'a> Search<'a> {
         }
         let first = usize::from(2 * place.k > place.view.len); // the smaller one fails sooner
         for side in [first, 1 - first] {
-            let upper = place.target - stumps[1 - side].lower;
-            if stumps[side].lower >= upper {
+            let upper = threshold - stumps[1 - side].lower;
+            if stumps[0].lower + stumps[1].lower >= place.target {
                 stumps[side].value = i64::MAX; // none is known, none is wanted
                 continue;
             }
@@ -159,20 +165,9 @@ impl<'a> Search<'a> {
     }
 
     /// Solve both children of a cut, in the free problem first.
-    pub(super) fn children_beside(
-        &mut self,
-        view: &View,
-        depth: usize,
-        cut: &Cut,
-        sides: &mut [View; 2],
-    ) -> Children {
-        let mut children = Children {
-            bounds: cut.bounds,
-            free: cut.free,
-            tree: None,
-            record: String::new(),
-            kept: Kept::default(),
-        };
+    pub(super) fn children_beside(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+        let mut children =
+            Children { bounds: cut.bounds, free: cut.free, tree: None, record: String::new(), kept: Kept::default() };
         let both = self.free.as_deref_mut().and_then(|free| free.both(view, depth, cut, cut.free, sides));
         let Some(Both { bounds: free, plans, records, is_split }) = both else { return children };
         let mut records = [records, [None, None]];
@@ -181,14 +176,16 @@ impl<'a> Search<'a> {
         if bounds[0] + bounds[1] < cut.target && !is_split {
             self.split(view, cut, sides);
         }
-        let first = usize::from(2 * cut.position < view.len);
+        let first = usize::from(2 * cut.position > view.len); // the smaller one fails sooner
+        let usual = view.total_range / (view.len as i64).max(1);
+        let slack = cut.slack.min((self.samples.leaf_size / SLACK) as i64 * usual);
         let mut found = [None, None];
         let mut results = plans.map(|plan| plan.map(|(cost, plan)| NodeResult::found(cost, plan)));
         for side in [first, 1 - first] {
-            let budget = cut.target - bounds[1 - side];
-            if bounds[side] >= budget {
+            if bounds[0] + bounds[1] >= cut.target {
                 break;
             }
+            let budget = cut.target + slack - bounds[1 - side];
             let result = self.solve_beside(&sides[side], depth - 1, budget, bounds[side], results[side].take());
             if self.is_stopped() {
                 return Children { bounds: cut.bounds, free: cut.free, ..children };

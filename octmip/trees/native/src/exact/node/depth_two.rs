@@ -80,7 +80,7 @@ impl Search<'_> {
             counted.push(k_left as u32);
             self.n_evaluated += 1;
             let free = stumps.map(|stump| stump.lower);
-            let [left, right] = self.fitting_stumps(&*solver, &place, stumps);
+            let [left, right] = self.fitting_stumps(&*solver, &place, threshold, stumps);
             axis.enter(k, [left.lower, right.lower], free);
             if samples.penalty > 0 {
                 self.solved.push(Solved { feature: f, position: k_left, bounds: free });

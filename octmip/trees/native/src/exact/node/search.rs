@@ -187,7 +187,7 @@ impl<'a> Search<'a> {
         match &mut self.free {
             Some(free) => {
                 let free = free.solve(view, depth, upper, 0);
-                self.beside(view, depth, upper, floor, free)
+                self.beside(view, depth, upper, floor, (free, false))
             }
             None => self.by_cuts(view, depth, upper, floor),
         }
@@ -342,7 +342,8 @@ impl<'a> Search<'a> {
         if self.free.is_some() {
             return self.children_beside(view, depth, cut, sides);
         }
-        let nothing = Children { bounds: cut.bounds, free: [0, 0], tree: None, record: String::new(), kept: Kept::default() };
+        let nothing =
+            Children { bounds: cut.bounds, free: [0, 0], tree: None, record: String::new(), kept: Kept::default() };
         let Some(Both { bounds, plans, records, .. }) = self.both(view, depth, cut, cut.bounds, sides) else {
             return nothing;
         };

@@ -94,7 +94,7 @@ impl Search<'_> {
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let stumps = solver.both(self.free_samples(), &place, threshold);
             self.n_evaluated += 1;
-            let bounds = self.fitting_stumps(&*solver, &place, stumps).map(|stump| stump.lower);
+            let bounds = self.fitting_stumps(&*solver, &place, threshold, stumps).map(|stump| stump.lower);
             axis.enter(k, bounds, stumps.map(|stump| stump.lower));
             if bounds[0] + bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds });
@@ -115,7 +115,15 @@ impl Search<'_> {
             let Some((interval, k)) = interval.zip(k) else { continue };
             let slack = if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let position = axis.positions[k] as usize;
-            let cut = Cut { feature: f, position, bounds: axis.bounds(&interval, k).into(), free: axis.free_bounds(&interval, k), target, is_free: false, slack };
+            let cut = Cut {
+                feature: f,
+                position,
+                bounds: axis.bounds(&interval, k).into(),
+                free: axis.free_bounds(&interval, k),
+                target,
+                is_free: false,
+                slack,
+            };
             let children = self.children(view, depth, &cut, &mut sides);
             if self.is_stopped() {
                 break;

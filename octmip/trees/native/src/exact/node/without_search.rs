@@ -103,7 +103,7 @@ impl Search<'_> {
             return self.depth_one(view, upper);
         }
         let result = match free {
-            Some(free) => self.beside(view, depth, upper, floor, free),
+            Some(free) => self.beside(view, depth, upper, floor, (free, true)),
             None => self.searched(view, depth, upper, floor),
         };
         self.keep(key, depth, &result);

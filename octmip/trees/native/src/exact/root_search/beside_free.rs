@@ -29,10 +29,10 @@ impl Run<'_, '_> {
                 continue;
             }
             let target = upper - self.samples.penalty;
-            let closed: Vec<Solved> = cuts.iter().filter(|cut| cut.bounds[0] + cut.bounds[1] >= target).copied().collect();
+            let closed: Vec<Solved> =
+                cuts.iter().filter(|cut| cut.bounds[0] + cut.bounds[1] >= target).copied().collect();
             let known = (!closed.is_empty()).then_some((&closed[..], &incumbents[..]));
-            let asked =
-                Level { before: depth - 1, depth, upper, incumbents: &order, whole, fewer: &[], free: &free };
+            let asked = Level { before: depth - 1, depth, upper, incumbents: &order, whole, fewer: &[], free: &free };
             let ((_, found, solved), bounds) = self.deep(&asked, depth, known, keep_going);
             (incumbents, cuts) = (found, solved);
             free.extend(bounds);

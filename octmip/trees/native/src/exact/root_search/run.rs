@@ -256,8 +256,8 @@ impl Run<'_, '_> {
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
         let shared = std::mem::take(&mut self.shared);
         let frontier = Frontier::new(samples, switches, &self.control, view, level, known)
-        .sharing(&shared)
-        .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
+            .sharing(&shared)
+            .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
         let (tables, before, control) = (self.tables, (self.best.0, self.tree()), &self.control);
         let n_free = self.n_free;
         let state_now = || {
