@@ -24,8 +24,8 @@ use crate::exact::view::View;
 /// Shares of what the free tree of a node costs by which trees may cost more at first: one in so many.
 const FIRST: i64 = 64;
 
-/// Share of the least size whose usual cost is the slack of a child: without any it closes few neighbours, and much more
-/// is seldom reached.
+/// Share of the least size whose usual cost is the slack of a child: without any it closes few neighbours, and much
+/// more is seldom reached.
 const SLACK: usize = 4;
 
 /// The first step above what the free problem costs, a cost of the usual size of one sample at least.
