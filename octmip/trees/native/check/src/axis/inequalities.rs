@@ -1,7 +1,7 @@
 //! Bounds of samples from bounds of fewer and of more samples.
 //!
-//! With `e(S)` the cost of the best tree of some depth on the samples S, penalties included, and `e_m(S)` the same where
-//! leaves hold m samples or more, what is used is, for disjoint S and M:
+//! With `e(S)` the cost of the best tree of some depth on the samples S, penalties included, and `e_m(S)` the same
+//! where leaves hold m samples or more, what is used is, for disjoint S and M:
 //!
 //! * Growing: `e(S + M) >= e(S) + spread(M)`. A tree on S + M, empty leaves removed, is one on S (S is empty where no
 //!   bound of it is known); besides, M costs it at least `spread(M)`, which counts labels and no penalties.

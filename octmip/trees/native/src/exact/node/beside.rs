@@ -139,8 +139,8 @@ impl<'a> Search<'a> {
         self.fitting.stump(self.samples, &place, 1, upper, |f| solver.reach(f, 1)).value
     }
 
-    /// Best stumps of both sides of a cut by their best free ones: exact unless their bounds reach the target of the cut
-    /// or `threshold` together.
+    /// Best stumps of both sides of a cut by their best free ones: exact unless their bounds reach the target of the
+    /// cut or `threshold` together.
     pub(super) fn fitting_stumps(
         &mut self,
         solver: &dyn StumpSolver,

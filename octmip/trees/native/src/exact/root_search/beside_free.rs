@@ -1,5 +1,5 @@
-//! A problem of leaves of a least size, from three levels on: its free problem first, then trees a little above the cost
-//! of that (`node::beside`).
+//! A problem of leaves of a least size, from three levels on: its free problem first, then trees a little above the
+//! cost of that (`node::beside`).
 
 use crate::control::KeepGoing;
 use crate::effort::Control;

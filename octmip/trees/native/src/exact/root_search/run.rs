@@ -242,8 +242,8 @@ impl Run<'_, '_> {
         (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents, solved)
     }
 
-    /// Depth three or more, by all threads; and the solved cuts with the bounds of leaves of any size. `last`: the level
-    /// that is wanted in the end.
+    /// Depth three or more, by all threads; and the solved cuts with the bounds of leaves of any size. `last`: the
+    /// level that is wanted in the end.
     pub(crate) fn deep(
         &mut self,
         level: &Level<'_>,
