@@ -41,7 +41,7 @@ pub(crate) fn write_by(
     helpers: Helpers<'_>,
 ) -> Option<String> {
     let switches = switches.of_logs();
-    let samples = Samples::in_few_rows(problem, &switches).beside_free(&switches);
+    let samples = Samples::of_log(problem, &switches);
     let upper = samples.counted(claim - samples.base_cost());
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {

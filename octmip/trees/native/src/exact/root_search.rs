@@ -11,8 +11,8 @@ mod within_budget;
 
 use crate::control::{KeepGoing, Outcome, Stop};
 use crate::costs::{base_cost, best_leaf};
-use crate::exact::samples::Samples;
 use crate::exact::samples::merging::merged;
+use crate::exact::samples::{Samples, levels_of};
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
@@ -60,7 +60,9 @@ pub(crate) fn go_on<'s>(
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }
     let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver).helped_by(elsewhere);
-    run.search(problem.depth, keep_going);
+    // Large leaves leave room for few levels; the free problem need not have more either.
+    let most = if problem.leaf_size > 1 { levels_of(problem.n, problem.leaf_size).max(1) } else { problem.depth };
+    run.search(problem.depth.min(most), keep_going);
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         run.keep_budget(keep_going);
     }

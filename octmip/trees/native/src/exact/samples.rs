@@ -93,6 +93,11 @@ pub(crate) struct Samples {
 /// Most runs of values, one of each feature, of samples that have few.
 const MOST_BOXES: f64 = 131_072.0;
 
+/// Levels that trees on so many samples may have: every level needs one more leaf of the least size.
+pub(crate) fn levels_of(len: usize, leaf_size: usize) -> usize {
+    (len / leaf_size).max(1) - 1
+}
+
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
     pub(crate) fn new(problem: &Problem) -> Self {
@@ -182,6 +187,14 @@ impl Samples {
             self.free = Some(Box::new(free));
         }
         self
+    }
+
+    /// The samples of a log. Its records name the levels that are asked for: where leaves are too large for these, no
+    /// free problem stands beside.
+    pub(crate) fn of_log(problem: &Problem, switches: &Switches) -> Self {
+        let samples = Self::in_few_rows(problem, switches);
+        let has_room = levels_of(problem.n, problem.leaf_size) >= problem.depth;
+        if has_room { samples.beside_free(switches) } else { samples }
     }
 
     /// Cost range of a sample.

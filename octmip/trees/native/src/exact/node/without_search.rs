@@ -6,6 +6,7 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::price::levels_below;
 use crate::exact::node::result::NodeResult;
 use crate::exact::node::search::Search;
+use crate::exact::samples::levels_of;
 use crate::exact::view::View;
 
 /// A node that needs a search: its key where results are kept, the levels that its trees may have, a bound.
@@ -50,7 +51,10 @@ impl Search<'_> {
             return Ok(NodeResult::none(floor));
         }
         let leaf = set.leaf();
-        let depth = levels_below(upper.min(leaf), self.price(), depth);
+        let mut depth = levels_below(upper.min(leaf), self.price(), depth);
+        if self.samples.leaf_size > 1 && self.log.is_none() {
+            depth = depth.min(levels_of(set.len, self.samples.leaf_size));
+        }
         if self.is_leaf_best((leaf, set.len), depth, floor) {
             return Ok(NodeResult::cheapest(leaf, Plan::Leaf, upper));
         }

@@ -63,7 +63,10 @@ impl CutSolver {
     /// Of a problem, by the same numbering of samples as the search that asks, or the writer of its log.
     pub fn new(problem: &Problem, switches: Switches, is_logged: bool) -> Self {
         let switches = if is_logged { switches.of_logs() } else { switches };
-        let samples = Samples::in_few_rows(problem, &switches).beside_free(&switches);
+        let samples = match is_logged {
+            true => Samples::of_log(problem, &switches),
+            false => Samples::in_few_rows(problem, &switches).beside_free(&switches),
+        };
         Self { view: View::root(&samples), samples, switches, is_logged }
     }
 
