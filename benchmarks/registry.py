@@ -14,6 +14,7 @@ FAMILIES = {
     "exact_large": "benchmarks.cases.exact.large",
     "exact_boundaries": "benchmarks.cases.exact.boundaries",
     "exact_ablation": "benchmarks.cases.exact.ablation",
+    "option_prices": "benchmarks.cases.exact.option_prices",
     "scopes": "benchmarks.cases.exact.scopes",
     "sparse": "benchmarks.cases.exact.sparse",
     "exact_proofs": "benchmarks.cases.exact.proofs",

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.strategies import with_missing
+from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
@@ -137,6 +137,13 @@ def _few_leaves(rng: Generator) -> Problem:
     return replace(problem, depth=depth, sensor_budget=None, max_splits=int(rng.integers(0, min(2**depth, 6))))
 
 
+def _large_leaves(rng: Generator) -> Problem:
+    """Return a problem of leaves of two samples or more, with some other options at once."""
+    problem = random_problem(rng, max_samples=14)
+    problem = with_missing(rng, problem) if rng.random() < 0.2 else problem
+    return replace(problem, leaf_size=int(rng.integers(2, max(2, problem.n_samples // 3) + 1)))
+
+
 def _grid(rng: Generator) -> Problem:
     """Return more samples on a coarse grid: trees of many levels, and nodes that are met by several ways."""
     n, n_features, n_classes = int(rng.integers(8, 17)), int(rng.integers(1, 4)), int(rng.integers(2, 5))
@@ -180,5 +187,6 @@ LINES_KIND = Classes(13, _lines, {"exact": 1.0}, 0.1)
 TWO_FEATURES = {"exact": 1.0, "search": 0.3, "flow": 0.05, "oct_h": 0.05}
 TWO_FEATURE_KIND = Classes(60, _two_features, TWO_FEATURES, 0.4, is_proven=True)
 FEW_SPLITS_KIND = Classes(17, _few_splits, {"oct": 0.5, "flow": 0.5}, 0.1, ())
+LARGE_LEAVES_KIND = Classes(61, _large_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.5)
 SPARSE_KIND = AnyDepthClasses(23, _sparse, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())
 FEW_LEAVES_KIND = Classes(19, _few_leaves, {"exact": 1.0, "search": 0.2, "cart": 0.1}, 0.3, ())

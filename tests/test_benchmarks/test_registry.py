@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
-from benchmarks.cases.exact import boundaries, large
+from benchmarks.cases.exact import boundaries, large, option_prices
 from benchmarks.data import SHARED, numeric_sets
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
@@ -92,6 +92,14 @@ def timed(rows: Iterable[dict[str, str]]) -> Iterator[Line]:
     """Yield the lines of a data file with their seconds as numbers."""
     for row in rows:
         yield {key: float(cell) if key.endswith("_seconds") and cell else cell for key, cell in row.items()}
+
+
+@needs_data
+def test_larger_leaves_are_proven_on_a_public_table_and_their_prices_told():
+    lines = list(option_prices.results(10.0, [1], ["wine"], only="leaf size"))
+    assert {line["outcome"] for line in lines} == {"proven"}
+    assert [line["objective"] for line in lines if line["option"] == "leaf size 20"] == [6.0, 3.0]
+    assert "| leaf size 20 | " in option_prices.summary(lines)
 
 
 def test_no_two_proven_objectives_of_the_sparse_trees_differ():

@@ -345,5 +345,6 @@ def test_a_cut_of_another_problem_is_refused() -> None:
         "allowed": [True],
     }
     problem = shared_problem(arguments, [], False)
+    cut = {"feature": 0, "position": 2, "bounds": [0, 0], "free": [0, 0], "target": 5, "is_free": False, "slack": 0}
     with pytest.raises(ValueError, match="feature 0 has no cut at 2"):
-        solve_cut(problem, 3, {"feature": 0, "position": 2, "bounds": [0, 0], "target": 5, "slack": 0})
+        solve_cut(problem, 3, cut)

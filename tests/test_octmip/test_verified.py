@@ -62,7 +62,6 @@ WRITTEN = [
     (stripes(4, 1), 1, "N 1 1 1", False),
     (stripes(4, 1), 1, "N 1 1 1|E|E", False),
     (stripes(4, 1, **TWOS), 2, "N 1 2 2|E", True),
-    (stripes(4, 1, **TWOS), 2, "N 1 1 2|E", False),
     (stripes(4, 1, **HALVES), 1, "N 1 1 1|E", True),
     (stripes(6, 2), 1, "N 2 1 1|F 0 3|E", True),
     (stripes(6, 2), 1, "N 2 1 1|F 0 2 1 1|E", True),

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, changed_data, raise_bound, raise_claim
+from benchmarks.kinds.classes import LARGE_LEAVES_KIND
 from benchmarks.kinds.numbers import NUMBER_KINDS
 from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.regression_runs import Runs
@@ -205,8 +206,33 @@ def _raise_claim_of_lines(rng: Generator, lines: list[str]) -> None:
             lines[row] = " ".join([tag, *(f"{w.split(':')[0]}:{int(w.split(':')[1]) + more}" for w in numbers if w)])
 
 
+def _other_leaves(rng: Generator, lines: list[str]) -> None:
+    """Change the least size of leaves of a record, or of all of a size."""
+    rows = [row for row, line in enumerate(lines) if line.startswith("N ")]
+    size, other = lines[int(rng.choice(rows))].split(" ")[2], str(int(rng.integers(1, 5)))
+    chosen = rows if rng.random() < 0.5 else [int(rng.choice(rows))]
+    for row in chosen:
+        words = lines[row].split(" ")
+        lines[row] = " ".join([*words[:2], other if words[2] == size else words[2], words[3]])
+
+
+def _raise_all(rng: Generator, lines: list[str]) -> None:
+    """Raise the claim and the bounds of all records, or of those of a size of leaves."""
+    if rng.random() < 0.3:
+        return raise_claim(rng, lines)
+    more, sizes = int(rng.integers(1, 3)), [line.split(" ")[2] for line in lines if line.startswith("N ")]
+    size = str(rng.choice([*sizes, ""]))
+    lines[HEADER - 1] = f"claim {int(lines[HEADER - 1].split(' ')[1]) + more}"
+    for row, line in enumerate(lines):
+        words = line.split(" ")
+        if words[0] == "N" and size in ("", words[2]):
+            lines[row] = " ".join([*words[:3], str(int(words[3]) + more)])
+    return None
+
+
 KINDS = {
     "classes": Logs(40, _classes, least_cost, LINE_CHANGES, raise_claim),
+    "large leaves": Logs(43, LARGE_LEAVES_KIND.draw, least_cost, (*LINE_CHANGES, _other_leaves), _raise_all),
     "two features": Logs(41, _two_features, least_cost, (*LINE_CHANGES, _other_place), _raise_claim_of_lines),
     "numbers": Logs(42, _numbers, _least_of_numbers, (*LINE_CHANGES, raise_bound), raise_claim),
 }

@@ -10,7 +10,7 @@ use _native::search;
 use _native::two_feature;
 use octmip_check::check;
 use octmip_check::question::Question;
-use oracle::{Case, case_of_many_labels, cost_of, optimum, random_case};
+use oracle::{Case, case_of_large_leaves, case_of_many_labels, cost_of, optimum, random_case};
 
 /// So many problems of each kind.
 const N_CASES: u64 = 45;
@@ -71,6 +71,26 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
             assert_proves(&problem, &question, best, exact::Switches::default(), seed);
         }
+    }
+}
+
+#[test]
+fn trees_of_large_leaves_cost_what_the_best_of_all_such_trees_does() {
+    let n_kept = exact::Switches::NAMES.len();
+    for (depth, seed) in (1..=4).flat_map(|depth| (0..2 * N_CASES).map(move |seed| (depth, seed))) {
+        let rng = &mut fastrand::Rng::with_seed(90_000 * depth as u64 + seed);
+        let Case { problem, question } = case_of_large_leaves(rng, depth);
+        let off: Vec<&str> =
+            exact::Switches::NAMES.iter().copied().filter(|_| seed % 2 == 1 && rng.usize(0..n_kept) < 2).collect();
+        let switches = exact::Switches::without(&off).expect("known names");
+        let n_threads = 1 + (seed % 3) as usize / 2;
+        let options = exact::Options { limits: Limits::default(), n_threads, incumbent: None, switches };
+        let found = exact::solve(&problem, &options, &mut |_| true);
+        let best = optimum(&problem);
+        let name = format!("depth {depth}, seed {seed}, without {off:?}");
+        assert_eq!((found.objective, found.bound), (best, best), "{name}");
+        assert_eq!(cost_of(&problem, &found.tree), Some(best), "{name}");
+        assert_proves(&problem, &question, best, exact::Switches::default(), seed);
     }
 }
 

@@ -1,6 +1,7 @@
 //! The search of one node: the best tree of some samples, or the proof that none is cheap enough.
 
 pub(crate) mod axis;
+pub(crate) mod beside;
 mod by_values;
 mod depth_two;
 pub(crate) mod kept;

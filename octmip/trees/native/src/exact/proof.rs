@@ -6,9 +6,9 @@
 
 use crate::effort::Control;
 use crate::exact::node::log::Log;
-use crate::exact::node::search::Search;
+use crate::exact::node::search::{Cut, Search};
 use crate::exact::root_search::elsewhere::Elsewhere;
-use crate::exact::root_search::frontier::Frontier;
+use crate::exact::root_search::frontier::{Frontier, Level};
 use crate::exact::root_search::sensor_sets::{Relaxed, Sets};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
@@ -41,7 +41,7 @@ pub(crate) fn write_by(
     helpers: Helpers<'_>,
 ) -> Option<String> {
     let switches = switches.of_logs();
-    let samples = Samples::in_few_rows(problem, &switches);
+    let samples = Samples::of_log(problem, &switches);
     let upper = samples.counted(claim - samples.base_cost());
     let mut out = Body::default();
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
@@ -54,7 +54,8 @@ pub(crate) fn write_by(
     (!control.is_stopped()).then(|| out.into_lines())
 }
 
-/// The record that no tree over these features costs less than `upper` above the base, as the samples count.
+/// The record that no tree over these features costs less than `upper` above the base, as the samples count: of leaves
+/// of any size, where these cost no less.
 fn record(
     samples: &Samples,
     switches: Switches,
@@ -63,28 +64,52 @@ fn record(
     upper: i64,
     helpers: Helpers<'_>,
 ) -> Option<String> {
-    let view = View::root(samples);
-    let logging = |depth| {
-        let mut search = Search::new(samples, switches, control, depth);
-        search.log = Some(Log::default());
-        search
+    let Some(free) = samples.free.as_deref() else {
+        return own_record(samples, switches, control, depth, upper, helpers);
     };
+    let of_free = match helpers {
+        Helpers::Threads(_) => own_record(free, switches, control, depth, upper, helpers),
+        Helpers::Elsewhere(elsewhere) => {
+            let ask = |level: usize, cut: &Cut, control: &Control| {
+                (elsewhere.ask)(level, &Cut { is_free: true, ..*cut }, control)
+            };
+            let elsewhere = Elsewhere { ask: &ask, round: elsewhere.round };
+            own_record(free, switches, control, depth, upper, Helpers::Elsewhere(&elsewhere))
+        }
+    };
+    of_free.or_else(|| own_record(samples, switches, control, depth, upper, helpers))
+}
+
+/// The same of the leaves that are asked for.
+fn own_record(
+    samples: &Samples,
+    switches: Switches,
+    control: &Control,
+    depth: usize,
+    upper: i64,
+    helpers: Helpers<'_>,
+) -> Option<String> {
+    let view = View::root(samples);
+    let logging = |depth| Search::new(samples, switches, control, depth).logging();
     let mut search = logging(depth);
     if depth < 3 || search.is_leaf_best((view.leaf(), view.len), depth, 0) {
         let result = search.solve(&view, depth, upper, i64::MIN);
         let record = search.log.as_mut().and_then(Log::take);
         return record.filter(|_| result.lower >= upper && !control.is_stopped());
     }
-    let shallower = search.solve(&view, depth - 1, view.leaf() + 1, i64::MIN);
+    let (shallower, _, incumbents) = search.shallower(&view, depth - 1, view.leaf() + 1, i64::MIN);
+    let record = search.last_record();
     let log = search.log.as_mut()?;
-    log.shallower();
+    log.shallower(record);
     let below = log.take_lines();
     let whole = shallower.lower;
-    if control.is_stopped() || view.leaf().min(shallower.cost(i64::MAX)) < upper {
+    let is_tree = samples.free.is_none() && shallower.cost(i64::MAX) < upper;
+    if control.is_stopped() || view.leaf() < upper || is_tree {
         return None; // a tree of fewer levels costs less
     }
-    let fewer = (depth - 1, whole, &[][..]);
-    let frontier = Frontier::new(samples, switches, control, &view, depth, &search.incumbents, fewer, upper, None)
+    let incumbents = &incumbents[..];
+    let level = Level { before: depth - 1, depth, upper, incumbents, whole, fewer: &[], free: &[] };
+    let frontier = Frontier::new(samples, switches, control, &view, &level, None)
         .by_windows_of(if let Helpers::Elsewhere(elsewhere) = helpers { elsewhere.round } else { 0 });
     match helpers {
         Helpers::Threads(n_threads) => std::thread::scope(|scope| {

@@ -1,5 +1,6 @@
 //! The whole search: incumbent, shallower depths, the root's frontier, sensor budget, limits.
 
+mod beside_free;
 pub(crate) mod elsewhere;
 pub(crate) mod frontier;
 pub(crate) mod known;
@@ -10,8 +11,8 @@ mod within_budget;
 
 use crate::control::{KeepGoing, Outcome, Stop};
 use crate::costs::{base_cost, best_leaf};
-use crate::exact::samples::Samples;
 use crate::exact::samples::merging::merged;
+use crate::exact::samples::{Samples, levels_of};
 use crate::exact::view::View;
 use crate::problem::Problem;
 use crate::supervise::Supervision;
@@ -52,13 +53,16 @@ pub(crate) fn go_on<'s>(
         if has_lists_on_demand(problem, options) { Samples::without_order(problem) } else { Samples::new(problem) };
     let mut samples = samples.in_units_of(problem);
     samples.avoided = avoided;
+    let samples = samples.beside_free(&options.switches);
     let view = View::root(&samples);
     let known = known.map(|known| known.without(samples.base_cost()).map_costs(|cost| samples.counted(cost)));
     if let Some(known) = &known {
         known.check(&samples, &view, problem.depth, problem.sensor_cost.len())?;
     }
     let mut run = Run::new(problem, (&samples, &view), options, supervision, tables, known, saver).helped_by(elsewhere);
-    run.search(problem.depth, keep_going);
+    // Large leaves leave room for few levels; the free problem need not have more either.
+    let most = if problem.leaf_size > 1 { levels_of(problem.n, problem.leaf_size).max(1) } else { problem.depth };
+    run.search(problem.depth.min(most), keep_going);
     if problem.sensor_cost.iter().sum::<f64>() > problem.sensor_limit {
         run.keep_budget(keep_going);
     }

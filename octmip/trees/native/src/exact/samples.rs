@@ -83,6 +83,8 @@ pub(crate) struct Samples {
     /// Of each sample the cell of its value and label in each usable feature, where cells of all features stand one
     /// after the other (`n * p`); empty where they are more than the samples, or a split has no price.
     pub(crate) cells: Vec<u16>,
+    /// The same with leaves of any size, where a search carries the bounds of that problem beside its own.
+    pub(crate) free: Option<Box<Samples>>,
     /// What each sample costs in every tree, as equal ones have other labels (`n`); empty where that is nothing, or a
     /// split has no price.
     pub(crate) lost: Vec<i64>,
@@ -90,6 +92,11 @@ pub(crate) struct Samples {
 
 /// Most runs of values, one of each feature, of samples that have few.
 const MOST_BOXES: f64 = 131_072.0;
+
+/// Levels that trees on so many samples may have: every level needs one more leaf of the least size.
+pub(crate) fn levels_of(len: usize, leaf_size: usize) -> usize {
+    (len / leaf_size).max(1) - 1
+}
 
 impl Samples {
     /// Encode a validated problem; features that are not allowed or constant are left out.
@@ -139,6 +146,7 @@ impl Samples {
             values: Vec::new(),
             n_values: 0,
             cells: Vec::new(),
+            free: None,
             lost: Vec::new(),
         };
         samples.values = samples.features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
@@ -167,6 +175,26 @@ impl Samples {
         self.penalty /= self.unit;
         self.range_of_all = self.ranges.first().copied().filter(|first| self.ranges.iter().all(|range| range == first));
         self
+    }
+
+    /// The same beside their free problem, in which leaves may have any size (`node::beside`).
+    pub(crate) fn beside_free(mut self, switches: &Switches) -> Self {
+        if self.leaf_size > 1 && switches.free {
+            let mut free = Self { leaf_size: 1, ..self.clone() };
+            if free.is_single && free.penalty > 0 {
+                free.set_cells();
+            }
+            self.free = Some(Box::new(free));
+        }
+        self
+    }
+
+    /// The samples of a log. Its records name the levels that are asked for: where leaves are too large for these, no
+    /// free problem stands beside.
+    pub(crate) fn of_log(problem: &Problem, switches: &Switches) -> Self {
+        let samples = Self::in_few_rows(problem, switches);
+        let has_room = levels_of(problem.n, problem.leaf_size) >= problem.depth;
+        if has_room { samples.beside_free(switches) } else { samples }
     }
 
     /// Cost range of a sample.
@@ -359,6 +387,7 @@ impl Samples {
             values: usable.iter().map(|&f| self.values[f]).collect(),
             n_values: usable.iter().map(|&f| self.values[f]).sum(),
             cells: Vec::new(),
+            free: self.free.as_ref().map(|free| Box::new(free.with_features(usable))),
             lost: self.lost.clone(), // fewer features part no more samples
             ranks: pick(&self.ranks),
             order: pick(&self.order),

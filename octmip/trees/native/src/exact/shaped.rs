@@ -54,6 +54,7 @@ pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) ->
     let is_whole = is_ordered || options.rules.is_some();
     let samples =
         if is_whole { Samples::new(problem).in_units_of(problem) } else { Samples::in_few_rows(problem, &switches) };
+    let samples = samples.beside_free(&switches);
     let view = View::root(&samples);
     let base = samples.base_cost();
     let counted = |(objective, tree): &(i64, Tree)| (samples.counted(objective - base), tree.clone());

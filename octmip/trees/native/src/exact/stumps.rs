@@ -3,6 +3,7 @@
 pub(crate) mod aligned;
 pub(crate) mod buckets;
 pub(crate) mod cells;
+pub(crate) mod fitting;
 pub(crate) mod groups;
 mod inside;
 pub(crate) mod place;

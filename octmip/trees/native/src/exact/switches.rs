@@ -5,6 +5,8 @@ crate::switches::switches! {
     monotone,
     /// A set of samples costs at most the cost range of the new samples more than a part of it.
     cost_range,
+    /// Carry the bounds of leaves of any size beside those of a least size.
+    free,
     /// Samples between two cuts cost what they do with as many labels as leaves.
     mixed_labels,
     /// Trees of many levels pay for as many splits, and a side of a cut is a leaf or pays for a split.

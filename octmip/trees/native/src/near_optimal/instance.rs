@@ -8,6 +8,7 @@
 
 use crate::exact::node::result::Solved;
 use crate::exact::samples::Samples;
+use crate::exact::switches::Switches;
 use crate::exact::view::View;
 use crate::near_optimal::cost::Cost;
 use crate::problem::Problem;
@@ -88,7 +89,7 @@ impl<T: Cost> Instance<T> {
     /// Join a validated problem with its exact costs; `above` lists the features that rank missing readings above all
     /// others, `by_sets` tells sets of sensors apart also without a budget.
     pub(crate) fn new(problem: &Problem, exact: &ExactCosts<T>, above: &[u32], by_sets: bool) -> Self {
-        let samples = Samples::new(problem);
+        let samples = Samples::new(problem).beside_free(&Switches::default());
         let k = exact.n_labels;
         let rows: Vec<&[T]> = exact.costs.chunks(k).collect();
         let ends = |class: u32| {

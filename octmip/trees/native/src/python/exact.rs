@@ -92,7 +92,10 @@ struct CutRow {
     position: usize,
     /// Of both sides.
     bounds: [i64; 2],
+    /// The same with leaves of any size.
+    free: [i64; 2],
     target: i64,
+    is_free: bool,
     slack: i64,
 }
 
@@ -102,6 +105,8 @@ struct CutRow {
 struct SolvedRow {
     /// Of both sides.
     bounds: [i64; 2],
+    /// The same with leaves of any size.
+    free: [i64; 2],
     /// Cost above the base, and rows of the tree.
     tree: Incumbent,
     /// Evaluated cuts.
@@ -112,10 +117,10 @@ struct SolvedRow {
 
 /// A cut that one of the workers solved; None when it was stopped or has failed.
 fn ask_for(workers: &Workers, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
-    let &Cut { feature, position, bounds, target, slack } = cut;
-    let row = CutRow { feature, position, bounds, target, slack };
-    let SolvedRow { bounds, tree, n_evaluated, record } = workers.ask((level, row), &|| !control.is_stopped())?;
-    Some(SolvedCut { bounds, tree: workers.checked(known_tree(tree))?, n_evaluated, record })
+    let &Cut { feature, position, bounds, free, target, is_free, slack } = cut;
+    let row = CutRow { feature, position, bounds, free, target, is_free, slack };
+    let SolvedRow { bounds, free, tree, n_evaluated, record } = workers.ask((level, row), &|| !control.is_stopped())?;
+    Some(SolvedCut { bounds, free, tree: workers.checked(known_tree(tree))?, n_evaluated, record })
 }
 
 /// A problem ready for cuts of its root to be solved, in a process that helps another one's search.
@@ -133,8 +138,8 @@ impl PyCutSolver {
 
     /// Solve a cut at a level, with what a log says of it if one is written; None when Ctrl-C stopped it.
     fn solve(&self, py: Python<'_>, level: usize, row: CutRow) -> PyResult<Option<SolvedRow>> {
-        let CutRow { feature, position, bounds, target, slack } = row;
-        let cut = Cut { feature, position, bounds, target, slack };
+        let CutRow { feature, position, bounds, free, target, is_free, slack } = row;
+        let cut = Cut { feature, position, bounds, free, target, is_free, slack };
         if !self.inner.has(&cut) {
             return Err(PyValueError::new_err(format!("feature {feature} has no cut at {position}")));
         }
@@ -145,9 +150,9 @@ impl PyCutSolver {
             let work = || self.inner.solve(level, &cut, &control);
             supervision.run(work, || supervision.poll(&mut *keep_going, state))
         })?;
-        Ok(solved.map(|SolvedCut { bounds, tree, n_evaluated, record }| {
+        Ok(solved.map(|SolvedCut { bounds, free, tree, n_evaluated, record }| {
             let tree = tree.map(|(cost, tree)| (cost, rows_from_tree(&tree)));
-            SolvedRow { bounds, tree, n_evaluated, record }
+            SolvedRow { bounds, free, tree, n_evaluated, record }
         }))
     }
 }

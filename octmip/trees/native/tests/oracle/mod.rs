@@ -63,6 +63,19 @@ pub fn case_of_many_labels(rng: &mut fastrand::Rng, depth: usize) -> Case {
     Case { problem: problem_of(&question), question }
 }
 
+/// The same with leaves of a least size among more samples, so that the free optimum seldom has such leaves.
+pub fn case_of_large_leaves(rng: &mut fastrand::Rng, depth: usize) -> Case {
+    let mut question = if rng.bool() { random_case(rng, depth, 1) } else { case_of_many_labels(rng, depth) }.question;
+    let (p, k, n) = (question.p, question.n_classes, rng.usize(8..15));
+    question.features = (0..n * p).map(|_| f64::from(rng.i32(0..4))).collect();
+    question.labels = (0..n).map(|_| rng.u32(0..k as u32)).collect();
+    let most = if rng.bool() { 2 } else { 5 };
+    question.weights = (0..n).map(|_| f64::from(rng.i32(1..most))).collect();
+    (question.n, question.leaf_size) = (n, rng.usize(2..5));
+    let question = question.validated().expect("a valid problem");
+    Case { problem: problem_of(&question), question }
+}
+
 fn problem_of(question: &Question) -> Problem {
     let column = |f: usize| (0..question.n).map(move |i| question.features[i * question.p + f] as usize);
     let distinct: Vec<Vec<usize>> =

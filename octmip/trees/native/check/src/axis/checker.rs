@@ -7,8 +7,34 @@ use crate::problem::Problem;
 
 /// Samples in the order of each feature (empty unless it is in play), and last all of them anyhow.
 pub(super) type Orders = Vec<Vec<u32>>;
-/// A solved cut: feature, number of samples to the left, bounds of the two sides.
-pub(super) type Cut = (usize, usize, [i64; 2]);
+
+/// What is proven of some samples: a bound of the trees of the problem, and of those whose leaves may have any size.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bounds {
+    pub(super) own: i64,
+    pub(super) free: i64,
+}
+
+impl Bounds {
+    /// A record of leaves of any size bounds both: the trees of the problem are some of those.
+    pub(super) fn raise(&mut self, leaf: usize, bound: i64) {
+        self.own = self.own.max(bound);
+        if leaf == 1 {
+            self.free = self.free.max(bound);
+        }
+    }
+}
+
+/// A solved cut: feature, number of samples to the left, what is proven of the two sides.
+pub(super) type Cut = (usize, usize, [Bounds; 2]);
+
+/// What a record claims: the line that it stands in, the least size of leaves, the bound.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Claim {
+    pub(super) line: usize,
+    pub(super) leaf: usize,
+    pub(super) bound: i64,
+}
 
 /// The samples of a node: all of them, with the features that may be read, or one side of a cut of other samples.
 pub(super) enum Place {

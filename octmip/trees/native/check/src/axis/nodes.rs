@@ -1,30 +1,38 @@
 //! The nodes of a proof: every tree of some depth on some samples costs what the node claims.
 
-use super::checker::{Checker, Cut, Orders};
+use super::checker::{Bounds, Checker, Claim, Cut, Orders};
 use super::walk::Counted;
 use crate::log::cursor::Cursor;
 use crate::refusal::{Checked, ensure};
 
 impl Checker<'_> {
-    /// Read the line of a node: its number, and the bound that is claimed of trees of `depth` levels.
-    pub(super) fn claim(&self, cursor: &mut Cursor<'_>, depth: usize) -> Checked<(usize, i64)> {
-        let (line, leaf) = (cursor.line() + 1, self.q.leaf_size);
+    /// Read the line of a node: what is claimed of trees of `depth` levels whose leaves hold `leaf` samples or more, or
+    /// any number.
+    pub(super) fn claim(&self, cursor: &mut Cursor<'_>, depth: usize, leaf: usize) -> Checked<Claim> {
+        let line = cursor.line() + 1;
         let [levels, size, bound] = cursor.expect("N")?;
-        ensure!((levels, size) == (depth as i64, leaf as i64), line, "expected depth {depth}, leaves of {leaf}");
-        Ok((line, bound))
+        let is_asked = levels == depth as i64 && (size == 1 || size == leaf as i64);
+        let or_any = if leaf > 1 { " or 1" } else { "" };
+        ensure!(is_asked, line, "expected depth {depth}, leaves of {leaf}{or_any}");
+        Ok(Claim { line, leaf: size as usize, bound })
     }
 
     /// Check a node of two levels or one: its record names cuts, whose sides are counted.
     pub(super) fn counted_node(&self, node: &Counted<'_>) -> Checked<()> {
         let (mut cursor, orders) = (node.cursor, self.orders(&node.place));
-        let claim = self.claim(&mut cursor, node.depth)?;
+        let claim = self.claim(&mut cursor, node.depth, node.leaf)?;
         let mut cuts = Vec::new();
         while let Some(numbers) = cursor.take("F") {
             cuts.extend(self.cuts_of(&numbers, &orders, cursor.line())?);
         }
         // Nothing is inside the last set, and all samples are outside.
         let sets: Vec<&[u32]> = cuts.iter().map(|&(f, k)| &orders[f][..k]).chain([&[][..]]).collect();
-        let costs = self.stumps(&orders, &sets);
+        let mut costs = vec![[Bounds::default(); 2]; sets.len()];
+        for leaf in if claim.leaf == 1 { vec![1] } else { vec![1, claim.leaf] } {
+            for (costs, sides) in costs.iter_mut().zip(self.stumps(&orders, &sets, leaf)) {
+                costs.iter_mut().zip(sides).for_each(|(cost, side)| cost.raise(leaf, side));
+            }
+        }
         let cuts: Vec<Cut> = cuts.iter().zip(&costs).map(|(&(f, k), &sides)| (f, k, sides)).collect();
         self.check_node(&orders, node.depth, (costs[cuts.len()][1], &cuts), claim)
     }
@@ -55,15 +63,16 @@ impl Checker<'_> {
         &self,
         orders: &Orders,
         depth: usize,
-        (end, cuts): (i64, &[Cut]),
-        (line, bound): (usize, i64),
+        (end, cuts): (Bounds, &[Cut]),
+        claim: Claim,
     ) -> Checked<()> {
+        let Claim { line, bound, .. } = claim;
         // A tree of one level is counted, and so is its leaf.
-        let best = if depth == 1 { end } else { self.one_leaf(&orders[self.q.p]) };
+        let best = if depth == 1 { end.own } else { self.one_leaf(&orders[self.q.p]) };
         ensure!(best >= bound, line, "a tree costs {best}, not {bound}");
         for f in (0..self.q.p).filter(|_| depth > 1) {
             let own = cuts.iter().filter(|cut| cut.0 == f);
-            self.check_feature(f, &orders[f], depth, (end, own), (line, bound))?;
+            self.check_feature(f, &orders[f], depth, (end, own), claim)?;
         }
         Ok(())
     }
@@ -74,17 +83,18 @@ impl Checker<'_> {
         f: usize,
         order: &[u32],
         depth: usize,
-        (end, cuts): (i64, impl Iterator<Item = &'c Cut>),
-        (line, bound): (usize, i64),
+        (end, cuts): (Bounds, impl Iterator<Item = &'c Cut>),
+        Claim { line, leaf, bound }: Claim,
     ) -> Checked<()> {
-        let (n, leaf) = (order.len(), self.q.leaf_size);
-        let mut known = [0, 1].map(|_| vec![0; n + 1]);
+        let n = order.len();
+        let mut known = [0, 1].map(|_| vec![Bounds::default(); n + 1]);
         for (_, k, sides) in cuts {
             (known[0][*k], known[1][n - k]) = (sides[0], sides[1]);
         }
         let backwards: Vec<u32> = order.iter().rev().copied().collect();
-        let left = self.side(order, &mut known[0], end, depth - 1);
-        let right = self.side(&backwards, &mut known[1], end, depth - 1);
+        known.iter_mut().for_each(|known| known[n] = end);
+        let left = self.side(order, &known[0], depth - 1);
+        let right = self.side(&backwards, &known[1], depth - 1);
         for k in leaf..(n + 1).saturating_sub(leaf) {
             let cost = left[k] + right[n - k] + self.q.penalty;
             let holds = cost >= bound || !self.is_between(f, order, k);

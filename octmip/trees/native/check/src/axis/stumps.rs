@@ -50,22 +50,23 @@ impl<T: Lane> Savings<T> {
 }
 
 impl Checker<'_> {
-    /// The cheapest trees of one split at most, on sets of the samples and on what is left outside each set.
-    pub(super) fn stumps(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
+    /// The cheapest trees of one split at most, with leaves of `leaf` samples or more, on sets of the samples and on
+    /// what is left outside each set.
+    pub(super) fn stumps(&self, orders: &Orders, sets: &[&[u32]], leaf: usize) -> Vec<[i64; 2]> {
         let all = &orders[self.q.p];
         let worst = all.iter().map(|&i| self.worst[i as usize]).sum::<i64>() / self.unit;
-        let is_counted = self.q.leaf_size > 1;
+        let is_counted = leaf > 1;
         // No sum of savings in the unit, or of samples where these are counted, is larger.
         match worst.max(if is_counted { 2 * self.q.n as i64 + 1 } else { 0 }) {
-            ..0x8000 => self.stumps_in::<i16>(orders, sets),
-            0x8000..0x8000_0000 => self.stumps_in::<i32>(orders, sets),
-            _ => self.stumps_in::<i64>(orders, sets),
+            ..0x8000 => self.stumps_in::<i16>(orders, sets, leaf),
+            0x8000..0x8000_0000 => self.stumps_in::<i32>(orders, sets, leaf),
+            _ => self.stumps_in::<i64>(orders, sets, leaf),
         }
     }
 
     /// The same in numbers of one width, no sum too large for it.
-    fn stumps_in<T: Lane>(&self, orders: &Orders, sets: &[&[u32]]) -> Vec<[i64; 2]> {
-        let cuts: Vec<Vec<usize>> = (0..self.q.p).map(|f| self.cuts_to_count(f, &orders[f])).collect();
+    fn stumps_in<T: Lane>(&self, orders: &Orders, sets: &[&[u32]], leaf: usize) -> Vec<[i64; 2]> {
+        let cuts: Vec<Vec<usize>> = (0..self.q.p).map(|f| self.cuts_to_count(f, &orders[f], leaf)).collect();
         let all = &orders[self.q.p];
         let savings = Savings::<T>::new(all.iter().map(|&i| &self.savings[i as usize][..]), self.unit);
         // Samples by their place in the node: what is counted of them lies side by side.
@@ -80,7 +81,7 @@ impl Checker<'_> {
             for (lane, set) in sets.iter().enumerate() {
                 set.iter().for_each(|&i| is_in[place[i as usize] as usize][lane] = of(-1));
             }
-            let saved = self.count(&placed, &cuts, &savings, &is_in);
+            let saved = self.count(&placed, &cuts, &savings, &is_in, leaf);
             costs.extend(sets.iter().enumerate().map(|(lane, set)| self.costs(all, set, &saved, lane)));
         }
         costs
@@ -92,7 +93,7 @@ impl Checker<'_> {
     /// run of one class, what each label saves on either side moves in a straight line; the most of several straight
     /// lines is convex, and so is the sum of both sides. So inside the run no cut saves more than at both of its ends,
     /// in every part of the samples; and an end of all the samples is no split, but one leaf, which is counted too.
-    fn cuts_to_count(&self, f: usize, order: &[u32]) -> Vec<usize> {
+    fn cuts_to_count(&self, f: usize, order: &[u32], leaf: usize) -> Vec<usize> {
         let cuts = (1..order.len()).filter(|&k| self.is_between(f, order, k));
         let ends: Vec<usize> = [0].into_iter().chain(cuts).chain([order.len()]).collect();
         let label = |&i: &u32| self.q.labels[i as usize];
@@ -102,7 +103,7 @@ impl Checker<'_> {
         };
         let is_inside_run = |around: &[usize]| {
             let labels = [only_label(&around[..2]), only_label(&around[1..])];
-            self.q.leaf_size == 1 && labels[0].is_some() && labels[0] == labels[1]
+            leaf == 1 && labels[0].is_some() && labels[0] == labels[1]
         };
         ends.windows(3).filter(|around| !is_inside_run(around)).map(|around| around[1]).collect()
     }
@@ -115,12 +116,13 @@ impl Checker<'_> {
         cuts: &[Vec<usize>],
         savings: &Savings<T>,
         is_in: &[Lanes<T>],
+        leaf: usize,
     ) -> [[Lanes<T>; 2]; 2] {
         let mut saved = [[of::<T>(0); LANES]; 2];
         for (order, cuts) in orders.iter().zip(cuts) {
             let (n, mut first, mut c) = (order.len(), Vec::with_capacity(cuts.len()), cuts.len());
             self.saved(order.iter(), cuts, is_in, savings, |best| first.push(*best));
-            let is_wide = self.are_wide(order, cuts, is_in);
+            let is_wide = self.are_wide(order, cuts, is_in, leaf);
             let backwards: Vec<usize> = cuts.iter().rev().map(|k| n - k).collect();
             self.saved(order.iter().rev(), &backwards, is_in, savings, |last| {
                 c -= 1;
@@ -152,8 +154,14 @@ impl Checker<'_> {
     }
 
     /// For each cut and side the lanes, all of their bits, in which both leaves hold enough samples; None if any do.
-    fn are_wide<T: Lane>(&self, order: &[u32], cuts: &[usize], is_in: &[Lanes<T>]) -> Option<Vec<[Lanes<T>; 2]>> {
-        let leaf = self.q.leaf_size.min(self.q.n + 1) as i64;
+    fn are_wide<T: Lane>(
+        &self,
+        order: &[u32],
+        cuts: &[usize],
+        is_in: &[Lanes<T>],
+        leaf: usize,
+    ) -> Option<Vec<[Lanes<T>; 2]>> {
+        let leaf = leaf.min(self.q.n + 1) as i64;
         if leaf == 1 {
             return None;
         }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::checker::{Checker, Cut, Orders, Place};
+use super::checker::{Bounds, Checker, Claim, Cut, Orders, Place};
 use crate::log::cursor::Cursor;
 use crate::log::decisions::Decisions;
 use crate::refusal::{Checked, ensure};
@@ -14,6 +14,8 @@ const COUNTED_LEVELS: usize = 2;
 pub(super) struct Counted<'a> {
     pub(super) place: Arc<Place>,
     pub(super) depth: usize,
+    /// Least size of leaves that is asked for.
+    pub(super) leaf: usize,
     pub(super) cursor: Cursor<'a>,
 }
 
@@ -42,7 +44,7 @@ impl<'a> Walk<'a> {
             decisions.read(&mut self.cursor)?;
             let line = self.cursor.line() + 1;
             let root = Place::Root(decisions.may_read(&q.sensor_cost, q.sensor_limit, usize::MAX));
-            let bound = self.node(Arc::new(root), q.depth)?;
+            let Claim { bound, .. } = self.node(Arc::new(root), q.depth, q.leaf_size)?;
             ensure!(bound >= claim, line, "this proves {bound}, not {claim}");
             if !decisions.go_on() {
                 self.cursor.expect_end()?;
@@ -51,38 +53,45 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// Read a record that every tree of `depth` levels on the samples of a place costs the bound that it names; check
-    /// it, or set it aside. Returns the bound.
-    fn node(&mut self, place: Arc<Place>, depth: usize) -> Checked<i64> {
+    /// Read a record that every tree of `depth` levels, with leaves of `leaf` samples or of any size, costs the bound
+    /// that it names on the samples of a place; check it, or set it aside.
+    fn node(&mut self, place: Arc<Place>, depth: usize, leaf: usize) -> Checked<Claim> {
         let begin = self.cursor;
-        let (line, bound) = self.checker.claim(&mut self.cursor, depth)?;
+        let claim = self.checker.claim(&mut self.cursor, depth, leaf)?;
         if depth <= COUNTED_LEVELS {
             while self.cursor.take("F").is_some() {}
             self.cursor.expect::<0>("E")?;
-            self.counted.push(Counted { place, depth, cursor: begin });
-            return Ok(bound);
+            self.counted.push(Counted { place, depth, leaf, cursor: begin });
+            return Ok(claim);
         }
         let orders = self.checker.orders(&place);
-        let (end, cuts) = self.solved_cuts(&place, &orders, depth)?;
+        let (end, cuts) = self.solved_cuts(&place, &orders, (depth, claim.leaf))?;
         self.cursor.expect::<0>("E")?;
-        self.checker.check_node(&orders, depth, (end, &cuts), (line, bound))?;
-        Ok(bound)
+        self.checker.check_node(&orders, depth, (end, &cuts), claim)?;
+        Ok(claim)
     }
 
-    /// Read the solved cuts of a deep node. Returns a bound of the trees of one level less on all the samples, and the
-    /// cuts.
-    fn solved_cuts(&mut self, place: &Arc<Place>, orders: &Orders, depth: usize) -> Checked<(i64, Vec<Cut>)> {
-        let (mut end, mut cuts) = (0, Vec::new());
+    /// Read the solved cuts of a deep node. Returns what is proven of the trees of one level less on all the samples,
+    /// and the cuts.
+    fn solved_cuts(
+        &mut self,
+        place: &Arc<Place>,
+        orders: &Orders,
+        (depth, leaf): (usize, usize),
+    ) -> Checked<(Bounds, Vec<Cut>)> {
+        let (mut end, mut cuts) = (Bounds::default(), Vec::new());
         if self.cursor.take("B").is_some() {
-            end = self.node(place.clone(), depth - 1)?;
+            let claim = self.node(place.clone(), depth - 1, leaf)?;
+            end.raise(claim.leaf, claim.bound);
         }
         while let Some(numbers) = self.cursor.take("K") {
             for (feature, cut) in self.checker.cuts_of(&numbers, orders, self.cursor.line())? {
-                let mut sides = [0; 2];
+                let mut sides = [Bounds::default(); 2];
                 for (side, tag) in sides.iter_mut().zip(["L", "R"]) {
                     while self.cursor.take(tag).is_some() {
                         let part = Place::Side { whole: place.clone(), feature, cut, is_left: tag == "L" };
-                        *side = self.node(Arc::new(part), depth - 1)?.max(*side);
+                        let claim = self.node(Arc::new(part), depth - 1, leaf)?;
+                        side.raise(claim.leaf, claim.bound);
                     }
                 }
                 cuts.push((feature, cut, sides));

@@ -161,7 +161,24 @@ fn bad_axis_bodies() -> Vec<BadLog> {
         ("a bound that is no number", four(), axis("1", "N 1 1 x | E | end"), 6, "got \"N 1 1 x\", expected N and 3"),
         ("a bound below 0", four(), axis("1", "N 1 1 -1 | E | end"), 6, "got \"N 1 1 -1\", expected N and 3 numbers"),
         ("another depth", four(), axis("1", "N 2 1 1 | E | end"), 6, "expected depth 1, leaves of 1"),
-        ("another leaf size", two_leaves(), axis("2", "N 1 1 2 | E | end"), 6, "expected depth 1, leaves of 2"),
+        ("another leaf size", two_leaves(), axis("2", "N 1 3 2 | E | end"), 6, "expected depth 1, leaves of 2 or 1"),
+        // With leaves of any size one goes wrong, with leaves of two two do.
+        ("smaller leaves cost less", two_leaves(), axis("2", "N 1 1 2 | E | end"), 6, "a tree costs 1, not 2"),
+        (
+            "larger leaves in a record of any",
+            Question { leaf_size: 2, ..stripes(10, 3) },
+            axis("1", &format!("N 3 1 1 | K 0 5 | {} | E | end", halves(2))),
+            9,
+            "expected depth 2, leaves of 1",
+        ),
+        // What is proven of leaves of two need not hold of more samples.
+        (
+            "larger leaves do not grow",
+            Question { leaf_size: 2, ..stripes(10, 3) },
+            axis("1", &format!("N 3 2 1 | K 0 5 | {} | E | end", halves(2))),
+            6,
+            "cut 2 of feature 0: 0, not 1",
+        ),
         ("too high a claim", four(), stump("2"), 6, "a tree costs 1, not 2"),
         ("a leaf that is cheaper", six(), axis("4", "N 2 1 4 | E | end"), 6, "a tree costs 3, not 4"),
         ("a bound below the claim", four(), axis("1", "N 1 1 0 | E | end"), 6, "this proves 0, not 1"),

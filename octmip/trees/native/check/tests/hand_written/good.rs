@@ -54,6 +54,19 @@ fn good_axis_logs() -> Vec<GoodLog> {
         ),
         // Leaves of two: the only cut is in the middle, 0 1 | 0 1, and two samples go wrong.
         ("leaves of two", Question { leaf_size: 2, ..stripes(4, 1) }, axis("2", "N 1 2 2 | E | end"), 2.0),
+        // The same of leaves of any size, which cost no more; and their sides bound those of other cuts.
+        (
+            "leaves of two by leaves of any size",
+            Question { leaf_size: 2, ..stripes(6, 2) },
+            axis("1", "N 2 1 1 | F 0 3 | E | end"),
+            1.0,
+        ),
+        (
+            "sides with leaves of any size",
+            Question { leaf_size: 2, ..stripes(10, 3) },
+            axis("1", &format!("N 3 2 1 | K 0 5 | {} | E | end", halves(1))),
+            1.0,
+        ),
         // A split costs 1.5, so the best is one leaf with two wrong or a split with one: 2 halves of 4 and 5.
         (
             "a penalty in halves",

@@ -24,6 +24,12 @@ pub fn stripes(n: usize, depth: usize) -> Question {
     }
 }
 
+/// Both sides of the middle of ten stripes, with leaves of a size: one of the five on either goes wrong.
+pub fn halves(leaf: usize) -> String {
+    let node = format!("N 2 {leaf} 1 | F 0 2 1 | E");
+    format!("L | {node} | R | {node}")
+}
+
 /// Two samples of class 1 that lack their value, and 0 0 1 1 in the order of the feature.
 pub fn missing(depth: usize) -> Question {
     let missing = f64::NAN;

@@ -4,7 +4,8 @@
 //! depth, `range(k)` the total cost range of L(k). For cuts a < k < b:
 //!
 //! * monotone: `e(L(k)) >= e(L(a))` and `e(R(k)) >= e(R(b))`: the best tree for the larger set, used on the smaller
-//!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set).
+//!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set): it
+//!   then holds of the free bounds beside them (`node::beside`), as does the bound of mixed labels.
 //! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
 //!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
 //! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
@@ -35,11 +36,14 @@ pub(crate) struct Axis {
     pub(crate) left: Vec<i64>,
     /// Lower bound of the right child; of the cuts that were solved.
     pub(crate) right: Vec<i64>,
+    /// The same of both children with leaves of any size; not where that is the problem itself.
+    free: [Vec<i64>; 2],
+    is_beside: bool,
     mixed: MixedLabels,
-    /// Least cost of the left child by price and labels; empty where a split costs nothing.
-    by_price: [Vec<i64>; 2],
-    /// Whether that is counted.
-    is_priced: bool,
+    /// Least cost of both children by price and labels, or by earlier searches; never falls as a child grows.
+    least_of: [Vec<i64>; 2],
+    /// Whether anything is known of that.
+    has_least: bool,
     /// Least cost of one of the children, where only trees of all levels are wanted; 0 where others are.
     of_all_levels: i64,
     n_cuts: usize,
@@ -58,7 +62,8 @@ impl Axis {
         whole: i64,
         switches: &Switches,
     ) {
-        self.is_monotone = samples.leaf_size == 1 && switches.monotone;
+        self.is_beside = samples.free.is_some() && switches.monotone;
+        self.is_monotone = (samples.leaf_size == 1 || self.is_beside) && switches.monotone;
         self.has_range = switches.cost_range;
         self.make_room(view.len + 1);
         self.lay_cuts(samples, view, f);
@@ -68,22 +73,22 @@ impl Axis {
             self.mixed.leave_out();
         }
         self.of_all_levels = 0;
-        self.is_priced = samples.penalty > 0 && switches.price;
-        if self.is_priced {
-            let mut prices = Prices::new(samples, view, n_leaves, std::mem::take(&mut self.by_price));
+        self.has_least = samples.penalty > 0 && switches.price;
+        if self.has_least {
+            let mut prices = Prices::new(samples, view, n_leaves, std::mem::take(&mut self.least_of));
             let mut from = 0;
             for (&to, &total_range) in self.positions.iter().zip(&self.total_range).take(self.n_cuts) {
                 view.list(f)[from..to as usize].iter().for_each(|&i| samples.count(i, 1, &mut prices.gains));
                 prices.push(total_range);
                 from = to as usize;
             }
-            self.by_price = prices.least;
+            self.least_of = prices.least;
         } else {
-            self.by_price = Default::default();
+            self.least_of = Default::default();
         }
         let last = self.last();
-        (self.left[0], self.right[0]) = (0, whole);
-        (self.left[last], self.right[last]) = (whole, 0);
+        self.enter(0, [0, whole], [0, whole]);
+        self.enter(last, [whole, 0], [whole, 0]);
     }
 
     /// Positions and total ranges: of every sample one, where no two have the same value.
@@ -117,6 +122,9 @@ impl Axis {
         for list in [&mut self.total_range, &mut self.left, &mut self.right] {
             list.resize(room, 0);
         }
+        if self.is_beside {
+            self.free.iter_mut().for_each(|list| list.resize(room, 0));
+        }
     }
 
     #[inline(always)]
@@ -124,6 +132,25 @@ impl Axis {
         self.positions[self.n_cuts] = position as u32;
         self.total_range[self.n_cuts] = total_range;
         self.n_cuts += 1;
+    }
+
+    /// Enter a solved cut: lower bounds of its children, and of the same with leaves of any size.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self, k: usize, bounds: [i64; 2], free: [i64; 2]) {
+        [self.left[k], self.right[k]] = bounds;
+        if self.is_beside {
+            [self.free[0][k], self.free[1][k]] = free;
+        }
+    }
+
+    /// Bounds of left or right children that hold of all larger ones.
+    #[inline(always)]
+    fn grown(&self, side: usize) -> &[i64] {
+        match (self.is_beside, side) {
+            (true, side) => &self.free[side],
+            (_, 0) => &self.left,
+            _ => &self.right,
+        }
     }
 
     /// Index of the trivial cut at the end.
@@ -141,7 +168,8 @@ impl Axis {
         let mut cuts = Vec::new();
         for known in solved.iter().filter(|known| known.feature == f) {
             if let Some(k) = self.cut_at(known.position) {
-                [self.left[k], self.right[k]] = known.bounds;
+                let free = if self.has_least { [0, 1].map(|side| self.least_of[side][k]) } else { [0, 0] };
+                self.enter(k, known.bounds, free);
                 cuts.push(k);
             }
         }
@@ -172,14 +200,15 @@ impl Axis {
         }
         if self.is_monotone {
             // monotone on both sides
-            if self.left[a] + self.right[b] >= target {
+            let (left, right) = (self.grown(0), self.grown(1));
+            if left[a] + right[b] >= target {
                 return None;
             }
             if self.has_range {
                 // monotone left of k, range right: e(L(a)) + e(R(a)) - (range(k) - range(a)) < target is needed
-                let from = self.total_range[a] + self.left[a] + self.right[a] - target;
+                let from = self.total_range[a] + left[a] + self.right[a] - target;
                 interval.low += self.total_range[interval.low..=interval.high].partition_point(|&m| m <= from);
-                let to = self.total_range[b] - (self.left[b] + self.right[b] - target);
+                let to = self.total_range[b] - (self.left[b] + right[b] - target);
                 let kept = self.total_range.get(interval.low..=interval.high)?.partition_point(|&m| m < to);
                 if kept == 0 {
                     return None;
@@ -193,10 +222,32 @@ impl Axis {
     /// Lower bounds of both children of cut `k`, from the solved cuts around it and from prices.
     pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
         let (left, right) = self.by_neighbours(interval, k);
-        match self.is_priced {
-            true => (left.max(self.by_price[0][k]), right.max(self.by_price[1][k])),
+        match self.has_least {
+            true => (left.max(self.least_of[0][k]), right.max(self.least_of[1][k])),
             false => (left, right),
         }
+    }
+
+    /// The same of a solved cut.
+    pub(crate) fn free_at(&self, k: usize) -> [i64; 2] {
+        if self.is_beside { [self.free[0][k], self.free[1][k]] } else { [0, 0] }
+    }
+
+    /// The same of their trees with leaves of any size.
+    pub(crate) fn free_bounds(&self, interval: &Interval, k: usize) -> [i64; 2] {
+        if !self.is_beside {
+            return [0, 0];
+        }
+        let Interval { a, b, .. } = *interval;
+        let mut free = [self.free[0][a] + self.between(a, k), self.free[1][b] + self.between(k, b)];
+        if self.has_range {
+            free[0] = free[0].max(self.free[0][b] - (self.total_range[b] - self.total_range[k]));
+            free[1] = free[1].max(self.free[1][a] - (self.total_range[k] - self.total_range[a]));
+        }
+        if self.has_least {
+            free = [0, 1].map(|side| free[side].max(self.least_of[side][k]));
+        }
+        free.map(|bound| bound.max(0))
     }
 
     #[inline]
@@ -208,8 +259,8 @@ impl Axis {
             right = self.right[a] - (self.total_range[k] - self.total_range[a]);
         }
         if self.is_monotone {
-            left = left.max(self.left[a] + self.between(a, k));
-            right = right.max(self.right[b] + self.between(k, b));
+            left = left.max(self.grown(0)[a] + self.between(a, k));
+            right = right.max(self.grown(1)[b] + self.between(k, b));
         }
         (left.max(0), right.max(0))
     }
@@ -230,7 +281,7 @@ impl Axis {
     /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
     pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
         let middle = interval.low + (interval.high - interval.low) / 2;
-        if self.mixed.is_nothing() && !self.is_priced {
+        if self.mixed.is_nothing() && !self.has_least {
             return Some(middle);
         }
         interval.nearest(middle, target, |first, last| match first == last {

@@ -20,10 +20,11 @@ impl Search<'_> {
             return NodeResult::cheapest(leaf, Plan::Leaf, upper);
         }
         let mut solver = self.take_solver(view);
-        let stump = solver.load(self.samples, view);
+        let stump = solver.load(self.free_samples(), view);
         self.n_evaluated += 1;
         let scores = solver.scores().to_vec();
-        let mut best = NodeResult::cheapest(stump.value, Plan::Stump, upper);
+        let value = self.fitting_stump(&*solver, view, stump, upper);
+        let mut best = NodeResult::cheapest(value, Plan::Stump, upper);
         self.incumbents.clear();
         self.solved.clear();
         self.incumbents.resize(self.samples.p, FeatureIncumbent::NOTHING);
@@ -75,14 +76,16 @@ impl Search<'_> {
             }
             let k_left = axis.positions[k] as usize;
             let place = Place::new(samples, view, f, k_left, target);
-            let [left, right] = solver.both(samples, &place, threshold);
+            let stumps = solver.both(self.free_samples(), &place, threshold);
             counted.push(k_left as u32);
             self.n_evaluated += 1;
-            (axis.left[k], axis.right[k]) = (left.lower, right.lower);
+            let free = stumps.map(|stump| stump.lower);
+            let [left, right] = self.fitting_stumps(&*solver, &place, threshold, stumps);
+            axis.enter(k, [left.lower, right.lower], free);
             if samples.penalty > 0 {
-                self.solved.push(Solved { feature: f, position: k_left, bounds: [left.lower, right.lower] });
+                self.solved.push(Solved { feature: f, position: k_left, bounds: free });
             }
-            let cost = left.value + right.value + samples.penalty;
+            let cost = left.value.saturating_add(right.value).saturating_add(samples.penalty);
             self.incumbents[f].see(cost, k_left);
             if cost < current {
                 current = cost;

@@ -44,8 +44,8 @@ impl Log {
     }
 
     /// Add the record of the same samples one level shallower.
-    pub(crate) fn shallower(&mut self) {
-        if let Some(record) = self.last.take() {
+    pub(crate) fn shallower(&mut self, record: Option<String>) {
+        if let Some(record) = record {
             self.body.append("B\n");
             self.body.append(&record);
         }
@@ -66,16 +66,16 @@ impl Log {
         self.body.append("\n");
     }
 
-    /// Add a cut with the records of its sides.
-    pub(crate) fn cut(&mut self, feature: u32, position: usize, sides: [Option<String>; 2]) {
-        if sides.iter().all(Option::is_none) {
+    /// Add a cut with records of its sides, each of one kind of leaves.
+    pub(crate) fn cut(&mut self, feature: u32, position: usize, records: &[[Option<String>; 2]]) {
+        if records.iter().flatten().all(Option::is_none) {
             return;
         }
         self.body.line(format_args!("K {feature} {position}"));
-        for (tag, record) in ["L\n", "R\n"].into_iter().zip(sides) {
-            if let Some(record) = record {
+        for (side, tag) in ["L\n", "R\n"].into_iter().enumerate() {
+            for record in records.iter().filter_map(|records| records[side].as_ref()) {
                 self.body.append(tag);
-                self.body.append(&record);
+                self.body.append(record);
             }
         }
     }

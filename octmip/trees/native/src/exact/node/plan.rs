@@ -3,7 +3,7 @@
 use crate::exact::samples::Samples;
 use crate::exact::stumps::scan::{BestCut, best_cut};
 use crate::exact::view::{View, first_largest};
-use crate::tree::Tree;
+use crate::tree::{Node, Tree};
 
 /// The best tree of a search, in short; only the plan that wins becomes a tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,23 @@ pub(crate) enum Plan {
 }
 
 impl Plan {
+    /// The plan of a tree, its last splits to be chosen anew; None where it reads another feature than the usable ones.
+    pub(crate) fn of(samples: &Samples, tree: &Tree) -> Option<Self> {
+        Self::of_row(samples, tree, 0)
+    }
+
+    fn of_row(samples: &Samples, tree: &Tree, row: usize) -> Option<Self> {
+        let Node::Split { feature, cut, left, right } = &tree.nodes[row] else { return Some(Self::Leaf) };
+        let sides = [left, right].map(|&side| Self::of_row(samples, tree, side as usize));
+        Some(match sides {
+            [Some(Self::Leaf), Some(Self::Leaf)] => Self::Stump,
+            [left, right] => {
+                let feature = samples.features.iter().position(|usable| usable == feature)?;
+                Self::Split { feature, cut: *cut, sides: Box::new([left?, right?]) }
+            }
+        })
+    }
+
     /// A cut at position `k` of feature `f` of a view.
     pub(crate) fn split(samples: &Samples, view: &View, f: usize, k: usize, sides: [Plan; 2]) -> Self {
         let cut = samples.ranks_of(f)[view.list(f)[k - 1] as usize];

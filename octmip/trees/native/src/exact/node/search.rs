@@ -11,6 +11,7 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::price::at_all_levels;
 use crate::exact::node::result::{FeatureIncumbent, NodeResult, Solved};
 use crate::exact::samples::Samples;
+use crate::exact::stumps::fitting::Fitting;
 use crate::exact::stumps::place::StumpSolver;
 use crate::exact::stumps::{solver, width};
 use crate::exact::switches::Switches;
@@ -26,8 +27,12 @@ pub(crate) struct Cut {
     pub(crate) position: usize,
     /// Known lower bounds of both children.
     pub(crate) bounds: [i64; 2],
+    /// The same with leaves of any size; 0 where that is the problem itself.
+    pub(crate) free: [i64; 2],
     /// Both children together must cost less.
     pub(crate) target: i64,
+    /// Whether leaves may have any size, where the problem's have a least one.
+    pub(crate) is_free: bool,
     /// Worth of a child's bound to neighbouring cuts.
     pub(crate) slack: i64,
 }
@@ -37,12 +42,22 @@ pub(crate) struct Cut {
 pub(crate) struct Children {
     /// Lower bounds of both children.
     pub(crate) bounds: [i64; 2],
+    /// The same with leaves of any size; 0 where that is the problem itself.
+    pub(crate) free: [i64; 2],
     /// Cost and plan when both were found, the cut itself included.
     pub(crate) tree: Option<(i64, Plan)>,
     /// What a log says of them, where one is written of the root's cuts one by one.
     pub(crate) record: String,
     /// Results of the nodes below it, where they are kept.
     pub(crate) kept: Kept,
+}
+
+/// Both sides of a cut: bounds, what was found, what a log says of them, whether their samples are parted.
+pub(super) struct Both {
+    pub(super) bounds: [i64; 2],
+    pub(super) plans: [Option<(i64, Plan)>; 2],
+    pub(super) records: [Option<String>; 2],
+    pub(super) is_split: bool,
 }
 
 /// Buffers of one level of the recursion.
@@ -80,6 +95,9 @@ pub(crate) struct Search<'a> {
     pub(super) keeps: bool,
     pub(super) known: Seen<'a>,
     pub(super) by_values: ByValues,
+    /// The search of the same problem with leaves of any size, where its bounds are carried beside.
+    pub(super) free: Option<Box<Search<'a>>>,
+    pub(super) fitting: Fitting,
     pub(super) totals: Vec<i64>,
 }
 
@@ -102,6 +120,8 @@ impl<'a> Search<'a> {
             keeps: keeps(samples, &switches, depth),
             known: Seen::default(),
             by_values: ByValues::default(),
+            free: samples.free.as_deref().map(|free| Box::new(Search::new(free, switches, control, depth))),
+            fitting: Fitting::default(),
             totals: Vec::new(),
         }
     }
@@ -110,6 +130,16 @@ impl<'a> Search<'a> {
     pub(crate) fn sharing(mut self, shared: &'a Shared, last: usize) -> Self {
         self.keeps = keeps(self.samples, &self.switches, last);
         self.known = Seen::of(shared);
+        if let Some(free) = &mut self.free {
+            free.keeps = self.keeps;
+        }
+        self
+    }
+
+    /// The same with a log of what is proven, of the free problem too.
+    pub(crate) fn logging(mut self) -> Self {
+        self.log = Some(Log::default());
+        self.free = self.free.map(|free| Box::new(free.logging()));
         self
     }
 
@@ -120,15 +150,32 @@ impl<'a> Search<'a> {
 
     /// The best tree of at most `depth` levels if it costs less than `upper`, else the proof that none does.
     pub(crate) fn solve(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        self.solve_beside(view, depth, upper, floor, None)
+    }
+
+    /// The same, where the free problem of the node may be solved: its record then need not be written again.
+    pub(super) fn solve_beside(
+        &mut self,
+        view: &View,
+        depth: usize,
+        upper: i64,
+        floor: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
+        let least = free.as_ref().map(|free| free.lower);
         let Some(log) = &mut self.log else {
-            return self.solve_unlogged(view, depth, upper, floor);
+            return self.solve_unlogged(view, depth, upper, floor, free);
         };
         let outer = log.open();
         if upper <= floor {
             log.pass_over(outer);
             return NodeResult::none(floor);
         }
-        let result = self.solve_unlogged(view, depth, upper, 0);
+        let result = self.solve_unlogged(view, depth, upper, 0, free);
+        if let Some(log) = self.log.as_mut().filter(|_| least.is_some_and(|least| result.lower <= least)) {
+            log.pass_over(outer);
+            return result;
+        }
         let base: i64 = view.ids(self.samples).map(|i| self.samples.base[i as usize]).sum();
         if let Some(log) = &mut self.log {
             log.close(outer, depth, self.samples.leaf_size, base + self.samples.cost(result.lower));
@@ -137,6 +184,17 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn searched(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+        match &mut self.free {
+            Some(free) => {
+                let free = free.solve(view, depth, upper, 0);
+                self.beside(view, depth, upper, floor, (free, false))
+            }
+            None => self.by_cuts(view, depth, upper, floor),
+        }
+    }
+
+    /// The same by a search of the node's own cuts.
+    pub(super) fn by_cuts(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
         if depth == 2 { self.depth_two(view, upper, floor) } else { self.deep(view, depth, upper, floor) }
     }
 
@@ -147,10 +205,11 @@ impl<'a> Search<'a> {
 
     pub(super) fn depth_one(&mut self, view: &View, upper: i64) -> NodeResult {
         let mut solver = self.take_solver(view);
-        let stump = solver.load(self.samples, view);
+        let stump = solver.load(self.free_samples(), view);
+        let value = self.fitting_stump(&*solver, view, stump, upper);
         self.return_solver(view, solver);
         self.n_evaluated += 1;
-        NodeResult::cheapest(stump.value, Plan::Stump, upper)
+        NodeResult::cheapest(value, Plan::Stump, upper)
     }
 
     fn deep(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
@@ -172,21 +231,22 @@ impl<'a> Search<'a> {
             if shallower < depth - 1 {
                 self.forget();
             }
-            let result = self.solve(view, shallower, leaf + 1, floor);
+            let (result, solved, incumbents) = self.shallower(view, shallower, leaf + 1, floor);
             whole = at_all_levels(result.lower, shallower, depth - 1, self.price());
-            fewer = std::mem::take(&mut self.solved);
+            fewer = solved;
+            let record = self.last_record();
             if let Some(log) = self.log.as_mut().filter(|_| depth > 2) {
-                log.shallower();
+                log.shallower(record);
             }
-            if result.cost(i64::MAX) < best.cost(upper) {
+            if self.free.is_none() && result.cost(i64::MAX) < best.cost(upper) {
                 best = result;
             }
-            if self.incumbents.len() == self.samples.p {
-                let incumbents = std::mem::take(&mut self.incumbents);
+            if incumbents.len() == self.samples.p {
                 order = self.features_by(|f| incumbents[f].cost);
             }
             // Trees of fewer levels are known, and those of more pay for as many splits.
-            if self.price() > 0 && best.cost(upper) <= self.price().saturating_mul(shallower as i64 + 1) {
+            let are_known = self.price() > 0 && self.free.is_none();
+            if are_known && best.cost(upper) <= self.price().saturating_mul(shallower as i64 + 1) {
                 self.solved = fewer; // as good as solved at this level
                 return best.closed(upper);
             }
@@ -228,7 +288,7 @@ impl<'a> Search<'a> {
         let samples = self.samples;
         let mut level = std::mem::take(&mut self.levels[depth]);
         level.axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &self.switches);
-        if self.switches.shallower_first {
+        if self.switches.shallower_first && self.free.is_none() {
             level.axis.want_levels(samples, shallower);
             level.axis.take_up_fewer(f, fewer);
         }
@@ -248,16 +308,19 @@ impl<'a> Search<'a> {
                 feature: f,
                 position: level.axis.positions[k] as usize,
                 bounds: level.axis.bounds(&interval, k).into(),
+                free: level.axis.free_bounds(&interval, k),
                 target,
+                is_free: false,
                 slack,
             };
             let children = self.children(view, depth, &cut, &mut level.sides);
             if self.is_stopped() {
                 break;
             }
-            [level.axis.left[k], level.axis.right[k]] = children.bounds;
+            level.axis.enter(k, children.bounds, children.free);
             if samples.penalty > 0 {
-                solved.push(Solved { feature: f, position: cut.position, bounds: children.bounds });
+                let bounds = if self.free.is_some() { children.free } else { children.bounds };
+                solved.push(Solved { feature: f, position: cut.position, bounds });
             }
             if let Some((cost, plan)) = children.tree {
                 seen.see(cost, cut.position);
@@ -275,17 +338,54 @@ impl<'a> Search<'a> {
     }
 
     /// Solve both children of a cut: their bounds, and the tree when both are found.
+    pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+        if self.free.is_some() {
+            return self.children_beside(view, depth, cut, sides);
+        }
+        let nothing =
+            Children { bounds: cut.bounds, free: [0, 0], tree: None, record: String::new(), kept: Kept::default() };
+        let Some(Both { bounds, plans, records, .. }) = self.both(view, depth, cut, cut.bounds, sides) else {
+            return nothing;
+        };
+        self.log_cut(view, cut, &[records]);
+        Children { bounds, tree: self.joined(view, cut, plans), ..nothing }
+    }
+
+    /// Log a cut with records of its sides.
+    pub(super) fn log_cut(&mut self, view: &View, cut: &Cut, records: &[[Option<String>; 2]]) {
+        if let Some(log) = &mut self.log {
+            let mut position = [cut.position as u32];
+            self.samples.rows_left(view.list(cut.feature), &mut position);
+            log.cut(self.samples.features[cut.feature], position[0] as usize, records);
+        }
+    }
+
+    /// The tree of a cut whose sides were both found, the cut included.
+    pub(super) fn joined(&self, view: &View, cut: &Cut, plans: [Option<(i64, Plan)>; 2]) -> Option<(i64, Plan)> {
+        let [Some((left, left_plan)), Some((right, right_plan))] = plans else { return None };
+        let plan = Plan::split(self.samples, view, cut.feature, cut.position, [left_plan, right_plan]);
+        Some((left + right + self.samples.penalty, plan))
+    }
+
+    /// Solve both sides of a cut, known to cost `floors` at least; None when stopped.
     ///
     /// With slack a child is solved although the pair is known to lose: its bound then rules out neighbours too.
-    pub(crate) fn children(&mut self, view: &View, depth: usize, cut: &Cut, sides: &mut [View; 2]) -> Children {
+    pub(super) fn both(
+        &mut self,
+        view: &View,
+        depth: usize,
+        cut: &Cut,
+        floors: [i64; 2],
+        sides: &mut [View; 2],
+    ) -> Option<Both> {
         let (left, right) = view.list(cut.feature).split_at(cut.position);
         let parts = [left, right];
-        let (mut bounds, mut is_split) = (cut.bounds, false);
+        let (mut bounds, mut others, mut is_split) = (floors, cut.bounds, false);
         let first = usize::from(right.len() > left.len());
         let mut plans = [None, None];
         let mut records = [None, None];
         for side in [first, 1 - first] {
-            let budget = cut.target + cut.slack - bounds[1 - side];
+            let budget = cut.target + cut.slack - others[1 - side];
             let known = self.part(parts[side], depth - 1, budget, bounds[side]);
             if known.is_err() && !std::mem::replace(&mut is_split, true) {
                 self.split(view, cut, sides);
@@ -296,29 +396,17 @@ impl<'a> Search<'a> {
                 Err(None) => self.solve(&sides[side], depth - 1, budget, bounds[side]),
             };
             if self.is_stopped() {
-                return Children { bounds: cut.bounds, tree: None, record: String::new(), kept: Kept::default() };
+                return None;
             }
             bounds[side] = bounds[side].max(result.lower);
+            others[side] = others[side].max(bounds[side]);
             plans[side] = result.best;
             records[side] = self.log.as_mut().and_then(Log::take);
         }
-        if let Some(log) = &mut self.log {
-            let mut position = [cut.position as u32];
-            self.samples.rows_left(view.list(cut.feature), &mut position);
-            log.cut(self.samples.features[cut.feature], position[0] as usize, records);
-        }
-        let tree = match plans {
-            [Some((left, left_plan)), Some((right, right_plan))] => {
-                let sides = [left_plan, right_plan];
-                let plan = Plan::split(self.samples, view, cut.feature, cut.position, sides);
-                Some((left + right + self.samples.penalty, plan))
-            }
-            _ => None,
-        };
-        Children { bounds, tree, record: String::new(), kept: Kept::default() }
+        Some(Both { bounds, plans, records, is_split })
     }
 
-    fn split(&mut self, view: &View, cut: &Cut, sides: &mut [View; 2]) {
+    pub(super) fn split(&mut self, view: &View, cut: &Cut, sides: &mut [View; 2]) {
         let mut marks = std::mem::take(&mut self.marks);
         view.split(self.samples, cut.feature, cut.position, &mut marks, sides);
         self.marks = marks;
@@ -333,6 +421,9 @@ impl<'a> Search<'a> {
         sides: &mut [View; 2],
     ) -> Children {
         self.known.begin(until);
+        if let Some(free) = &mut self.free {
+            free.known.begin(until);
+        }
         let children = self.children(view, depth, cut, sides);
         let record = self.log.as_mut().map_or_else(String::new, Log::take_lines);
         self.report_effort();
@@ -349,6 +440,9 @@ impl<'a> Search<'a> {
     pub(crate) fn report_effort(&mut self) {
         let n_counted = std::mem::take(&mut self.by_values.n_counted);
         self.control.add(std::mem::take(&mut self.n_evaluated) + n_counted);
+        if let Some(free) = &mut self.free {
+            free.report_effort();
+        }
     }
 
     /// Features ordered by a key, ties by index.
@@ -364,24 +458,26 @@ impl<'a> Search<'a> {
     pub(crate) fn prepare(&mut self, view: &View) {
         self.forget();
         let mut own = self.take_solver(view);
-        own.prepare(self.samples, view);
+        own.prepare(self.free_samples(), view);
         self.return_solver(view, own);
     }
 
     /// Forget what was laid out: the samples that follow are not a part of those before.
     pub(crate) fn forget(&mut self) {
-        self.solvers.iter_mut().flatten().for_each(|solver| solver.forget());
+        let searched = self.of_stumps();
+        searched.solvers.iter_mut().flatten().for_each(|solver| solver.forget());
     }
 
     /// The stump solver for a view of this total range.
     pub(super) fn take_solver(&mut self, view: &View) -> Box<dyn StumpSolver> {
-        self.solvers[width(view.total_range)]
+        let searched = self.of_stumps();
+        searched.solvers[width(view.total_range)]
             .take()
-            .unwrap_or_else(|| solver(self.samples, view.total_range, &self.switches))
+            .unwrap_or_else(|| solver(searched.samples, view.total_range, &searched.switches))
     }
 
     /// Give the solver back.
     pub(super) fn return_solver(&mut self, view: &View, solver: Box<dyn StumpSolver>) {
-        self.solvers[width(view.total_range)] = Some(solver);
+        self.of_stumps().solvers[width(view.total_range)] = Some(solver);
     }
 }

@@ -18,7 +18,7 @@ impl Search<'_> {
         if depth == 3 {
             self.prepare(view);
         }
-        self.solve(view, depth - 1, upper, 0).lower
+        self.shallower(view, depth - 1, upper, 0).0.lower
     }
 
     /// Cuts at the root of trees of at most `depth` levels (2 or more) that may cost less than `upper`, with lower
@@ -42,7 +42,7 @@ impl Search<'_> {
             features.for_each(|f| self.every_cut(view, f, &mut found));
         } else if depth == 2 {
             let mut solver = self.take_solver(view);
-            let whole = solver.load(self.samples, view).lower;
+            let whole = solver.load(self.free_samples(), view).lower;
             for f in features {
                 self.stump_cuts(&mut *solver, view, f, whole, target, &mut found);
             }
@@ -92,9 +92,10 @@ impl Search<'_> {
             let position = axis.positions[k] as usize;
             let place = Place::new(samples, view, f, position, target);
             let threshold = target + if self.switches.slack { axis.slack(&interval, k) } else { 0 };
-            let bounds = solver.both(samples, &place, threshold).map(|stump| stump.lower);
+            let stumps = solver.both(self.free_samples(), &place, threshold);
             self.n_evaluated += 1;
-            [axis.left[k], axis.right[k]] = bounds;
+            let bounds = self.fitting_stumps(&*solver, &place, threshold, stumps).map(|stump| stump.lower);
+            axis.enter(k, bounds, stumps.map(|stump| stump.lower));
             if bounds[0] + bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds });
             }
@@ -114,12 +115,20 @@ impl Search<'_> {
             let Some((interval, k)) = interval.zip(k) else { continue };
             let slack = if self.switches.slack { axis.slack(&interval, k) } else { 0 };
             let position = axis.positions[k] as usize;
-            let cut = Cut { feature: f, position, bounds: axis.bounds(&interval, k).into(), target, slack };
+            let cut = Cut {
+                feature: f,
+                position,
+                bounds: axis.bounds(&interval, k).into(),
+                free: axis.free_bounds(&interval, k),
+                target,
+                is_free: false,
+                slack,
+            };
             let children = self.children(view, depth, &cut, &mut sides);
             if self.is_stopped() {
                 break;
             }
-            [axis.left[k], axis.right[k]] = children.bounds;
+            axis.enter(k, children.bounds, children.free);
             if children.bounds[0] + children.bounds[1] < target {
                 found.push(Solved { feature: f, position, bounds: children.bounds });
             }

@@ -6,6 +6,7 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::price::levels_below;
 use crate::exact::node::result::NodeResult;
 use crate::exact::node::search::Search;
+use crate::exact::samples::levels_of;
 use crate::exact::view::View;
 
 /// A node that needs a search: its key where results are kept, the levels that its trees may have, a bound.
@@ -16,12 +17,19 @@ pub(super) struct Unknown {
 }
 
 impl Search<'_> {
-    pub(super) fn solve_unlogged(&mut self, view: &View, depth: usize, upper: i64, floor: i64) -> NodeResult {
+    pub(super) fn solve_unlogged(
+        &mut self,
+        view: &View,
+        depth: usize,
+        upper: i64,
+        floor: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
         let (len, totals, range) = (view.len, &view.totals[..], view.total_range);
         let has_ids = self.has_ids(len);
         let mut known = |ids: &[u32]| self.without_search(Set { len, ids, totals, range }, depth, upper, floor);
         let known = if has_ids { view.with_ids(&mut known) } else { known(&[]) };
-        known.unwrap_or_else(|unknown| self.search(view, depth, unknown, upper))
+        known.unwrap_or_else(|unknown| self.search_beside(view, depth, unknown, upper, free))
     }
 
     /// Whether the ids of a set of so many samples tell something without a search.
@@ -43,7 +51,10 @@ impl Search<'_> {
             return Ok(NodeResult::none(floor));
         }
         let leaf = set.leaf();
-        let depth = levels_below(upper.min(leaf), self.price(), depth);
+        let mut depth = levels_below(upper.min(leaf), self.price(), depth);
+        if self.samples.leaf_size > 1 && self.log.is_none() {
+            depth = depth.min(levels_of(set.len, self.samples.leaf_size));
+        }
         if self.is_leaf_best((leaf, set.len), depth, floor) {
             return Ok(NodeResult::cheapest(leaf, Plan::Leaf, upper));
         }
@@ -77,6 +88,17 @@ impl Search<'_> {
     }
 
     pub(super) fn search(&mut self, view: &View, asked: usize, unknown: Unknown, upper: i64) -> NodeResult {
+        self.search_beside(view, asked, unknown, upper, None)
+    }
+
+    fn search_beside(
+        &mut self,
+        view: &View,
+        asked: usize,
+        unknown: Unknown,
+        upper: i64,
+        free: Option<NodeResult>,
+    ) -> NodeResult {
         let Unknown { key, depth, floor } = unknown;
         if asked > 2 && depth <= 2 {
             self.forget(); // the buckets laid out last are those of a node of three levels somewhere else
@@ -84,7 +106,10 @@ impl Search<'_> {
         if depth == 1 {
             return self.depth_one(view, upper);
         }
-        let result = self.searched(view, depth, upper, floor);
+        let result = match free {
+            Some(free) => self.beside(view, depth, upper, floor, (free, true)),
+            None => self.searched(view, depth, upper, floor),
+        };
         self.keep(key, depth, &result);
         result
     }

@@ -7,7 +7,6 @@
 
 use crate::effort::Control;
 use crate::exact::node::kept::Kept;
-use crate::exact::node::log::Log;
 use crate::exact::node::plan::Plan;
 use crate::exact::node::search::{Children, Cut, Search};
 use crate::exact::samples::Samples;
@@ -21,6 +20,8 @@ use crate::tree::Tree;
 pub(crate) struct SolvedCut {
     /// Lower bounds of both children.
     pub(crate) bounds: [i64; 2],
+    /// The same with leaves of any size; 0 where that is the problem itself.
+    pub(crate) free: [i64; 2],
     /// Cost above the base in the search's unit, and the tree.
     pub(crate) tree: Option<(i64, Tree)>,
     /// Cuts evaluated.
@@ -46,7 +47,7 @@ impl Elsewhere<'_> {
         let solved = (self.ask)(level, cut, control)?;
         control.add(solved.n_evaluated);
         let tree = solved.tree.map(|(cost, tree)| (cost, Plan::Whole(tree)));
-        Some(Children { bounds: solved.bounds, tree, record: solved.record, kept: Kept::default() })
+        Some(Children { bounds: solved.bounds, free: solved.free, tree, record: solved.record, kept: Kept::default() })
     }
 }
 
@@ -62,21 +63,26 @@ impl CutSolver {
     /// Of a problem, by the same numbering of samples as the search that asks, or the writer of its log.
     pub fn new(problem: &Problem, switches: Switches, is_logged: bool) -> Self {
         let switches = if is_logged { switches.of_logs() } else { switches };
-        let samples = Samples::in_few_rows(problem, &switches);
+        let samples = match is_logged {
+            true => Samples::of_log(problem, &switches),
+            false => Samples::in_few_rows(problem, &switches).beside_free(&switches),
+        };
         Self { view: View::root(&samples), samples, switches, is_logged }
     }
 
     /// The children of a cut at a level, with what a log says of them where one is written; None when it was stopped.
     pub(crate) fn solve(&self, level: usize, cut: &Cut, control: &Control) -> Option<SolvedCut> {
-        let mut search = Search::new(&self.samples, self.switches, control, level);
-        search.log = self.is_logged.then(Log::default);
+        // Leaves of any size are asked for by a root that searches them first.
+        let samples = self.samples.free.as_deref().filter(|_| cut.is_free).unwrap_or(&self.samples);
+        let search = Search::new(samples, self.switches, control, level);
+        let mut search = if self.is_logged { search.logging() } else { search };
         if level == 3 {
             search.prepare(&self.view);
         }
-        let Children { bounds, tree, record, .. } =
+        let Children { bounds, free, tree, record, .. } =
             search.root_children(&self.view, level, (0, cut), &mut [View::default(), View::default()]);
-        let tree = tree.map(|(cost, plan)| (cost, plan.tree(&self.samples, &self.view)));
-        (!control.is_stopped()).then(|| SolvedCut { bounds, tree, n_evaluated: control.n_evaluated(), record })
+        let tree = tree.map(|(cost, plan)| (cost, plan.tree(samples, &self.view)));
+        (!control.is_stopped()).then(|| SolvedCut { bounds, free, tree, n_evaluated: control.n_evaluated(), record })
     }
 
     /// Whether a cut is one of this problem.

@@ -20,7 +20,6 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::price::at_all_levels;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::{Children, Cut, Search};
-use crate::exact::root_search::known::Known;
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
 use crate::exact::view::View;
@@ -52,6 +51,25 @@ struct State {
     records: Vec<String>,
 }
 
+/// What is asked of the root at one number of levels, and what is known beforehand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Level<'l> {
+    /// Levels of the trees that are known.
+    pub(crate) before: usize,
+    /// Levels that the trees may have.
+    pub(crate) depth: usize,
+    /// Trees below this are wanted.
+    pub(crate) upper: i64,
+    /// Each feature's incumbent of `before` levels; none: in no order.
+    pub(crate) incumbents: &'l [FeatureIncumbent],
+    /// Lower bound of the trees of `before` levels on all samples.
+    pub(crate) whole: i64,
+    /// Cuts solved for these.
+    pub(crate) fewer: &'l [Solved],
+    /// Cuts solved for `depth` levels with leaves of any size.
+    pub(crate) free: &'l [Solved],
+}
+
 /// The root's search, shared by the threads.
 pub(crate) struct Frontier<'a> {
     samples: &'a Samples,
@@ -81,20 +99,16 @@ struct Task {
 }
 
 impl<'a> Frontier<'a> {
-    /// All cuts of all features; trees below `upper` are wanted, and `incumbents` are those of `before` levels, as are
-    /// the bound `whole` and the solved cuts `fewer`. `known`: what an earlier search of this level has proven.
-    #[allow(clippy::too_many_arguments)]
+    /// All cuts of all features. `known`: cuts that an earlier search of this level has closed, and its incumbents.
     pub(crate) fn new(
         samples: &'a Samples,
         switches: Switches,
         control: &'a Control,
         view: &'a View,
-        depth: usize,
-        incumbents: &[FeatureIncumbent],
-        (before, whole, fewer): (usize, i64, &[Solved]),
-        upper: i64,
-        known: Option<&Known>,
+        level: &Level<'_>,
+        known: Option<(&[Solved], &[FeatureIncumbent])>,
     ) -> Self {
+        let &Level { before, depth, upper, incumbents, whole, fewer, free } = level;
         let whole = at_all_levels(whole, before, depth - 1, samples.penalty);
         let mut features: Vec<usize> = (0..samples.p).collect();
         features.sort_by_key(|&f| incumbents.get(f).map_or(i64::MAX, |incumbent| incumbent.cost));
@@ -103,9 +117,12 @@ impl<'a> Frontier<'a> {
         for (place, &f) in features.iter().enumerate() {
             let mut axis = Axis::default();
             axis.lay(samples, view, f, 1 << (depth - 1).min(20), whole, &switches);
-            axis.want_levels(samples, before);
-            axis.take_up_fewer(f, fewer);
-            let cuts = known.map_or(Vec::new(), |known| axis.take_up(f, &known.cuts));
+            if samples.free.is_none() {
+                axis.want_levels(samples, before);
+                axis.take_up_fewer(f, fewer);
+            }
+            axis.take_up_free(f, free);
+            let cuts = known.map_or(Vec::new(), |(cuts, _)| axis.take_up(f, cuts));
             if !cuts.is_empty() {
                 heap.extend(
                     axis.gaps(&cuts)
@@ -139,8 +156,7 @@ impl<'a> Frontier<'a> {
             n_entered: 0,
             n_handed_out: 0,
             n_first,
-            incumbents: known
-                .map_or_else(|| vec![FeatureIncumbent::NOTHING; samples.p], |known| known.incumbents.clone()),
+            incumbents: known.map_or_else(|| vec![FeatureIncumbent::NOTHING; samples.p], |known| known.1.to_vec()),
             solved,
             cost: upper,
             plan: None,
@@ -210,6 +226,16 @@ impl<'a> Frontier<'a> {
     /// Incumbent of each feature at the root (`p`).
     pub(crate) fn incumbents(&self) -> Vec<FeatureIncumbent> {
         self.lock().incumbents.clone()
+    }
+
+    /// The solved cuts that are entered, with the bounds of leaves of any size.
+    pub(crate) fn free(&self) -> Vec<Solved> {
+        let state = self.lock();
+        let entered = state.solved.iter().map(|&(place, k)| {
+            let axis = &state.axes[place];
+            Solved { feature: self.features[place], position: axis.positions[k] as usize, bounds: axis.free_at(k) }
+        });
+        entered.collect()
     }
 
     /// The solved cuts, those that are back and not yet entered included.
@@ -334,7 +360,7 @@ impl<'a> Frontier<'a> {
             state.records.push(children.record);
         }
         let axis = &mut state.axes[task.place];
-        [axis.left[task.k], axis.right[task.k]] = children.bounds;
+        axis.enter(task.k, children.bounds, children.free);
         let halves = task.interval.halves(task.k).into_iter().flatten();
         let opened: Vec<Open<i64>> = halves
             .map(|interval| {
@@ -364,7 +390,9 @@ fn cut(axis: &Axis, f: usize, interval: &Interval, k: usize, target: i64, switch
         feature: f,
         position: axis.positions[k] as usize,
         bounds: axis.bounds(interval, k).into(),
+        free: axis.free_bounds(interval, k),
         target,
+        is_free: false,
         slack: if switches.slack { axis.slack(interval, k) } else { 0 },
     }
 }

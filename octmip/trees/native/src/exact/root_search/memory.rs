@@ -25,7 +25,9 @@ pub(crate) fn bytes(problem: &Problem, n_threads: usize, switches: &Switches) ->
     let samples = if is_whole { lists } else { 2.0 * lists } + 28.0 * n;
     // Where splits have a price: the cell of each value, what is lost.
     let cells = if problem.penalty > 0 { lists / 2.0 + 8.0 * n } else { 0.0 };
-    let samples = samples + cells;
+    // Of leaves of any size beside those of a least one: the same once more, without lists.
+    let beside = if problem.leaf_size > 1 { 28.0 * n + cells } else { 0.0 };
+    let samples = samples + cells + beside;
     let own = thread(problem, switches);
     if problem.depth < 3 {
         return samples + own;
@@ -44,10 +46,11 @@ fn has_kept(problem: &Problem) -> bool {
 /// Workspaces of one thread: the samples on both sides at every level above the last two, cuts, stumps.
 fn thread(problem: &Problem, switches: &Switches) -> f64 {
     let (n, p, depth) = (problem.n as f64, problem.p as f64, problem.depth as f64);
-    let sides = (depth - 2.0).max(0.0) * 8.0 * n * p;
-    let axes = (depth - 1.0).max(1.0) * axis(problem, 2);
+    let searches = if problem.leaf_size > 1 { 2.0 } else { 1.0 };
+    let sides = searches * (depth - 2.0).max(0.0) * 8.0 * n * p;
+    let axes = searches * (depth - 1.0).max(1.0) * axis(problem, 2);
     let kept = if has_kept(problem) { MOST_BYTES_OF_CUT as f64 } else { 0.0 };
-    sides + axes + n + stumps(problem, switches) + kept
+    sides + axes + searches * n + stumps(problem, switches) + searches * kept
 }
 
 /// The cuts of a feature: position, total range, bounds of both sides; and eight at a time, where there are more labels
@@ -56,8 +59,9 @@ fn axis(problem: &Problem, level: usize) -> f64 {
     let (k, n_leaves) = (problem.n_classes, 1 << (level - 1).min(20));
     let labels = if k > n_leaves { k.div_ceil(WIDTH) } else { 0 };
     let sets = if is_plain(problem) { 0 } else { most_width(k, n_leaves) };
+    let beside = if problem.leaf_size > 1 { 32.0 } else { 0.0 };
     let prices = if problem.penalty > 0 { 16.0 } else { 0.0 };
-    problem.n as f64 * (28.0 + prices + 32.0 * labels.max(sets) as f64)
+    problem.n as f64 * (28.0 + beside + prices + 32.0 * labels.max(sets) as f64)
 }
 
 /// Tables of offsets into histograms, histograms, and the change that each sample makes in them.
@@ -66,7 +70,7 @@ fn axis(problem: &Problem, level: usize) -> f64 {
 /// numbers of any width up to the widest.
 fn stumps(problem: &Problem, switches: &Switches) -> f64 {
     let (n, p) = (problem.n as f64, problem.p as f64);
-    if !switches.buckets || problem.leaf_size > 1 {
+    if !switches.buckets {
         return 8.0 * p;
     }
     let costs = ClassCosts::of(problem);

@@ -7,7 +7,7 @@ use crate::exact::node::plan::Plan;
 use crate::exact::node::result::{FeatureIncumbent, Solved};
 use crate::exact::node::search::Search;
 use crate::exact::root_search::elsewhere::Elsewhere;
-use crate::exact::root_search::frontier::Frontier;
+use crate::exact::root_search::frontier::{Frontier, Level};
 use crate::exact::root_search::known::{Due, Known, Saver};
 use crate::exact::samples::Samples;
 use crate::exact::switches::Switches;
@@ -47,7 +47,7 @@ pub(crate) enum Best {
 }
 
 /// Of the trees of one level fewer: a bound, each feature's incumbent at the root, the cuts that were solved.
-type Below = (i64, Vec<FeatureIncumbent>, Vec<Solved>);
+pub(crate) type Below = (i64, Vec<FeatureIncumbent>, Vec<Solved>);
 
 /// State of a search.
 pub(crate) struct Run<'a, 's> {
@@ -70,6 +70,12 @@ pub(crate) struct Run<'a, 's> {
     pub(crate) elsewhere: Option<&'s Elsewhere<'s>>,
     /// Results of nodes below the cuts that are entered.
     pub(crate) shared: Shared,
+    /// Cuts evaluated by the free problem that was searched first.
+    pub(crate) n_free: u64,
+    /// Cost of the tree to show in the place of those found here, if this is the free problem of another one.
+    pub(crate) shown: Option<i64>,
+    /// What the last level has shown: the bound of one level fewer, the others its own.
+    pub(crate) last: Below,
 }
 
 impl<'a, 's> Run<'a, 's> {
@@ -99,6 +105,9 @@ impl<'a, 's> Run<'a, 's> {
             due: Due::new(saver),
             elsewhere: None,
             shared: Shared::default(),
+            n_free: 0,
+            shown: None,
+            last: Below::default(),
         };
         if let Some((objective, _)) = &options.incumbent
             && samples.counted(objective - base) <= run.best.0
@@ -126,16 +135,19 @@ impl Run<'_, '_> {
             self.bound = self.best.0;
             return;
         }
+        if self.known.as_ref().is_some_and(|known| known.sets.is_some()) {
+            self.bound = self.known.as_ref().map_or(0, |known| known.bound);
+            return;
+        }
+        if self.samples.free.is_some() && depth > 2 {
+            return self.search_beside(depth, keep_going);
+        }
         let ((mut whole, mut incumbents, mut fewer), first) = match &self.known {
             Some(known) => ((known.whole, known.order.clone(), Vec::new()), known.level),
             None => (self.shallow(depth.min(2), keep_going), 3),
         };
         if depth <= 2 {
             self.bound = whole;
-            return;
-        }
-        if self.known.as_ref().is_some_and(|known| known.sets.is_some()) {
-            self.bound = self.known.as_ref().map_or(0, |known| known.bound);
             return;
         }
         let levels: Vec<usize> = (first..=depth).filter(|&level| self.is_searched(level, first)).collect();
@@ -145,8 +157,14 @@ impl Run<'_, '_> {
             if self.supervision.reason().is_some() || self.bound >= self.best.0 {
                 return;
             }
-            (whole, incumbents, fewer) = self.deep((before, level, depth), &incumbents, (whole, &fewer), keep_going);
-            self.known = None;
+            // The incumbent may be deeper than this level: the level's own trees are asked for up to its cost.
+            let (upper, shown) = (self.best.0, if before + 1 == level { whole } else { 0 });
+            let asked = Level { before, depth: level, upper, incumbents: &incumbents, whole, fewer: &fewer, free: &[] };
+            let known = self.known.take();
+            let known = known.as_ref().map(|known| (&known.cuts[..], &known.incumbents[..]));
+            let (found, _) = self.deep(&asked, depth, known, keep_going);
+            (whole, incumbents, fewer) = found;
+            self.last = (shown, incumbents.clone(), fewer.clone());
         }
     }
 
@@ -224,34 +242,24 @@ impl Run<'_, '_> {
         (if self.supervision.reason().is_some() { 0 } else { result.lower }, incumbents, solved)
     }
 
-    /// Depth three or more, by all threads, after that of `before` levels.
-    fn deep(
+    /// Depth three or more, by all threads; and the solved cuts with the bounds of leaves of any size. `last`: the
+    /// level that is wanted in the end.
+    pub(crate) fn deep(
         &mut self,
-        (before, depth, last): (usize, usize, usize),
-        incumbents: &[FeatureIncumbent],
-        (whole, fewer): (i64, &[Solved]),
+        level: &Level<'_>,
+        last: usize,
+        known: Option<(&[Solved], &[FeatureIncumbent])>,
         keep_going: KeepGoing<'_>,
-    ) -> Below {
+    ) -> (Below, Vec<Solved>) {
+        let &Level { depth, upper, incumbents, whole, .. } = level;
         let is_last = depth == last;
         let (samples, view, switches) = (self.samples, self.view, self.options.switches);
-        // The incumbent may be deeper than this level: the level's own trees are asked for up to the last level's cost.
-        let upper = self.best.0;
-        let known = self.known.take();
         let shared = std::mem::take(&mut self.shared);
-        let frontier = Frontier::new(
-            samples,
-            switches,
-            &self.control,
-            view,
-            depth,
-            incumbents,
-            (before, whole, fewer),
-            upper,
-            known.as_ref(),
-        )
-        .sharing(&shared)
-        .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
-        let (tables, before, control) = (self.tables, self.tree(), &self.control);
+        let frontier = Frontier::new(samples, switches, &self.control, view, level, known)
+            .sharing(&shared)
+            .by_windows_of(self.elsewhere.map_or(0, |elsewhere| elsewhere.round));
+        let (tables, before, control) = (self.tables, (self.best.0, self.tree()), &self.control);
+        let n_free = self.n_free;
         let state_now = || {
             let (_, bound) = frontier.progress();
             let best = frontier.best().map(|(cost, plan)| (cost, plan.tree(samples, view)));
@@ -262,8 +270,8 @@ impl Run<'_, '_> {
                 incumbents: frontier.incumbents(),
                 cuts: frontier.solved(),
                 bound: if is_last { bound } else { 0 },
-                best: best.unwrap_or_else(|| (upper, before.clone())),
-                n_nodes: control.n_evaluated(),
+                best: best.unwrap_or_else(|| before.clone()),
+                n_nodes: control.n_evaluated() - n_free,
                 sets: None,
             }
             .map_costs(|cost| samples.cost(cost))
@@ -285,7 +293,7 @@ impl Run<'_, '_> {
         let shown = |(cost, bound): (i64, i64)| self.deeper(bound, depth, last).max(self.bound).min(cost);
         self.supervision.run_all(n_threads, work, || {
             let (cost, bound) = frontier.progress();
-            let progress = self.progress(cost, shown((cost, bound)));
+            let progress = self.progress(if cost < upper { cost } else { self.best.0 }, shown((cost, bound)));
             self.poll(
                 &mut |state| keep_going(state) && due.save(false, &state_now),
                 progress,
@@ -302,13 +310,15 @@ impl Run<'_, '_> {
             self.best = (cost, Best::Plan(plan));
         }
         let below = (bound.min(cost), frontier.incumbents(), frontier.solved());
+        let free = frontier.free();
         drop(frontier);
         self.shared = shared;
-        below
+        (below, free)
     }
 
     /// Progress with an objective and a bound above the base, the evaluated cuts counted so far.
     pub(crate) fn progress(&self, objective: i64, bound: i64) -> Progress {
+        let objective = self.shown.unwrap_or(objective);
         let [objective, bound] = [objective, bound].map(|cost| self.base + self.samples.cost(cost));
         Progress { seconds: 0.0, objective, bound, n_nodes: self.control.n_evaluated() }
     }

@@ -172,7 +172,7 @@ impl<'a> Few<'a> {
                 bounds[side] = bounds[side].max(result.lower);
                 plans[side] = result.best;
             }
-            [axis.left[k], axis.right[k]] = bounds;
+            axis.enter(k, bounds, [0, 0]);
             if let [Some((left, left_plan)), Some((right, right_plan))] = plans {
                 let cost = left + right + self.samples.penalty;
                 if cost < best.cost(upper) {

@@ -35,6 +35,8 @@ pub(crate) struct Buckets<T: Lane, const N: usize, const S: usize> {
     scores: Vec<i64>,
     /// Gain that each group may reach on both sides of the cut (`[group][side]`).
     pub(super) reaches: Vec<[i64; 2]>,
+    /// The same of each feature, by lane.
+    lane_reaches: Vec<[T; N]>,
     k: usize,
     pub(super) totals: [Vec<i64>; 2],
     pub(super) whole: Vec<i64>,
@@ -66,6 +68,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
             groups: (0..samples.p.div_ceil(S)).map(|group| Histogram::new(group, samples.p)).collect(),
             scores: vec![0; samples.p],
             reaches: Vec::new(),
+            lane_reaches: vec![[T::default(); N]; samples.p.div_ceil(S)],
             k: 0,
             totals: [labels.clone(), labels.clone()],
             whole: labels,
@@ -140,6 +143,7 @@ impl<T: Lane, const N: usize, const S: usize> Buckets<T, N, S> {
     /// Sweep a group: its best gain joins `sides.best`, the gain that it may reach is returned.
     fn visit(&mut self, group: usize, sides: &mut Sides) -> [i64; 2] {
         let (best, reach) = self.sweep(group);
+        self.lane_reaches[group] = reach;
         let mut reachable = [0; 2];
         for lane in 0..N {
             sides.best[lane % 2] = sides.best[lane % 2].max(best[lane].widen());
@@ -186,6 +190,7 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
             let changes = &self.changes[usize::from(table.is_difference)];
             self.groups[group].load(samples, view, (table, changes), self.shape);
             let (best, reach) = self.sweep(group);
+            self.lane_reaches[group] = reach;
             let first = group * self.shape.slots;
             for f in first..(first + self.shape.slots).min(samples.p) {
                 let lane = 2 * (f - first) + 1;
@@ -204,6 +209,10 @@ impl<T: Lane, const N: usize, const S: usize> StumpSolver for Buckets<T, N, S> {
 
     fn scores(&self) -> &[i64] {
         &self.scores
+    }
+
+    fn reach(&self, f: usize, side: usize) -> i64 {
+        self.lane_reaches[f / self.shape.slots][2 * (f % self.shape.slots) + side].widen()
     }
 
     fn rewind(&mut self) {

@@ -63,6 +63,9 @@ pub(crate) trait StumpSolver: Send {
     /// Gain of a stump on each feature of the view last taken up (`p`).
     fn scores(&self) -> &[i64];
 
+    /// No stump of feature `f` gains more on this side of the cut that was asked about last (or taken up, right).
+    fn reach(&self, f: usize, side: usize) -> i64;
+
     /// Put the cut back to 0, everything right of it, for another feature.
     fn rewind(&mut self);
 

@@ -1,0 +1,97 @@
+"""The price of an option: CPU seconds of a proof with it over those of the proof without, on public tables.
+
+The options: a least number of samples in a leaf (2, 5, 20, or 1 % of the rows), the same with a budget of three
+columns, one split fewer than the depth has room for, and a proof log. A proof that its limit ends counts with the
+seconds at which it stopped.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.cpu import Stopwatch, cpu_limit
+from benchmarks.public_tables import ordered, samples
+from benchmarks.tables import Line, markdown
+from octmip.trees.methods.options import ExactOptions
+from octmip.trees.problem import Problem
+from octmip.trees.solution import Solution
+from octmip.trees.solver import solve
+
+SETTLED = ("pima-diabetes", "breast-cancer-wisconsin-diagnostic", "ct-wilt", "wine", "vertebral-column-3c", "spambase")
+"""Tables that the search was looked at with."""
+N_OTHERS = 20
+DEPTHS = (2, 3)
+SHORTEST = 0.005
+"""CPU seconds of the least proof that is divided by: the clock's step, and what every call takes."""
+
+Options = dict[str, object]
+OPTIONS: Mapping[str, Callable[[int, int], Options]] = {
+    "leaf size 2": lambda _, __: {"leaf_size": 2},
+    "leaf size 5": lambda _, __: {"leaf_size": 5},
+    "leaf size 20": lambda _, __: {"leaf_size": 20},
+    "leaf size 1 %": lambda n, _: {"leaf_size": max(1, n // 100)},
+    "leaf size 5, budget of 3": lambda _, __: {"leaf_size": 5, "sensor_budget": 3},
+    "one split fewer": lambda _, depth: {"max_splits": 2**depth - 2},
+    "log": lambda _, __: {},
+    "log, leaf size 5": lambda _, __: {"leaf_size": 5},
+}
+
+
+def tables() -> list[str]:
+    """Return the tables in their order: those that the search was looked at with, and the smallest of the others."""
+    return [*SETTLED, *(name for name, _ in ordered() if name not in SETTLED)][: len(SETTLED) + N_OTHERS]
+
+
+def results(limit: float, threads: Sequence[int], names: Sequence[str] = (), only: str = "") -> Iterator[Line]:
+    """Yield a line for each table, depth and option; an option of a table that is not proven without it is left out."""
+    for name in names or tables():
+        features, classes = samples(name)
+        labels = np.unique(classes, return_inverse=True)[1]
+        for depth in DEPTHS:
+            free, before = proof(Problem(features, labels, depth=depth), limit)
+            if not free.is_optimal:
+                continue
+            for option, asked in OPTIONS.items():
+                if only in option:
+                    problem = Problem(features, labels, depth=depth, **asked(len(labels), depth))  # type: ignore[arg-type]
+                    solution, seconds = proof(problem, limit, is_logged="log" in option)
+                    yield {
+                        "size": f"{name}, depth {depth}, {option}",
+                        "seed": 0,
+                        "table": name,
+                        "depth": depth,
+                        "option": option,
+                        "outcome": "proven" if solution.is_optimal else "open",
+                        "objective": solution.objective,
+                        "bound": solution.bound,
+                        "free_seconds": round(before, 4),
+                        "cpu_seconds": round(seconds, 4),
+                        "price": round(max(seconds, SHORTEST) / max(before, SHORTEST), 2),
+                    }
+
+
+def proof(problem: Problem, limit: float, is_logged: bool = False) -> tuple[Solution, float]:
+    """Return the answer of the exact method within so many CPU seconds, and those that it took."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = ExactOptions(proof=Path(folder) / "proof.log") if is_logged else ExactOptions()
+        watch = Stopwatch()
+        solution = solve(problem, "exact", options=options, **cpu_limit(limit))
+        return solution, watch.read()[0]
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """Return a row for each option: mean and worst price by depth, and the proofs that are open."""
+    depths = sorted({line["depth"] for line in lines})
+    rows = []
+    for option in dict.fromkeys(line["option"] for line in lines):
+        cells = []
+        for depth in depths:
+            found = [line for line in lines if (line["option"], line["depth"]) == (option, depth)]
+            prices = [line["price"] for line in found]
+            n_open = sum(line["outcome"] == "open" for line in found)
+            cells += [f"{np.mean(prices):.1f} / {max(prices):.1f}", str(n_open)] if found else ["", ""]
+        rows.append([option, *cells])
+    heads = [head for depth in depths for head in (f"depth {depth}: mean / worst", "open")]
+    return markdown(["option", *heads], rows)
