@@ -1,0 +1,58 @@
+"""Machines of the studies: the asset is like its twin but not the twin, what is drawn is clear, and answers are judged."""
+
+import json
+
+import numpy as np
+import pytest
+
+from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run
+from benchmarks.machines.draws import CLEAR
+from benchmarks.machines.selectors import Said
+
+
+@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
+def test_an_asset_is_richer_than_its_twin_and_near_it(machine):
+    twin, own = machine.twin(), machine.own(np.random.default_rng(1))
+    shown = machine.means(dict.fromkeys(own, 1.0))
+    said = np.array([twin.ask({}, cell if len(cell) > 1 else next(iter(cell.values())), {}) for cell in machine.cells])
+    apart = np.abs(shown - said) / np.sqrt(np.mean(said**2, axis=0))
+    assert 0.003 < apart.max() < 0.5
+    assert np.isfinite(machine.means(own, machine.outsiders(np.random.default_rng(2))[:1])).all()
+
+
+def test_three_machines_settle_constants_and_three_others_judge():
+    assert not {m.name for m in SETTLED} & {m.name for m in JUDGED}
+    assert [len(SETTLED), len(JUDGED)] == [3, 3]
+
+
+def test_cases_are_sealed_clear_and_judged(tmp_path):
+    said = run(tmp_path / "set", 3, 5, ["tanks"], ["diagnosis", "plain"])
+    keys = json.loads((tmp_path / "set.keys.json").read_text())
+    assert sorted(key["stratum"] for key in keys.values()) == ["outside", "pair", "single", "single", "sound"]
+    assert min(d for key in keys.values() for d in key["d_prime"]) >= CLEAR
+    assert "single faults, named right" in said
+    answers = [json.loads(line) for line in (tmp_path / "set" / "answers.jsonl").read_text().splitlines()]
+    assert len(answers) == 10
+    (tmp_path / "set.keys.json").write_text(json.dumps({**keys, "tanks000": {**keys["tanks000"], "noise": "none"}}))
+    with pytest.raises(SystemExit, match="do not match their seals"):
+        from benchmarks.seals import open_keys
+
+        open_keys(tmp_path / "set", tmp_path / "set.keys.json")
+
+
+def test_figures_count_what_is_right_accused_and_unexplained():
+    def key(stratum, names, faults=()):
+        new = MACHINES["tanks"].means(dict.fromkeys(("gate12", "gate23", "outlet", "lift", "leak"), 1.0))[0]
+        return {"machine": "tanks", "stratum": stratum, "names": names, "faults": faults, "new": new.tolist()}
+
+    load = key("single", ["first_error"], [("load", "first", 0.05)])
+    right = Said([["first_error"]], [[["first_error"]]], 0.99, 0.0, [("first_error", "", 4.0, 5.5)], [], closed=1.01)
+    wrong = Said([["leak"]], [[["leak"]]], 0.97, 0.0, [], [])
+    rows = {f.name: f.value for f in figures([(right, load), (wrong, key("sound", [])), (wrong, key("outside", []))])}
+    assert rows["single faults, named right"] == rows["sound, accused"] == rows["`closed` above 1"] == 1.0
+    assert rows["outside, called unexplained"] == 0.0
+    assert rows["stated 0.95 and more, wrong"] == pytest.approx(2 / 3)
+    assert inside(right, load) == [True]
+    told = np.array(load["new"])
+    near = Said([], [], 0.5, 0.0, [], [], new=tuple(told + 0.01), before=tuple(told + 10.0))
+    assert closed(near, load) == pytest.approx(1.0, abs=1e-4)
