@@ -147,7 +147,10 @@ class Diagnosis:
         additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         level = self.posterior.model.level
-        own = inputs.twin.twin if isinstance(inputs.twin.twin, FunctionTwin) else twin
+        own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin
+        if isinstance(own, FunctionTwin) and isinstance(sound, FunctionTwin):
+            built = {name: one.nominal for name, one in sound.card.ranges.items()}
+            own = own.at(built, sound.signature_error)
         return AugmentedTwin(own, tuple(additions), partial(whole_difference, inputs, level))
 
 

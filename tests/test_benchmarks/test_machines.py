@@ -1,4 +1,4 @@
-"""Machines of the studies: the asset is like its twin but not the twin, what is drawn is clear, and answers are judged."""
+"""Machines of the studies: an asset is near its twin but not the twin, what is drawn is clear, answers are judged."""
 
 import json
 
@@ -8,6 +8,7 @@ import pytest
 from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run
 from benchmarks.machines.draws import CLEAR
 from benchmarks.machines.selectors import Said
+from benchmarks.seals import open_keys
 
 
 @pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
@@ -35,8 +36,6 @@ def test_cases_are_sealed_clear_and_judged(tmp_path):
     assert len(answers) == 10
     (tmp_path / "set.keys.json").write_text(json.dumps({**keys, "tanks000": {**keys["tanks000"], "noise": "none"}}))
     with pytest.raises(SystemExit, match="do not match their seals"):
-        from benchmarks.seals import open_keys
-
         open_keys(tmp_path / "set", tmp_path / "set.keys.json")
 
 

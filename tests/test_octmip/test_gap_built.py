@@ -1,12 +1,16 @@
 """An asset as it was built: constants that its run says, changes from there, effects at their own sizes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from octmip.errors import TwinError
 from octmip.gap import Campaign, FunctionTwin, Recorded, diagnose, function_twin, gathered
 from octmip.gap.channels.outliers import robust
 from octmip.gap.doors.built import built_by
 from octmip.gap.effects import chain_of
+from octmip.gap.twins import CachedTwin
 
 READINGS = {"u1": "mm", "u2": "mm", "moment": "N m", "sum": "mm"}
 RANGES = {"k1": (10.0, 5.0, 14.0, "N/mm"), "k2": (12.0, 8.0, 16.0, "N/mm"), "arm": (0.5, 0.4, 0.6, "m")}
@@ -50,7 +54,7 @@ def under(forces=FORCES, **others: float) -> list[dict]:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_run_says_the_constants_of_an_asset_within_its_noise(seed):
-    built = built_by(read(SPRINGS, under(), seed, k1=9.2, arm=0.53), SPRINGS)
+    built = built_by(read(SPRINGS, under(), seed, k1=9.2, arm=0.53), CachedTwin(SPRINGS))
     assert built.values["k1"] == pytest.approx(9.2, abs=0.04)
     assert built.values["arm"] == pytest.approx(0.53, abs=0.005)
     assert built.signature_error == 0.02
@@ -60,7 +64,44 @@ def test_constants_that_are_zero_or_at_an_end_are_not_moved():
     twin = function_twin(
         springs, READINGS, RANGES | {"k1": (10.0, 5.0, 10.0, "N/mm"), "leak": (0.0, -1.0, 1.0)}, ("force",)
     )
-    assert set(built_by(read(twin, under(), 1, k1=9.2), twin).values) == {"k2", "arm"}
+    assert set(built_by(read(twin, under(), 1, k1=9.2), CachedTwin(twin)).values) == {"k2", "arm"}
+
+
+def test_a_run_of_another_twin_or_of_unknown_states_says_no_constants():
+    other = function_twin(springs, READINGS, RANGES, loads=("force",), states=("crack",))
+    run = read(SPRINGS, under(), 1)
+    assert built_by(run, CachedTwin(function_twin(springs, READINGS, RANGES, loads=("weight",)))) is None
+    assert built_by(run, CachedTwin(function_twin(springs, READINGS, {}, loads=("force",)))) is None
+    unknown = np.full((len(run.test), 1), np.nan)
+    assert built_by(replace(run, parameters=("crack",), states=unknown), CachedTwin(other)) is None
+
+
+def test_a_gauge_that_reads_nothing_or_that_the_twin_lacks_does_not_count():
+    run = read(SPRINGS, under(), 1, k1=9.2)
+    silent = replace(
+        run,
+        gauges=("other", *run.gauges),
+        units=("mm", *run.units),
+        readings=np.column_stack(
+            [np.full(len(run.test), 7.0), run.readings[:, :2], 0.0 * run.readings[:, 2], run.readings[:, 3]]
+        ),
+    )
+    built = built_by(silent, CachedTwin(SPRINGS))
+    assert built.values["k1"] == pytest.approx(9.2, abs=0.05)
+    assert 0.02 <= built.signature_error <= 0.1
+
+
+@pytest.mark.parametrize("answer", ["ValueError", float("nan")])
+def test_a_model_that_fails_at_another_value_is_told_in_one_sentence(answer):
+    def failing(p, loads):
+        if p["k1"] != 10.0 and answer == "ValueError":
+            raise ValueError("no such spring")
+        return [value if p["k1"] == 10.0 else answer for value in springs(p, loads)]
+
+    twin = function_twin(failing, READINGS, RANGES, loads=("force",))
+    run = read(SPRINGS, under(), 1)
+    with pytest.raises(TwinError, match=r"expected readings|expected a finite number"):
+        diagnose(run, twin, commissioning=run)
 
 
 @pytest.mark.parametrize(("built", "now"), [(9.2, 10.0), (10.8, 10.0), (9.2, 8.0), (11.0, 12.0)])

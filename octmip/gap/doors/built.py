@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.doors.card import Range
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
 
@@ -28,19 +29,27 @@ SHARE = 0.08
 MODEL = 0.01
 """What a twin with the right constants is off by, over the rms of each reading."""
 STEPS = 3
+FAR = 0.5
+"""Rms of what a reading is off by over its own, from which it does not count: that is no constant of an asset."""
 PER_MISFIT, ERRORS = 2.0, (0.02, 0.10)
 """Relative sd of a signature over that of the readings of the sound asset; its least and greatest."""
 INSIDE = 0.02
 """Share of its range that a constant keeps from both ends."""
-SLOPE = 0.5
-"""Step of the slope over the prior sd."""
+SLOPE, CLOSE = 0.5, 0.02
+"""Step of the slope, and a step that is none, over the prior sd."""
 
 
 def as_built(twin: CachedTwin, run: Campaign | None) -> CachedTwin:
-    """Return the twin with the constants that a run says; the twin itself without a run, or where it has no card."""
+    """Return the twin with the constants that a run says; the twin itself without a run, or where it has no card.
+
+    Raises
+    ------
+    TwinError
+        the model fails, or answers no finite numbers.
+    """
     if run is None or not isinstance(twin.twin, FunctionTwin):
         return twin
-    own = built_by(run, twin.twin)
+    own = built_by(run, twin)
     if own is None:
         return twin
     found = CachedTwin(twin.twin.at(own.values, own.signature_error))
@@ -64,51 +73,108 @@ class Built:
     signature_error: float
 
 
-def built_by(run: Campaign, twin: FunctionTwin) -> Built | None:
-    """Return what a run of the sound asset says of its parameters; None where it has none, or no known state.
+def built_by(run: Campaign, cached: CachedTwin) -> Built | None:
+    """Return what a run of the sound asset says of its parameters.
 
-    Those whose nominal value is 0 or an end of the range are no constants that vary from asset to asset: they stay.
+    None where the twin has none, or where the run is refused anyway: unknown states, or the loads of another twin.
+    Parameters whose nominal value is 0 or an end of the range are no constants that vary from asset to asset: they
+    stay.
     """
+    twin = cached.twin
+    assert isinstance(twin, FunctionTwin)
     ranges = {name: own for name, own in twin.card.ranges.items() if own.nominal and own.low < own.nominal < own.high}
-    if not ranges or not all(cell.is_known for cell in run.cells):
+    if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
-    nominal = np.array([own.nominal for own in ranges.values()])
-    spread = SHARE * np.abs(nominal)
-    low, high = np.array([(own.low, own.high) for own in ranges.values()]).T
-    low, high = low + INSIDE * (high - low), high - INSIDE * (high - low)
-    order = [twin.gauges.index(name) for name in run.gauges]
-    mean, count = (np.array([getattr(cell, what) for cell in run.cells]) for what in ("mean", "count"))
-    seen = count > 0
+    read = _Read.of(run, cached, ranges)
+    here = read.asked(np.zeros(len(ranges)))
+    rows = read.rows_near(here)
+    return _fitted(read, here, rows) if len(rows) else None
 
-    def asked(shares: Floats) -> Floats:
-        values = dict(zip(ranges, (nominal + spread * shares).tolist(), strict=True))
-        rows = [twin.ask(_state(run, k), cell.load, values)[order] for k, cell in enumerate(run.cells)]
-        return np.asarray(np.array(rows)[seen])
 
-    here = asked(np.zeros(len(nominal)))
-    rms = np.sqrt(np.nanmean(np.where(seen, mean, np.nan) ** 2, axis=0))
-    sd = np.sqrt(np.nan_to_num(np.nanmean(np.vstack([run.spreads(), 0.0 * rms]) ** 2, axis=0)))
-    weight = ((sd**2 / np.maximum(count, 1) + (MODEL * np.maximum(rms, 1e-12)) ** 2) ** -0.5)[seen]
-    least, most = (low - nominal) / spread, (high - nominal) / spread
+@dataclass(frozen=True, slots=True, eq=False)
+class _Read:
+    """The means of a run, beside a model with constants that vary.
+
+    Attributes
+    ----------
+    run, cached, ranges
+        of the asset, of the model, and of its constants.
+    seen
+        (n_cells, n_gauges) whether the run has a mean.
+    mean, variance
+        (n,) of those, and of their noise.
+    order
+        place of each of the run's gauges among the model's.
+    nominal, spread
+        (n_constants,) values of the drawing, and their sd.
+    """
+
+    run: Campaign
+    cached: CachedTwin
+    ranges: Mapping[str, Range]
+    seen: NDArray[np.bool_]
+    mean: Floats
+    variance: Floats
+    order: tuple[int, ...]
+    nominal: Floats
+    spread: Floats
+
+    @classmethod
+    def of(cls, run: Campaign, cached: CachedTwin, ranges: Mapping[str, Range]) -> "_Read":
+        """Return those of the gauges that the model knows."""
+        known = [k for k, name in enumerate(run.gauges) if name in cached.gauges]
+        order = tuple(cached.gauges.index(run.gauges[k]) for k in known)
+        mean, count = (np.array([getattr(cell, what) for cell in run.cells])[:, known] for what in ("mean", "count"))
+        spreads = run.spreads()[:, known]
+        squares = np.sum(np.nan_to_num(spreads) ** 2, axis=0) / np.maximum(np.isfinite(spreads).sum(axis=0), 1)
+        seen = count > 0
+        nominal = np.array([own.nominal for own in ranges.values()])
+        variance = (squares / np.maximum(count, 1))[seen]
+        return cls(run, cached, ranges, seen, mean[seen], variance, order, nominal, SHARE * np.abs(nominal))
+
+    def values(self, shares: Floats) -> dict[str, float]:
+        """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
+        return dict(zip(self.ranges, (self.nominal + self.spread * shares).tolist(), strict=True))
+
+    def asked(self, shares: Floats) -> Floats:
+        """Return what the model reads (n,)."""
+        values, cells = self.values(shares), enumerate(self.run.cells)
+        rows = [self.cached.asked(_state(self.run, k), cell.load, values)[list(self.order)] for k, cell in cells]
+        return np.asarray(np.array(rows)[self.seen])
+
+    def rms(self, values: Floats) -> Floats:
+        """Return the rms (n,) of the gauge of each of some values (n,)."""
+        squares = np.zeros(self.seen.shape)
+        squares[self.seen] = values**2
+        mean = squares.sum(axis=0) / np.maximum(self.seen.sum(axis=0), 1)
+        return np.asarray(np.sqrt(np.broadcast_to(mean, self.seen.shape)[self.seen]))
+
+    def rows_near(self, here: Floats) -> NDArray[np.int64]:
+        """Return the rows of gauges that read about what the model of the drawing says (n,)."""
+        return np.flatnonzero(self.rms(self.mean - here) < FAR * self.rms(here))
+
+
+def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
+    """Return the most probable constants by some rows, from what the drawing's read there (n,)."""
+    ends = np.array([(own.low, own.high) for own in read.ranges.values()])
+    inside = ends + INSIDE * np.ptp(ends, axis=1)[:, None] * np.array([1.0, -1.0])
+    least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
+    size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
+    weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
     ahead = np.where(most >= SLOPE, SLOPE, -SLOPE)
-    slope = np.column_stack([(asked(step) - here) / step.sum() for step in np.diag(ahead)])
-    at = np.zeros(len(nominal))
+    slope = np.column_stack([(read.asked(step)[rows] - here) / step.sum() for step in np.diag(ahead)])
+    at = np.zeros(len(ahead))
     for _ in range(STEPS):
-        white = slope * weight[:, None]
-        left = (mean[seen] - here + slope @ at) * weight
+        white, left = slope * weight[:, None], (measured - here + slope @ at) * weight
         moved = np.clip(np.linalg.solve(white.T @ white + np.eye(len(at)), white.T @ left), least, most)
         step = moved - at
-        if np.abs(step).max() < 0.02:
+        if np.abs(step).max() < CLOSE:
             break
-        there = asked(moved)
+        there = read.asked(moved)[rows]
         slope = slope + np.outer(there - here - slope @ step, step) / (step @ step)
         at, here = moved, there
-    noise = (sd**2 / np.maximum(count, 1))[seen]
-    apart = float(
-        np.mean(np.maximum(0.0, (mean[seen] - here) ** 2 - noise) / np.broadcast_to(rms, mean.shape)[seen] ** 2)
-    )
-    error = float(np.clip(PER_MISFIT * np.sqrt(apart), *ERRORS))
-    return Built(dict(zip(ranges, (nominal + spread * at).tolist(), strict=True)), error)
+    missed = np.maximum(0.0, (measured - here) ** 2 - read.variance[rows]) / size**2
+    return Built(read.values(at), float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))
 
 
 def _state(run: Campaign, number: int) -> Mapping[str, float]:

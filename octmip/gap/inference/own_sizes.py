@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.linear_model import LinearModel, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
 
 Floats = NDArray[np.float64]
@@ -22,6 +23,11 @@ WIDE = 3.0
 """Prior sds within which a size is refitted."""
 CLOSE, SEEN = 0.1, 2.0
 """Relative change of a size below which its chord stays; d' below which an effect is as good as linear."""
+
+
+def about(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
+    """Return the model about states (n_cells, n_parameters) at a level of the difference, effects at their sizes."""
+    return at_own_sizes(linearise(inputs, states, level))
 
 
 def at_own_sizes(model: LinearModel) -> LinearModel:

@@ -25,8 +25,8 @@ from scipy.special import logsumexp
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, linearise
-from octmip.gap.inference.own_sizes import at_own_sizes
+from octmip.gap.inference.linear_model import LinearModel
+from octmip.gap.inference.own_sizes import about
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
 from octmip.gap.odds import Differences
@@ -98,11 +98,11 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     states
         assignments (n_cells, n_parameters) to start from, the best first.
     """
-    variants = _variants(at_own_sizes(linearise(inputs, states[0])))
+    variants = _variants(about(inputs, states[0]))
     lead, first = variants[0]
     inferences = [Inference(first)]
     for assignment in states[1:]:
-        model = at_own_sizes(linearise(first.inputs, assignment, first.level))
+        model = about(first.inputs, assignment, first.level)
         if _best_single(model) > _best_single(inferences[0].model) - START_BEHIND:
             inferences.append(Inference(model))
     found: dict[Members, float] = {}
@@ -271,10 +271,7 @@ def _settled(inferences: list[Inference], sets: list[Members]) -> tuple[list[Inf
         if not new:
             break
         like = inferences[0].model
-        inferences = [
-            *inferences,
-            *(Inference(at_own_sizes(linearise(like.inputs, states, like.level))) for states in new),
-        ]
+        inferences = [*inferences, *(Inference(about(like.inputs, states, like.level)) for states in new)]
         again = _weigh(inferences, [w.members for w in _contenders(weighed)])
         weighed = [*{w.members: w for w in [*weighed, *again]}.values()]
     return inferences, weighed
@@ -385,17 +382,16 @@ def attribute(inputs: Inputs) -> Posterior:
     for w in weighed:
         by_key.setdefault((w.members, w.has_unknown), []).append(w)
     total = float(logsumexp([w.log_weight for w in weighed]))
-    judged = [_judged(same, total) for same in by_key.values()]
-    judged = [h for h in judged if h.probability > NEGLIGIBLE or not h.has_unknown]
+    every = (_judged(same, total) for same in by_key.values())
+    judged = [h for h in every if h.probability > NEGLIGIBLE or not h.has_unknown]
     judged.sort(key=lambda h: -h.probability)
     best: dict[int, Judged] = {}  # by inference: a walk is asked of each once
     for w in (w for w in weighed if not w.has_unknown):
         if id(w.inference) not in best or w.log_weight > best[id(w.inference)].log_weight:
             best[id(w.inference)] = w
     walk = judged[0].model.inputs.noise.walk_sd
-    alike = [w for w in best.values() if w.model.inputs.noise.walk_sd == walk]
-    main = max(alike or best.values(), key=lambda w: w.log_weight).inference
-    return Posterior(tuple(judged), main, total)
+    alike = [w for w in best.values() if w.model.inputs.noise.walk_sd == walk] or best.values()
+    return Posterior(tuple(judged), max(alike, key=lambda w: w.log_weight).inference, total)
 
 
 def _judged(same: Sequence[Judged], total: float) -> Judged:
