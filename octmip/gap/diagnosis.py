@@ -19,7 +19,7 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.doors.built import as_built
+from octmip.gap.doors.built import as_built, built_words
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
@@ -244,7 +244,7 @@ def _inputs(
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
     if run is not commissioning:
         notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
-    return inputs, notes
+    return inputs, [*built_words(asked, sound), *notes]
 
 
 _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."

@@ -1,5 +1,6 @@
 """An asset as it was built: constants that its run says, changes from there, effects at their own sizes."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -112,6 +113,8 @@ def test_an_asset_that_is_built_off_its_drawing_is_no_wrong_run(built, now):
     size = found.which[0].parameters[0]
     assert size.low - 0.05 <= now - built <= size.high + 0.05
     assert "sound asset's" in size.named.above
+    said = re.search(r"\(k1 ([0-9.]+) for 10\)", found.notes[0])
+    assert float(said[1]) == pytest.approx(built, abs=0.06)
     load = {"force": 50.0}
     there = found.augmented(SPRINGS).predict({}, 50.0)
     assert there == pytest.approx(springs({"k1": now, "k2": 12.0, "arm": 0.5}, load), rel=0.01)

@@ -28,6 +28,8 @@ SHARE = 0.08
 """Sd of a constant of an asset over that of its drawing."""
 MODEL = 0.01
 """What a twin with the right constants is off by, over the rms of each reading."""
+TOLD, MOST_TOLD = 0.02, 4
+"""Share of its nominal value from which a constant is told, and how many are."""
 STEPS = 3
 FAR = 0.5
 """Rms of what a reading is off by over its own, from which it does not count: that is no constant of an asset."""
@@ -55,6 +57,21 @@ def as_built(twin: CachedTwin, run: Campaign | None) -> CachedTwin:
     found = CachedTwin(twin.twin.at(own.values, own.signature_error))
     found.units = twin.units
     return found
+
+
+def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
+    """Return a note on the constants that the asset was built with, where they are not the model's."""
+    if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
+        return []
+    pairs = [(name, own, sound.twin.card.ranges[name].nominal) for name, own in drawn.twin.card.ranges.items()]
+    off = [(name, own, value) for name, own, value in pairs if abs(value - own.nominal) > TOLD * abs(own.nominal)]
+    off.sort(key=lambda one: -abs(one[2] / one[1].nominal - 1.0))
+    said = [f"{name.replace('_', ' ')} {value:.3g} for {own.nominal:g}" for name, own, value in off[:MOST_TOLD]]
+    if not said:
+        return []
+    return [
+        f"By its run the sound asset has other constants than the model ({', '.join(said)}): effects start from them."
+    ]
 
 
 @dataclass(frozen=True, slots=True)
