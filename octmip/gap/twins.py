@@ -166,12 +166,17 @@ class CachedTwin(TwinAround):
             self._keep(key, answer)
         return self._strains[key]
 
-    def asked(self, state: State, load: Load, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """Return the readings (n_gauges,) of a model with a card at other values of its parameters."""
+    def checked(self, ask: Callable[[], ArrayLike], state: State, load: Load) -> NDArray[np.float64]:
+        """Return the readings (n_gauges,) that somebody else's model is asked for; they are not kept.
+
+        Raises
+        ------
+        TwinError
+            it fails, or answers another number of readings or one that is not finite.
+        """
         with self._answering(state, load):
-            answer = self.twin.ask(state, load, values)  # type: ignore[attr-defined]
-        where = ", ".join(f"{name} {value:.4g}" for name, value in values.items())
-        return self._checked(answer, self.name, f"{where} at {load_words(self.loads, load)}")
+            answer = ask()
+        return self._checked(answer, self.name, f"another value of its parameters at {load_words(self.loads, load)}")
 
     @property
     def name(self) -> str:

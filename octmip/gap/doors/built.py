@@ -13,12 +13,12 @@ Source: Tarantola (2005), "Inverse Problem Theory", section 3.4.4; Broyden (1965
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign
-from octmip.gap.doors.card import Range
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
 
@@ -93,16 +93,15 @@ class Built:
 def built_by(run: Campaign, cached: CachedTwin) -> Built | None:
     """Return what a run of the sound asset says of its parameters.
 
-    None where the twin has none, or where the run is refused anyway: unknown states, or the loads of another twin.
-    Parameters whose nominal value is 0 or an end of the range are no constants that vary from asset to asset: they
-    stay.
+    None where none of them varies from asset to asset, or where the run is refused anyway: unknown states, or the loads
+    of another twin.
     """
     twin = cached.twin
     assert isinstance(twin, FunctionTwin)
-    ranges = {name: own for name, own in twin.card.ranges.items() if own.nominal and own.low < own.nominal < own.high}
+    ranges = twin.constants
     if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
-    read = _Read.of(run, cached, ranges)
+    read = _Read.of(run, cached, twin)
     here = read.asked(np.zeros(len(ranges)))
     rows = read.rows_near(here)
     return _fitted(read, here, rows) if len(rows) else None
@@ -114,8 +113,8 @@ class _Read:
 
     Attributes
     ----------
-    run, cached, ranges
-        of the asset, of the model, and of its constants.
+    run, cached, twin
+        of the asset, and the model as it is checked and as it is asked.
     seen
         (n_cells, n_gauges) whether the run has a mean.
     mean, variance
@@ -128,7 +127,7 @@ class _Read:
 
     run: Campaign
     cached: CachedTwin
-    ranges: Mapping[str, Range]
+    twin: FunctionTwin
     seen: NDArray[np.bool_]
     mean: Floats
     variance: Floats
@@ -137,7 +136,7 @@ class _Read:
     spread: Floats
 
     @classmethod
-    def of(cls, run: Campaign, cached: CachedTwin, ranges: Mapping[str, Range]) -> "_Read":
+    def of(cls, run: Campaign, cached: CachedTwin, twin: FunctionTwin) -> "_Read":
         """Return those of the gauges that the model knows."""
         known = [k for k, name in enumerate(run.gauges) if name in cached.gauges]
         order = tuple(cached.gauges.index(run.gauges[k]) for k in known)
@@ -145,18 +144,21 @@ class _Read:
         spreads = run.spreads()[:, known]
         squares = np.sum(np.nan_to_num(spreads) ** 2, axis=0) / np.maximum(np.isfinite(spreads).sum(axis=0), 1)
         seen = count > 0
-        nominal = np.array([own.nominal for own in ranges.values()])
+        nominal = np.array([own.nominal for own in twin.constants.values()])
         variance = (squares / np.maximum(count, 1))[seen]
-        return cls(run, cached, ranges, seen, mean[seen], variance, order, nominal, SHARE * np.abs(nominal))
+        return cls(run, cached, twin, seen, mean[seen], variance, order, nominal, SHARE * np.abs(nominal))
 
     def values(self, shares: Floats) -> dict[str, float]:
         """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
-        return dict(zip(self.ranges, (self.nominal + self.spread * shares).tolist(), strict=True))
+        return dict(zip(self.twin.constants, (self.nominal + self.spread * shares).tolist(), strict=True))
 
     def asked(self, shares: Floats) -> Floats:
         """Return what the model reads (n,)."""
-        values, cells = self.values(shares), enumerate(self.run.cells)
-        rows = [self.cached.asked(_state(self.run, k), cell.load, values)[list(self.order)] for k, cell in cells]
+        values, rows = self.values(shares), []
+        for cell in self.run.cells:
+            state = dict(zip(self.run.parameters, cell.state.tolist(), strict=True))
+            answer = self.cached.checked(partial(self.twin.ask, state, cell.load, values), state, cell.load)
+            rows.append(answer[list(self.order)])
         return np.asarray(np.array(rows)[self.seen])
 
     def rms(self, values: Floats) -> Floats:
@@ -173,7 +175,7 @@ class _Read:
 
 def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
     """Return the most probable constants by some rows, from what the drawing's read there (n,)."""
-    ends = np.array([(own.low, own.high) for own in read.ranges.values()])
+    ends = np.array([(own.low, own.high) for own in read.twin.constants.values()])
     inside = ends + INSIDE * np.ptp(ends, axis=1)[:, None] * np.array([1.0, -1.0])
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
     size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
@@ -192,7 +194,3 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
         at, here = moved, there
     missed = np.maximum(0.0, (measured - here) ** 2 - read.variance[rows]) / size**2
     return Built(read.values(at), float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))
-
-
-def _state(run: Campaign, number: int) -> Mapping[str, float]:
-    return dict(zip(run.parameters, run.cells[number].state.tolist(), strict=True))

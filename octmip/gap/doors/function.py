@@ -75,6 +75,12 @@ class FunctionTwin:
         places = self.card.positions
         return np.array([places[name] for name in self.gauges]) if places else None
 
+    @property
+    def constants(self) -> dict[str, Range]:
+        """Parameters that vary from asset to asset: neither 0 nor an end of their range is the value of a drawing."""
+        ranges = self.card.ranges.items()
+        return {name: own for name, own in ranges if own.nominal and own.low < own.nominal < own.high}
+
     def with_effects(self, *effects: Effect) -> "FunctionTwin":
         """Return the twin with more effects that the asset may show, beside all that it has; the answers are shared.
 

@@ -113,7 +113,7 @@ def errors_of_load(load: str, extent: float, signature_error: float) -> list[Loa
         factor,
         name=f"{load}_offset",
         parameter=f"offset of the {called}",
-        unit=f"of {called}",
+        unit="-",  # the twin says no units of its loads
         prior_sd=sd,
         is_offset=True,
         change=partial(_risen, step=0.1 * sd),

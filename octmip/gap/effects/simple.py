@@ -17,6 +17,12 @@ from octmip.twin import State, Twin
 
 Floats = NDArray[np.float64]
 
+SIGNATURE_ERROR = 0.1
+"""Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred.
+
+Of 30 draws of the three twins of the documentation one more is named with it, a storey softer by 38 %; with 0.12 a
+stiffness is taken for a gain."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SimpleEffect:
@@ -62,7 +68,7 @@ class SimpleEffect:
     action: str = ""
     says: tuple[str, str] = ("", "")
     step: float = 0.1
-    signature_error: float = 0.1
+    signature_error: float = SIGNATURE_ERROR
     n_arguments: int = field(init=False)
 
     def __post_init__(self) -> None:

@@ -13,17 +13,13 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
 from octmip.gap.effects import in_chain
+from octmip.gap.effects.simple import SIGNATURE_ERROR
 from octmip.gap.odds import Odds
 from octmip.twin import Effect, State, Twin
 
 Forward = Callable[[Twin, State, Any, float, str, float], NDArray[np.float64]]
 """Twin, state, load, size, place and time -> readings (n_gauges,) with an effect of that size."""
 
-SIGNATURE_ERROR = 0.1
-"""Relative sd of the signature of an effect that does not say its own: models differ by some parts in a hundred.
-
-Of 30 draws of the three twins of the documentation one more is named with it, a storey softer by 38 %; with 0.12 a
-stiffness is taken for a gain."""
 NEEDED = (
     "name", "parameter", "unit", "prior_mean", "prior_sd", "is_one_sided", "separated_by", "load_power",
     "places", "signature",

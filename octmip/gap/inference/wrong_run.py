@@ -135,7 +135,7 @@ def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
     logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
-    built = getattr(getattr(inputs.twin.twin, "card", None), "ranges", {})
+    built = getattr(inputs.twin.twin, "constants", {})
     logs[[one.name in built for one in inputs.candidates]] = -np.inf  # then the asset was built so
     logs[[one.is_nameless for one in inputs.candidates]] = -np.inf  # too rare
     if not len(logs):
