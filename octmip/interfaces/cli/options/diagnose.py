@@ -13,7 +13,13 @@ from octmip.interfaces.cli.samples.file_arguments import reads, writes
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip diagnose`."""
-    reads(parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset"))
+    reads(
+        parser.add_argument(
+            "campaign",
+            metavar="CAMPAIGN.csv",
+            help="readings of the asset: a table, or a recording of a measuring system",
+        )
+    )
     twin = parser.add_argument(
         "--twin",
         metavar="MODULE:NAME",
@@ -28,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     run = parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the asset while it was sound")
     reads(twin, _behind_door), reads(card), reads(run)
+    _add_recording_arguments(parser)
     reads(parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this tree by flipped decisions"))
     parser.add_argument(
         "--noise",
@@ -45,6 +52,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     writes(parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file"))
     add_page_arguments(parser, "READING", "unit of the readings of a twin that names none (default microstrain)")
     add_json_argument(parser)
+
+
+def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what a recording needs: which channels, and which stretches of it."""
+    for name, words in (
+        ("readings", "channels of a recording by the twin's names for its readings"),
+        ("loads", "the same of loads, states and temperature; a number holds all along"),
+    ):
+        parser.add_argument(f"--{name}", metavar="NAME=CHANNEL", nargs="+", action="extend", default=[], help=words)
+    parser.add_argument(
+        "--steady",
+        metavar="LOAD",
+        nargs="*",
+        help="cut a recording into windows where these loads stand still, or all of them",
+    )
+    parser.add_argument("--least", metavar="SECONDS", type=float, help="length of the shortest such window")
+    parser.add_argument(
+        "--windows", metavar="START,END[,TEST]", nargs="+", action="extend", help="windows of a recording [s]"
+    )
+    parser.add_argument("--test", metavar="CHANNEL", default="", help="channel of a recording that numbers the tests")
+    writes(
+        parser.add_argument("--show-windows", metavar="FILE.png", help="draw the windows before anything is diagnosed")
+    )
 
 
 def _behind_door(twin: str) -> str:

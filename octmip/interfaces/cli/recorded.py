@@ -1,0 +1,83 @@
+"""A recording as the table of a campaign, by the options of `octmip diagnose`; a table stays what it is."""
+
+import argparse
+import importlib
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from octmip.errors import DataError
+from octmip.input.messages import several, shown
+from octmip.interfaces.cli.samples.file_arguments import STANDARD_INPUT
+
+if TYPE_CHECKING:
+    from octmip.formats.table import Table
+    from octmip.recordings import Recording
+    from octmip.twin import Twin
+
+OPTIONS = ("readings", "loads", "least", "test", "show_windows")
+"""What only a recording takes."""
+
+
+def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissioning: bool = False) -> "str | Table":
+    """Return the table of a recording's windows, or the path where it is a table itself.
+
+    Raises
+    ------
+    DataError
+        a recording without windows, options of a recording beside a table, or windows for two recordings.
+    """
+    from octmip.recordings.opening import format_of, recording
+
+    form = format_of(path) if path != STANDARD_INPUT else None
+    is_cut = arguments.steady is not None or bool(arguments.windows)
+    if form is None and (is_commissioning or not is_cut):
+        given = next((name for name in OPTIONS if getattr(arguments, name)), None)
+        if given is not None and not is_commissioning:
+            raise DataError(
+                f"--{given.replace('_', '-')} is for a recording, and {path} is a table; give --steady or --windows "
+                "too where its rows are samples"
+            )
+        return path
+    opened = recording(path)
+    if not is_cut:
+        raise DataError(
+            f"{path} is a recording ({opened.format}); expected --steady, or --windows START,END for stretches of "
+            f"steady load; its channels: {several(opened.channels, 12)}"
+        )
+    if is_commissioning and arguments.windows:
+        raise DataError(
+            f"--windows are those of {arguments.campaign}; expected windows of {path} too; use --steady for both, or "
+            "give the commissioning run as a table"
+        )
+    return _averaged(arguments, opened, twin, is_drawn=bool(arguments.show_windows) and not is_commissioning)
+
+
+def _averaged(arguments: argparse.Namespace, opened: "Recording", twin: "Twin", is_drawn: bool) -> "Table":
+    from octmip.recordings.averages import averages_of
+    from octmip.recordings.windows import window_of
+
+    found = averages_of(
+        opened,
+        twin,
+        _pairs(arguments.readings, "readings"),
+        _pairs(arguments.loads, "loads"),
+        windows=[window_of(text) for text in arguments.windows or ()],
+        steady=arguments.steady or (),
+        least=arguments.least,
+        test=arguments.test,
+    )
+    if is_drawn:
+        importlib.import_module("octmip.interfaces.plot.windows").draw_windows(found, arguments.show_windows)
+    return found.table
+
+
+def _pairs(given: Sequence[str], option: str) -> Mapping[str, str]:
+    """Return the channel by name of the words NAME=CHANNEL."""
+    pairs = dict[str, str]()
+    for words in given:
+        name, sign, channel = words.partition("=")
+        if not (name and sign and channel) or name in pairs:
+            why = "names one twice" if name in pairs else f"holds {shown(words)}"
+            raise DataError(f"--{option} {why}; expected NAME=CHANNEL, each name once; write it so")
+        pairs[name] = channel
+    return pairs

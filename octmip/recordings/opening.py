@@ -1,0 +1,95 @@
+"""One table of formats: what a file begins with, and the reader of it. A new format is one file and one line here."""
+
+import importlib
+import re
+import warnings
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from octmip.errors import DataError, OctmipError
+from octmip.input.files import PathLike, read_head
+from octmip.recordings.recording import Recording
+
+LETTERS = 200
+"""Characters of the message of somebody else's reader that a sentence repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format of recordings.
+
+    Attributes
+    ----------
+    name
+        what people call it.
+    begins
+        what its files begin with.
+    module
+        file of `octmip.recordings.readers` whose ``read(path)`` returns the Recording.
+    """
+
+    name: str
+    begins: re.Pattern[bytes]
+    module: str
+
+
+FORMATS = tuple(
+    Format(name, re.compile(begins, re.DOTALL), module)
+    for name, begins, module in (
+        ("TDMS", rb"TDSm", "tdms"),
+        ("MDF", rb"MDF  ", "mdf"),
+        ("ULog", rb"ULog\x01\x12\x35", "ulog"),
+        ("DataFlash", rb"\xa3\x95\x80", "dataflash"),
+        ("MCAP", rb"\x89MCAP0\r\n", "mcap"),
+        ("rosbag", rb"#ROSBAG V2|SQLite format 3", "rosbag"),
+        ("miniSEED", rb"\d{6}[DRQM][ \x00].{12}|MS\x03", "miniseed"),
+        ("UFF58", rb"\s{0,80}-1\s+58", "uff"),
+        ("MAT", rb"MATLAB [57]\.", "mat"),
+    )
+)
+TEXT = Format("table", re.compile(b""), "text")
+"""Whatever `octmip.formats.table` reads: TOA5, .lvm, CSV, Parquet."""
+
+
+def format_of(path: PathLike) -> Format | None:
+    """Return the format of a file by what it begins with, None where it is none of `FORMATS`.
+
+    Raises
+    ------
+    DataError
+        it cannot be read.
+    """
+    head = read_head(path, LETTERS)
+    return next((one for one in FORMATS if one.begins.match(head)), None)
+
+
+def recording(path: PathLike) -> Recording:
+    """Return the recording in a file; channels are read when they are asked for.
+
+    Raises
+    ------
+    DataError
+        it cannot be read, or holds no channel.
+    MissingExtraError
+        the library of its format is not installed.
+    """
+    form = format_of(path) or TEXT
+    reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            found: Recording = reader.read(Path(path))
+    except OctmipError:
+        raise
+    except Exception as error:  # of somebody else's reader: a damaged file raises anything
+        reason = _one_line(f"{type(error).__name__}: {error}")
+        raise DataError(f"{path} cannot be read as {form.name} ({reason}); was it written to the end?") from error
+    if not found.loaders:
+        raise DataError(f"{path} ({form.name}) holds no channel of numbers with times; expected at least one")
+    told = dict.fromkeys(str(one.message) for one in caught if issubclass(one.category, UserWarning))
+    notes = (*found.notes, *(f"Its reader warns: {_one_line(words)}" for words in told))
+    return replace(found, name=str(path), notes=notes)
+
+
+def _one_line(words: str) -> str:
+    return re.sub(r"\s+", " ", words)[:LETTERS]

@@ -1,0 +1,194 @@
+"""Windows of a recording in which the loads stand still: given by their times, or found.
+
+Found on block means of the loads. A window is a longest run of blocks whose means stay within a tolerance of one
+another, without the ramp's end at either side; a load that creeps all along it makes none.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octmip.errors import DataError
+from octmip.input.messages import shown
+from octmip.recordings.recording import Channel, Floats
+
+BLOCKS = 8
+"""Blocks in the shortest window."""
+TOLERANCE = 0.02
+"""How far a load may move in a window, over its range in the recording."""
+SHARE = 1 / 50
+"""The shortest window over the length of the recording, where nobody says it."""
+SCATTER = 8.0
+"""Standard deviations of a block mean that a tolerance holds at the least: some hundred of them spread over half."""
+MOST_TOLERANCE = 0.2
+"""Tolerance over the range beyond which no plateau can be told from noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """A stretch of time.
+
+    Attributes
+    ----------
+    start, end
+        [s] since the start of the recording; a sample at `end` is the next window's.
+    test
+        name of its test, "" for that of the whole recording.
+    """
+
+    start: float
+    end: float
+    test: str = ""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.start, self.end]).all() and self.start < self.end):
+            raise DataError(f"a window goes from {self.start:g} s to {self.end:g} s; expected an end behind its start")
+
+
+def window_of(text: str) -> Window:
+    """Return the window that a text names: START,END or START,END,TEST.
+
+    Raises
+    ------
+    DataError
+        it is none.
+    """
+    parts = [part.strip() for part in text.split(",", 2)]
+    try:
+        return Window(float(parts[0]), float(parts[1]), "".join(parts[2:]))
+    except (ValueError, IndexError) as error:
+        raise DataError(
+            f"window {shown(text)}; expected START,END in seconds, or START,END,TEST with a start before the end; "
+            "write it so"
+        ) from error
+
+
+def steady_windows(
+    loads: Sequence[Channel], least: float | None = None, tolerance: float = TOLERANCE
+) -> tuple[tuple[Window, ...], tuple[str, ...]]:
+    """Return the windows in which all loads stand still, and sentences on how they were found.
+
+    Parameters
+    ----------
+    loads
+        channels.
+    least
+        the shortest window [s]; None for a fiftieth of the recording.
+    tolerance
+        how far a load may move in a window, over its range.
+
+    Raises
+    ------
+    DataError
+        there is no window, or a load scatters so much that none can be told.
+    """
+    if not loads:
+        raise DataError("no channel is a load that may stand still; name one (--loads force=CHANNEL), or give windows")
+    begin, end = max(load.time[0] for load in loads), min(load.time[-1] for load in loads)
+    if not begin < end:
+        raise DataError(f"the loads have no time in common ({begin:g} s to {end:g} s); expected loads read at once")
+    least = SHARE * (end - begin) if least is None else least
+    width = max(least / BLOCKS, *(2.0 * load.step for load in loads))
+    edges = begin + width * np.arange(int((end - begin) / width * (1.0 + 1e-9)) + 1)
+    means = [_block_means(load, edges) for load in loads]
+    bands = [_tolerance(load, mean, tolerance) for load, mean in zip(loads, means, strict=True)]
+    runs = list(_runs([mean / band for mean, band in zip(means, bands, strict=True)]))
+    found, creeping = [], 0
+    for run in runs:
+        kept = _tightened([mean[run] / band for mean, band in zip(means, bands, strict=True)])
+        first, last = run.start + kept.start + 1, run.start + kept.stop - 1  # the block at either end may hold a step
+        if (last - first) * width < least * (1.0 - 1e-9):
+            continue
+        if any(_creeps(mean[first:last] / band) for mean, band in zip(means, bands, strict=True)):
+            creeping += 1
+            continue
+        found.append(Window(float(edges[first]), float(edges[last])))
+    within = " and ".join(
+        f"{load.name} stays within {band:.3g}{f' {load.unit}' if load.unit else ''}"
+        for load, band in zip(loads, bands, strict=True)
+    )
+    if not found:
+        longest = max(((run.stop - run.start) * width for run in runs), default=0.0)
+        raise DataError(
+            f"no window of at least {least:.3g} s in which {within}; the longest still stretch has {longest:.3g} s, "
+            f"{creeping} creep; expected plateaus of the load; allow shorter ones (--least SECONDS) or give "
+            "--windows START,END"
+        )
+    many = f"{len(found)} window{'s' * (len(found) != 1)}"
+    told = [f"{many} of at least {least:.3g} s in which {within}, found on means of {width:.3g} s."]
+    if creeping:
+        told.append(f"{creeping} stretches in which a load creeps all along are no windows.")
+    return tuple(found), tuple(told)
+
+
+def _block_means(channel: Channel, edges: Floats) -> Floats:
+    """Return the mean of the valid samples between edges (n_blocks + 1,), NaN where fewer than half are there."""
+    place = np.searchsorted(channel.time, edges)
+    valid = channel.is_valid
+    total, count = (_sums(array, place) for array in (np.where(valid, channel.values, 0.0), valid.astype(np.float64)))
+    usual = float(np.median(count))
+    return np.where(count > max(0.5 * usual, 0.0), total / np.maximum(count, 1.0), np.nan)
+
+
+def _sums(values: Floats, place: NDArray[np.intp]) -> Floats:
+    """Return the sums (n_blocks,) of values between places (n_blocks + 1,)."""
+    found = np.add.reduceat(np.append(values, 0.0), place)[:-1]
+    return np.where(np.diff(place) > 0, found, 0.0)
+
+
+def _tolerance(load: Channel, means: Floats, share: float) -> float:
+    """Return how far block means of a load may lie apart in a window.
+
+    Raises
+    ------
+    DataError
+        it has no block of valid samples, or its noise hides plateaus.
+    """
+    known = means[np.isfinite(means)]
+    if not known.size:
+        raise DataError(f"channel {load.name} has no valid sample where the loads overlap; name another load")
+    extent = float(np.ptp(known))
+    steps = np.diff(known)
+    noise = float(1.4826 * np.median(np.abs(steps - np.median(steps)))) / np.sqrt(2.0) if steps.size else 0.0
+    if SCATTER * noise > MOST_TOLERANCE * extent and extent > 0.0:
+        raise DataError(
+            f"channel {load.name} moves by {noise:.3g} from one block to the next and by {extent:.3g} in all; expected "
+            "plateaus that stand out of its noise; give --windows START,END, or --steady another load"
+        )
+    return max(share * extent, SCATTER * noise, 1e-12 * float(np.abs(known).max()), 1e-300)
+
+
+def _runs(scaled: Sequence[Floats]) -> list[slice]:
+    """Return the longest runs of blocks from each start whose means stay within 1 of one another."""
+    rows, found, start = np.array(scaled), list[slice](), 0
+    n = rows.shape[1]
+    while start < n:
+        low = high = rows[:, start]
+        stop = start
+        while stop < n and np.isfinite(rows[:, stop]).all():
+            low, high = np.minimum(low, rows[:, stop]), np.maximum(high, rows[:, stop])
+            if (high - low > 1.0).any():
+                break
+            stop += 1
+        if stop > start:
+            found.append(slice(start, stop))
+        start = max(stop, start + 1)
+    return found
+
+
+def _tightened(scaled: Sequence[Floats]) -> slice:
+    """Return the longest stretch of a run within half the tolerance about its median: without the end of a ramp."""
+    rows = np.array(scaled)
+    near = (np.abs(rows - np.median(rows, axis=1, keepdims=True)) <= 0.5).all(axis=0)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], near, [False]])))
+    pairs = [(int(a), int(b)) for a, b in ends.reshape(-1, 2)]
+    return slice(*max(pairs, key=lambda pair: pair[1] - pair[0], default=(0, 0)))
+
+
+def _creeps(scaled: Floats) -> bool:
+    """Whether the last third of a window lies a fifth of the tolerance off its first: a slow ramp, no plateau."""
+    third = max(len(scaled) // 3, 1)
+    scatter = float(np.std(np.diff(scaled))) / np.sqrt(third) if len(scaled) > 2 else 0.0
+    return abs(float(scaled[-third:].mean() - scaled[:third].mean())) > max(0.2, 4.0 * scatter)
