@@ -148,13 +148,6 @@ class Recording:
         except DataError as error:
             raise DataError(f"{self.name}: {error}") from error
 
-    def named(self, name: str) -> str:
-        """Return the channel that bears a name of the twin, alone or behind its groups; "" where none or several do."""
-        if name in self.loaders:
-            return name
-        same = [one for one in self.channels if one.rpartition("/")[2] == name]
-        return same[0] if len(same) == 1 else ""
-
 
 def seconds_since(start: int, instants: ArrayLike) -> Floats:
     """Return the seconds (n,) from `start` to instants (n,), both in nanoseconds, exact to a nanosecond for weeks."""

@@ -4,7 +4,7 @@ Found on block means of the loads. A window is a longest run of blocks whose mea
 another, without the ramp's end at either side; a load that creeps all along it makes none.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.input.messages import shown
-from octmip.recordings.recording import Channel, Floats
+from octmip.recordings.recording import Channel, Floats, Recording
 
 BLOCKS = 8
 """Blocks in the shortest window."""
@@ -121,6 +121,11 @@ def steady_windows(
     if creeping:
         told.append(f"{creeping} stretches in which a load creeps all along are no windows.")
     return tuple(found), tuple(told)
+
+
+def channel_named(recording: Recording, channels: Mapping[str, Channel], name: str) -> Channel:
+    """Return what must stand still: a channel by the twin's name, or by its own."""
+    return channels[name] if name in channels else recording[name]
 
 
 def _block_means(channel: Channel, edges: Floats) -> Floats:

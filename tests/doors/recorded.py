@@ -1,4 +1,4 @@
-"""One truth as recordings of many formats: a beam of three gauges under two loads, with a fault, gaps and bad samples."""
+"""One truth as recordings of many formats: a beam of three gauges, two loads, a fault, a gap and bad samples."""
 
 import json
 import struct
@@ -66,7 +66,7 @@ def truth(gain: float = 1.25) -> dict[str, np.ndarray]:
 def as_csv(series: Series) -> str:
     """Return the campaign that somebody cut by hand: the middle of each plateau, sample by sample."""
     rows = ["test,force,moment,g1,g2,g3,time"]
-    for k, level in enumerate(PLATEAUS):
+    for k in range(len(PLATEAUS)):
         inside = np.flatnonzero(np.abs(series["time"] - k * (HOLD + RAMP) - HOLD / 2) < 0.4 * HOLD)
         force, moment = (round(float(series[name][inside].mean()), 6) for name in ("force", "moment"))
         for row in inside[::20]:
@@ -223,22 +223,18 @@ def write_uff(path: Path, series: Series) -> None:
                 func_type=1,
                 rsp_node=k + 1,
                 rsp_dir=1,
-                ref_node=1,
-                ref_dir=1,
-                ver_num=0,
-                load_case_id=0,
+                ref_node=0,
+                ref_dir=0,
                 binary=0,
                 ord_data_type=4,
                 abscissa_spacing=0,
-                abscissa_min=0.0,
-                abscissa_inc=0.0,
-                z_axis_value=0.0,
                 abscissa_spec_data_type=17,
                 ordinate_spec_data_type=3,
+                orddenom_spec_data_type=0,
+                z_axis_spec_data_type=0,
                 ordinate_axis_units_lab=UNITS[name],
                 x=series["time"][known],
                 data=series[name][known],
-                return_full_dict=True,
             )
         )
     pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")

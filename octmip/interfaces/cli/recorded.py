@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from octmip.recordings import Recording
     from octmip.twin import Twin
 
-OPTIONS = ("readings", "loads", "least", "test", "show_windows")
+OPTIONS = ("readings", "loads", "load_units", "least", "test", "show_windows")
 """What only a recording takes."""
 
 
@@ -61,6 +61,7 @@ def _averaged(arguments: argparse.Namespace, opened: "Recording", twin: "Twin", 
         twin,
         _pairs(arguments.readings, "readings"),
         _pairs(arguments.loads, "loads"),
+        load_units=_pairs(arguments.load_units, "load-units"),
         windows=[window_of(text) for text in arguments.windows or ()],
         steady=arguments.steady or (),
         least=arguments.least,
@@ -72,12 +73,12 @@ def _averaged(arguments: argparse.Namespace, opened: "Recording", twin: "Twin", 
 
 
 def _pairs(given: Sequence[str], option: str) -> Mapping[str, str]:
-    """Return the channel by name of the words NAME=CHANNEL."""
+    """Return what stands behind each name of the words NAME=CHANNEL."""
     pairs = dict[str, str]()
     for words in given:
         name, sign, channel = words.partition("=")
         if not (name and sign and channel) or name in pairs:
             why = "names one twice" if name in pairs else f"holds {shown(words)}"
-            raise DataError(f"--{option} {why}; expected NAME=CHANNEL, each name once; write it so")
+            raise DataError(f"--{option} {why}; expected NAME=VALUE, each name once; write it so")
         pairs[name] = channel
     return pairs

@@ -62,6 +62,14 @@ def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     ):
         parser.add_argument(f"--{name}", metavar="NAME=CHANNEL", nargs="+", action="extend", default=[], help=words)
     parser.add_argument(
+        "--load-units",
+        metavar="NAME=UNIT",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="units in which the twin takes loads: channels in others are converted",
+    )
+    parser.add_argument(
         "--steady",
         metavar="LOAD",
         nargs="*",
