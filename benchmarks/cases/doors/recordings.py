@@ -1,0 +1,101 @@
+"""A recording of ten million samples to its diagnosis: `python -m benchmarks.run recordings`, about a minute.
+
+Processor seconds and peak memory of one command, its start among them: five channels of a beam at 1 kHz.
+"""
+
+import json
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from asammdf import MDF, Signal
+from nptdms import ChannelObject, TdmsWriter
+from numpy.typing import NDArray
+
+from benchmarks.tables import Line
+
+N_SAMPLES = 10_000_000
+"""Of all channels together."""
+STEP = 1e-3
+UNITS = {"force": "N", "moment": "N m", "g1": "um/m", "g2": "um/m", "g3": "um/m"}
+BEAM = """
+def beam(parameters, loads):
+    scale, force, moment = 100.0 / parameters["stiffness"], loads["force"], loads["moment"]
+    gain = parameters["gain_g2"]
+    return [scale * (9 * force + 4 * moment), gain * scale * (5 * force + 6 * moment), scale * (2 * force + 7 * moment)]
+"""
+CARD = {
+    "readings": dict.fromkeys(("g1", "g2", "g3"), "microstrain"),
+    "loads": ["force", "moment"],
+    "parameters": {"stiffness": [100, 70, 130, "%"], "gain_g2": [1, 0.7, 1.3, "-"]},
+    "linear": True,
+}
+Series = Mapping[str, NDArray[np.float64]]
+
+
+def series(n: int) -> Series:
+    """Return n samples of every channel: ten plateaus of both loads, the gauge g2 with a gain of 1.25."""
+    rng = np.random.default_rng(11)
+    knots = np.linspace(0.0, n, 21)
+    force, moment = (
+        np.interp(np.arange(n), knots[:-1], np.repeat(levels, 2))
+        for levels in ([0, 40, 40, 80, 0] * 2, [0, 0, 20, 20, 20] * 2)
+    )
+    found = {"force": force, "moment": moment, "g1": 9 * force + 4 * moment}
+    found |= {"g2": 1.25 * (5 * force + 6 * moment), "g3": 2 * force + 7 * moment}
+    sd = {"force": 0.02, "moment": 0.01}
+    return {name: values + sd.get(name, 1.0) * rng.standard_normal(n) for name, values in found.items()}
+
+
+def write_tdms(path: Path, samples: Series) -> None:
+    """Write waveforms."""
+    with TdmsWriter(path) as file:
+        waveform = {"wf_start_time": np.datetime64("2026-03-14T00:00:00"), "wf_increment": STEP, "wf_start_offset": 0.0}
+        file.write_segment(
+            [ChannelObject("Beam", name, own, waveform | {"unit_string": UNITS[name]}) for name, own in samples.items()]
+        )
+
+
+def write_mdf(path: Path, samples: Series) -> None:
+    """Write one group whose channels have one time."""
+    time = STEP * np.arange(len(samples["force"]))
+    file = MDF(version="4.10")
+    file.append([Signal(own, time, name=name, unit=UNITS[name]) for name, own in samples.items()])
+    file.save(path)
+    file.close()
+
+
+WRITERS: Mapping[str, Callable[[Path, Series], None]] = {"tdms": write_tdms, "mf4": write_mdf}
+
+
+def results(limit: float, threads: Sequence[int], n: int = N_SAMPLES) -> Iterator[Line]:
+    """Yield seconds, memory and the cause found of each format."""
+    for form in WRITERS:
+        yield {"size": form, "seed": 0, "samples": n, **measured(form, n)}
+
+
+def measured(form: str, n: int) -> Line:
+    """Return what the command used on a recording of n samples in all."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "beam_of_recordings.py").write_text(BEAM)
+        (folder / "card.json").write_text(json.dumps(CARD))
+        WRITERS[form](folder / f"run.{form}", series(n // len(UNITS)))
+        words = [sys.executable, "-m", "octmip.interfaces.cli", "diagnose", f"run.{form}", "--steady", "--json"]
+        words += ["--twin", "python:beam_of_recordings:beam", "--card", "card.json"]
+        with (folder / "out.json").open("wb") as out:
+            environment = os.environ | {"PYTHONPATH": os.pathsep.join([name, *sys.path])}
+            actions = [(os.POSIX_SPAWN_DUP2, out.fileno(), 1)]
+            # posix_spawn has no folder: the command gets whole paths
+            words = [str(folder / word) if (folder / word).is_file() else word for word in words]
+            number = os.posix_spawn(sys.executable, words, environment, file_actions=actions)
+            _, status, used = os.wait4(number, 0)
+        found = json.loads((folder / "out.json").read_text()) if status == 0 else {}
+    return {
+        "cpu_seconds": round(used.ru_utime + used.ru_stime, 1),
+        "megabytes": round(used.ru_maxrss / 1024),
+        "verdict": found.get("verdict", f"status {status}"),
+    }
