@@ -1,7 +1,9 @@
 """Which channel of a recording is which reading, load or state of a twin."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from octmip.errors import DataError
 from octmip.formats.table.units import factor_between, unit_behind
@@ -85,4 +87,14 @@ def in_unit(channel: Channel, unit: str) -> Channel:
             f"channel {channel.name} is in {shown(channel.unit)}; expected {unit}, and the one is not known to be a "
             "multiple of the other; name another channel, or convert it"
         )
-    return replace(channel, unit=unit, values=channel.values * factor)
+    return (
+        replace(channel, unit=unit, values=channel.values * factor)
+        if factor != 1.0 or unit != channel.unit
+        else channel
+    )
+
+
+def without(channel: Channel, numbers: Sequence[float]) -> Channel:
+    """Return a channel whose samples of these numbers are no readings."""
+    is_none = np.isin(channel.values, np.asarray(numbers, dtype=np.float64))
+    return replace(channel, valid=channel.is_valid & ~is_none) if is_none.any() else channel

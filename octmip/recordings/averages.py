@@ -19,40 +19,20 @@ import pandas as pd
 from octmip.errors import DataError
 from octmip.formats.table import Source, Table
 from octmip.gap import Campaign, read_campaign
-from octmip.recordings.assignment import fixed_names, in_unit, places_of
-from octmip.recordings.recording import Channel, Floats, Recording
-from octmip.recordings.windows import TOLERANCE, Window, channel_named, steady_windows
+from octmip.recordings.assignment import fixed_names, in_unit, places_of, without
+from octmip.recordings.recording import Channel, Recording
+from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
+from octmip.recordings.windows import TOLERANCE, Window, channel_named, moving, ordered, steady_windows
 from octmip.twin import Twin, loads_of
 
-FEWEST, MOST = 4, 12
-"""Rows of one window: fewer say nothing of the noise, and the diagnosis gains little from more."""
+FEWEST, MOST = 4, 24
+"""Rows of the shortest window, where the longest has no more than so many: the diagnosis gains little from more."""
 WORTH = 2.0
 """Independent samples that a row is worth at the least, where the window has so many."""
 ENOUGH = 0.5
 """Share of its samples that must be valid for a mean."""
 DIGITS = 9
 """Digits of a window's load: means of equal samples differ behind them, and would be two loads."""
-
-
-@dataclass(frozen=True, slots=True)
-class Statistic:
-    """What a channel shows in a window.
-
-    Attributes
-    ----------
-    n, n_invalid
-        samples, and those of them that are left out.
-    mean, sd
-        of the valid samples, in the channel's unit; NaN of none.
-    effective
-        how many independent samples the mean is worth.
-    """
-
-    n: int
-    n_invalid: int
-    mean: float
-    sd: float
-    effective: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,6 +69,7 @@ def averages_of(
     least: float | None = None,
     tolerance: float = TOLERANCE,
     test: str = "",
+    no_reading: Sequence[float] = (),
 ) -> Averages:
     """Return what a twin's readings and loads are in the windows of a recording.
 
@@ -110,6 +91,8 @@ def averages_of(
         as `steady_windows` takes them.
     test
         channel whose number is the name of each window's test.
+    no_reading
+        numbers by which the logger says that there is no reading.
 
     Raises
     ------
@@ -118,7 +101,7 @@ def averages_of(
     """
     places = places_of(recording, twin, readings or {}, loads or {})
     numbers = {name: float(place) for name, place in places.items() if not isinstance(place, str)}
-    own = {name: recording[place] for name, place in places.items() if isinstance(place, str)}
+    own = {name: without(recording[place], no_reading) for name, place in places.items() if isinstance(place, str)}
     channels = {name: in_unit(one, (load_units or {}).get(name, one.unit)) for name, one in own.items()}
     told = [f"{recording.name} is a recording ({recording.format}); a row is the mean of a stretch of one window."]
     told += [
@@ -126,19 +109,22 @@ def averages_of(
         for name in channels
         if own[name].unit not in ("", channels[name].unit)
     ]
-    if not windows:
-        still = [name for name in loads_of(twin) if name in channels]
-        windows, how = steady_windows(
-            [channel_named(recording, channels, k) for k in steady or still], least, tolerance
-        )
+    loaded = [channels[name] for name in loads_of(twin) if name in channels]
+    if windows:
+        windows = ordered(windows)
+        told += moving(loaded, windows, tolerance)
+    else:
+        still = [channel_named(recording, channels, name) for name in steady] or loaded
+        windows, how = steady_windows(still, least, tolerance)
         told += how
-    windows = tuple(sorted(windows, key=lambda window: window.start))
-    statistics = tuple({name: _statistic(one, window) for name, one in channels.items()} for window in windows)
+    statistics = tuple({name: statistic_of(one, window) for name, one in channels.items()} for window in windows)
+    length = _row_length(windows, statistics, [name for name in channels if name not in fixed_names(twin)])
     frames = []
     for window, found, name in zip(windows, statistics, _tests(recording, windows, test), strict=True):
-        _refuse_bare(channels, found, window)
+        refuse_bare(channels, found, window)
+        refuse_placeholders(channels, window)
         fixed = numbers | {one: found[one].mean for one in fixed_names(twin) if one in channels}
-        frames.append(_rows(channels, found, fixed, window).assign(test=name))
+        frames.append(_rows(channels, found, fixed, window, length).assign(test=name))
     notes = (*recording.notes, *told, *_told(channels, windows, statistics))
     units = tuple((name, one.unit) for name, one in channels.items() if one.unit and name not in (load_units or {}))
     table = Table(Source(Path(recording.name), "parquet"), pd.concat(frames, ignore_index=True), notes, units)
@@ -156,25 +142,6 @@ def campaign_of(averages: Averages, twin: Twin) -> Campaign:
     return read_campaign(averages.table, twin)
 
 
-def _inside(channel: Channel, start: float, end: float) -> Floats:
-    """Return the samples (n,) of a stretch of time, NaN where they are not valid."""
-    part = slice(*np.searchsorted(channel.time, (start, end)))
-    return np.where(channel.is_valid[part], channel.values[part], np.nan)
-
-
-def _statistic(channel: Channel, window: Window) -> Statistic:
-    inside = _inside(channel, window.start, window.end)
-    values = inside[np.isfinite(inside)]
-    n = len(values)
-    if not n:
-        return Statistic(len(inside), len(inside), np.nan, np.nan, 0.0)
-    rest = values - values.mean()
-    power = float(rest @ rest)
-    lag1 = max(float(rest[1:] @ rest[:-1]) / power, 0.0) if power > 0.0 else 0.0
-    sd = float(np.sqrt(power / (n - 1))) if n > 1 else np.nan
-    return Statistic(len(inside), len(inside) - n, float(values.mean()), sd, max(n * (1.0 - lag1) / (1.0 + lag1), 1.0))
-
-
 def _tests(recording: Recording, windows: Sequence[Window], channel: str) -> list[str]:
     """Return the name of each window's test."""
     whole = Path(recording.name).stem
@@ -182,7 +149,7 @@ def _tests(recording: Recording, windows: Sequence[Window], channel: str) -> lis
         return [window.test or whole for window in windows]
     series, found = recording[channel], []
     for window in windows:
-        inside = _inside(series, window.start, window.end)
+        inside = inside_of(series, window.start, window.end)
         values = np.unique(inside[np.isfinite(inside)])
         if len(values) != 1:
             raise DataError(
@@ -193,29 +160,31 @@ def _tests(recording: Recording, windows: Sequence[Window], channel: str) -> lis
     return found
 
 
-def _refuse_bare(channels: Mapping[str, Channel], found: Mapping[str, Statistic], window: Window) -> None:
-    """Refuse a window without a reading, or without a sample of a load."""
-    bare = next((name for name, one in found.items() if one.n == one.n_invalid), None)
-    if bare is not None:
-        one = channels[bare]
-        raise DataError(
-            f"channel {one.name} has no valid sample from {window.start:.6g} s to {window.end:.6g} s; its samples go "
-            f"from {one.time[0]:.6g} s to {one.time[-1]:.6g} s; give other windows, or leave the channel out"
-        )
+def _row_length(
+    windows: Sequence[Window], statistics: Sequence[Mapping[str, Statistic]], averaged: Sequence[str]
+) -> float:
+    """Return the time [s] that a row is the mean of: much the same in all windows, whose noise is pooled."""
+    lengths = [window.end - window.start for window in windows]
+    worth = [min(part[name].effective for name in averaged) for part in statistics]
+    independent = float(np.median([WORTH * one / max(n, 1.0) for one, n in zip(lengths, worth, strict=True)]))
+    return max(min(independent, min(lengths) / FEWEST), max(lengths) / MOST)
 
 
 def _rows(
-    channels: Mapping[str, Channel], found: Mapping[str, Statistic], fixed: Mapping[str, float], window: Window
+    channels: Mapping[str, Channel],
+    found: Mapping[str, Statistic],
+    fixed: Mapping[str, float],
+    window: Window,
+    length: float,
 ) -> pd.DataFrame:
     """Return the rows of a window: its loads and states, and the readings' means over stretches of equal length."""
     averaged = [name for name in channels if name not in fixed]
-    worth = min(found[name].effective for name in averaged)
-    n = int(np.clip(worth / WORTH, min(FEWEST, max(found[name].n for name in averaged)), MOST))
+    n = max(1, min(round((window.end - window.start) / length), max(found[name].n for name in averaged)))
     edges = np.linspace(window.start, window.end, n + 1)
     columns = {name: np.full(n, float(f"{value:.{DIGITS}g}")) for name, value in fixed.items()}
     columns["time"] = 0.5 * (edges[1:] + edges[:-1])
     for name in averaged:
-        parts = [_inside(channels[name], start, end) for start, end in itertools.pairwise(edges)]
+        parts = [inside_of(channels[name], start, end) for start, end in itertools.pairwise(edges)]
         valid = [np.isfinite(part).sum() for part in parts]
         usual = ENOUGH * found[name].n / n
         columns[name] = np.array(

@@ -42,7 +42,7 @@ FORMATS = tuple(
         ("DataFlash", rb"\xa3\x95\x80", "dataflash"),
         ("MCAP", rb"\x89MCAP0\r\n", "mcap"),
         ("rosbag", rb"#ROSBAG V2|SQLite format 3", "rosbag"),
-        ("miniSEED", rb"\d{6}[DRQM][ \x00].{12}|MS\x03", "miniseed"),
+        ("miniSEED", rb"\d{6}[DRQMV][ \x00].{12}|MS\x03", "miniseed"),
         ("UFF58", rb"\s{0,80}-1\s+58", "uff"),
         ("MAT", rb"MATLAB [57]\.", "mat"),
     )

@@ -44,7 +44,11 @@ class Channel:
     def __post_init__(self) -> None:
         values, time = (np.asarray(array) for array in (self.values, self.time))
         if values.dtype.kind not in "biuf" or values.ndim != 1:
-            what = "texts" if values.dtype.kind in "SUO" else f"{values.dtype} of shape {values.shape}"
+            what = (
+                "texts"
+                if values.dtype.kind in "SUO"
+                else f"values of shape {values.shape} and kind {values.dtype.kind}"
+            )
             raise DataError(f"channel {shown(self.name)} holds {what}; expected one number a sample; name another")
         if time.shape != values.shape or not np.isfinite(time).all():
             raise DataError(
@@ -83,7 +87,7 @@ class Channel:
         if n_invalid:
             told.append(f"{n_invalid} of {n} samples are invalid and left out")
         steps = np.diff(self.time)
-        long = np.flatnonzero(steps > LONG * self.step)
+        long = np.flatnonzero(steps > LONG * self.step) if self.step > 0.0 else np.zeros(0, dtype=np.int64)
         if long.size:
             k = int(np.argmax(steps))
             told.append(

@@ -4,6 +4,7 @@ Found on block means of the loads. A window is a longest run of blocks whose mea
 another, without the ramp's end at either side; a load that creeps all along it makes none.
 """
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -121,6 +122,36 @@ def steady_windows(
     if creeping:
         told.append(f"{creeping} stretches in which a load creeps all along are no windows.")
     return tuple(found), tuple(told)
+
+
+def ordered(windows: Sequence[Window]) -> tuple[Window, ...]:
+    """Return windows in the order of time; refuse those that overlap, whose samples would count twice."""
+    found = tuple(sorted(windows, key=lambda window: window.start))
+    for one, other in itertools.pairwise(found):
+        if other.start < one.end:
+            raise DataError(
+                f"windows {one.start:g},{one.end:g} and {other.start:g},{other.end:g} overlap; expected each sample in "
+                "one window; move an end"
+            )
+    return found
+
+
+def moving(loads: Sequence[Channel], windows: Sequence[Window], tolerance: float) -> tuple[str, ...]:
+    """Return a sentence for each load whose mean moves by more than the tolerance from third to third of a window."""
+    told = []
+    for load in loads:
+        extent = float(np.ptp(load.values[load.is_valid])) if load.is_valid.any() else 0.0
+        moves = []
+        for window in windows:
+            means = _block_means(load, np.linspace(window.start, window.end, 4))
+            moves.append(float(np.ptp(means[np.isfinite(means)])) if np.isfinite(means).any() else 0.0)
+        k = int(np.argmax(moves))
+        if moves[k] > tolerance * extent:
+            told.append(
+                f"Load {load.name} moves by {moves[k]:.3g} from {windows[k].start:g} s to {windows[k].end:g} s, a "
+                "window that was given: its mean stands for all of it."
+            )
+    return tuple(told)
 
 
 def channel_named(recording: Recording, channels: Mapping[str, Channel], name: str) -> Channel:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from octmip.recordings import Recording
     from octmip.twin import Twin
 
-OPTIONS = ("readings", "loads", "load_units", "least", "test", "show_windows")
+OPTIONS = ("readings", "loads", "load_units", "least", "test", "no_reading", "show_windows")
 """What only a recording takes."""
 
 
@@ -66,6 +66,7 @@ def _averaged(arguments: argparse.Namespace, opened: "Recording", twin: "Twin", 
         steady=arguments.steady or (),
         least=arguments.least,
         test=arguments.test,
+        no_reading=arguments.no_reading,
     )
     if is_drawn:
         importlib.import_module("octmip.interfaces.plot.windows").draw_windows(found, arguments.show_windows)

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from octmip.errors import needed_by
+from octmip.errors import DataError, needed_by
+from octmip.input.messages import several
 from octmip.recordings.recording import Channel, Floats, Recording
 
 with needed_by("a recording of MAT"):
@@ -22,6 +23,11 @@ TIMES, RATES = ("time", "t", "timestamp"), ("fs", "samplerate", "sample_rate")
 def read(path: Path) -> Recording:
     """Return the series of a file as STRUCTURE/NAME; columns are counted from 1 as NAME/1."""
     found = dict(_channels(read_mat(str(path)), ""))
+    if not found:
+        raise DataError(
+            f"{path}: no structure holds series beside their times; expected a vector called {several(TIMES)}, or a "
+            f"rate {RATES[0]!r}, among them; save it with them"
+        )
     return Recording(
         "MAT", {name: lambda pair=pair, name=name: Channel(name, "", *pair) for name, pair in found.items()}
     )

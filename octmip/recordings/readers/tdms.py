@@ -82,10 +82,10 @@ def _waveform(pieces: list[tuple[int, dict[str, Any]]], zero: int) -> Floats | N
         if not step:
             return None
         at = _start(properties)
-        n_before = n_before if at == last and found else 0
+        n_before = n_before if (at, offset) == last else 0
         since = 0.0 if at is None else (at - zero) / 1e9
         found.append(since + offset + step * np.arange(n_before, n_before + n))
-        last, n_before = at, n_before + n
+        last, n_before = (at, offset), n_before + n
     return np.concatenate(found)
 
 

@@ -80,6 +80,14 @@ def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
         "--windows", metavar="START,END[,TEST]", nargs="+", action="extend", help="windows of a recording [s]"
     )
     parser.add_argument("--test", metavar="CHANNEL", default="", help="channel of a recording that numbers the tests")
+    parser.add_argument(
+        "--no-reading",
+        metavar="NUMBER",
+        type=float,
+        nargs="+",
+        default=[],
+        help="numbers by which the logger of a recording says that there is no reading",
+    )
     writes(
         parser.add_argument("--show-windows", metavar="FILE.png", help="draw the windows before anything is diagnosed")
     )
