@@ -74,10 +74,10 @@ def recording(path: PathLike) -> Recording:
         the library of its format is not installed.
     """
     form = format_of(path) or TEXT
-    reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
+            reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
             found: Recording = reader.read(Path(path))
     except OctmipError:
         raise

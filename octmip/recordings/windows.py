@@ -23,6 +23,8 @@ SHARE = 1 / 50
 """The shortest window over the length of the recording, where nobody says it."""
 SCATTER = 8.0
 """Standard deviations of a block mean that a tolerance holds at the least: some hundred of them spread over half."""
+NOISE = (3.5, 9.0)
+"""Range over the scatter of block means, between which a load does not move at all: some hundred numbers of noise."""
 MOST_TOLERANCE = 0.2
 """Tolerance over the range beyond which no plateau can be told from noise."""
 
@@ -91,10 +93,17 @@ def steady_windows(
     if not begin < end:
         raise DataError(f"the loads have no time in common ({begin:g} s to {end:g} s); expected loads read at once")
     least = SHARE * (end - begin) if least is None else least
+    if not (least > 0.0 and 0.0 < tolerance < 1.0):
+        raise DataError(
+            f"the shortest window is {least:g} s, the tolerance {tolerance:g}; expected a positive time and a share of "
+            "the load's range between 0 and 1; correct them"
+        )
     width = max(least / BLOCKS, *(2.0 * load.step for load in loads))
     edges = begin + width * np.arange(int((end - begin) / width * (1.0 + 1e-9)) + 1)
     means = [_block_means(load, edges) for load in loads]
-    bands = [_tolerance(load, mean, tolerance) for load, mean in zip(loads, means, strict=True)]
+    bands = [_tolerance(load, mean, tolerance, len(loads) > 1) for load, mean in zip(loads, means, strict=True)]
+    if not np.isfinite(bands).any():
+        raise DataError("no load moves beyond its scatter; expected plateaus of a load; give --windows START,END")
     runs = list(_runs([mean / band for mean, band in zip(means, bands, strict=True)]))
     found, creeping = [], 0
     for run in runs:
@@ -107,7 +116,7 @@ def steady_windows(
             continue
         found.append(Window(float(edges[first]), float(edges[last])))
     within = " and ".join(
-        f"{load.name} stays within {band:.3g}{f' {load.unit}' if load.unit else ''}"
+        f"{load.name} stays within {band:.3g} {load.unit}".rstrip() if np.isfinite(band) else f"{load.name} is noise"
         for load, band in zip(loads, bands, strict=True)
     )
     if not found:
@@ -174,8 +183,8 @@ def _sums(values: Floats, place: NDArray[np.intp]) -> Floats:
     return np.where(np.diff(place) > 0, found, 0.0)
 
 
-def _tolerance(load: Channel, means: Floats, share: float) -> float:
-    """Return how far block means of a load may lie apart in a window.
+def _tolerance(load: Channel, means: Floats, share: float, has_others: bool) -> float:
+    """Return how far block means of a load may lie apart in a window; infinity where it is noise, and others move.
 
     Raises
     ------
@@ -188,6 +197,8 @@ def _tolerance(load: Channel, means: Floats, share: float) -> float:
     extent = float(np.ptp(known))
     steps = np.diff(known)
     noise = float(1.4826 * np.median(np.abs(steps - np.median(steps)))) / np.sqrt(2.0) if steps.size else 0.0
+    if has_others and NOISE[0] * noise < extent < NOISE[1] * noise:
+        return np.inf
     if SCATTER * noise > MOST_TOLERANCE * extent and extent > 0.0:
         raise DataError(
             f"channel {load.name} moves by {noise:.3g} from one block to the next and by {extent:.3g} in all; expected "

@@ -4,6 +4,7 @@ The unit is the log's own: pymavlink applies the factors of the formats c, C, e,
 multipliers before the unit ("0.01 m"), without multiplying. Number and unit belong together so, and octmip converts.
 """
 
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +23,17 @@ ABOUT = frozenset({"FMT", "FMTU", "UNIT", "MULT", "PARM", "MSG", "FILE"})
 
 def read(path: Path) -> Recording:
     """Return the fields of a log as MESSAGE/FIELD, of an instance as MESSAGE[1]/FIELD."""
-    reader = DFReader_binary(str(path))
     rows: dict[str, list[list[Any]]] = {}
     formats: dict[str, Any] = {}
-    while (message := reader.recv_msg()) is not None:
-        kind = message.get_type()
-        if kind in ABOUT or TIME not in message.fmt.columns:
-            continue
-        instance = message.fmt.instance_field
-        name = kind if instance is None else f"{kind}[{getattr(message, instance)}]"
-        formats[name] = message.fmt
-        rows.setdefault(name, []).append([getattr(message, column) for column in message.fmt.columns])
+    with contextlib.closing(DFReader_binary(str(path))) as reader:
+        while (message := reader.recv_msg()) is not None:
+            kind = message.get_type()
+            if kind in ABOUT or TIME not in message.fmt.columns:
+                continue
+            instance = message.fmt.instance_field
+            name = kind if instance is None else f"{kind}[{getattr(message, instance)}]"
+            formats[name] = message.fmt
+            rows.setdefault(name, []).append([getattr(message, column) for column in message.fmt.columns])
     start = min((own[0][formats[name].columns.index(TIME)] for name, own in rows.items()), default=0)
 
     def loaded(name: str, field: str) -> Channel:

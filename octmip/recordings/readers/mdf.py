@@ -1,7 +1,7 @@
 """MDF 3 and 4 (.mf4, .mdf, .dat) by asammdf: groups of channels, each with a master channel of times.
 
-`MDF.get` drops the samples whose invalidation bit is set, and `resample` and `to_dataframe` interpolate over them or
-with them. Here every sample stays, with its bit.
+`MDF.get` drops the samples whose invalidation bit is set, and `to_dataframe` interpolates over them. Here every sample
+stays, with its bit.
 """
 
 from pathlib import Path
@@ -20,20 +20,22 @@ TIME_MASTER = 1
 
 def read(path: Path) -> Recording:
     """Return the channels of an MDF file; a name that several groups have gets the group's number before it."""
-    file = MDF(path)
-    places = [
-        (channel.name, group, k)
-        for group, own in enumerate(file.groups)
-        for k, channel in enumerate(own.channels)
-        if k != file.masters_db.get(group) and own.channel_group.cycles_nr
-    ]
+    with MDF(path) as file:
+        start = int(file.header.start_time.timestamp() * 1e6) * 1000
+        places = [
+            (channel.name, group, k)
+            for group, own in enumerate(file.groups)
+            for k, channel in enumerate(own.channels)
+            if k != file.masters_db.get(group) and own.channel_group.cycles_nr
+        ]
     names = [name for name, _, _ in places]
     label = {place: place[0] if names.count(place[0]) == 1 else f"{place[1]}/{place[0]}" for place in places}
     once = {name: place for place, name in label.items()}
 
     def loaded(name: str) -> Channel:
         _, group, k = once[name]
-        signal = file.get(group=group, index=k, ignore_invalidation_bits=True)
+        with MDF(path) as file:
+            signal = file.get(group=group, index=k, ignore_invalidation_bits=True)
         master = signal.master_metadata
         if master is not None and master[1] not in (0, TIME_MASTER):
             raise DataError(f"channel {name!r} is recorded over {master[0]!r}, no time; expected a channel over time")
@@ -41,5 +43,4 @@ def read(path: Path) -> Recording:
         valid = None if invalid is None else ~np.asarray(invalid, dtype=bool)
         return Channel(name, signal.unit or "", signal.timestamps, signal.samples, valid)
 
-    start = int(file.header.start_time.timestamp() * 1e6) * 1000
     return Recording("MDF", {name: lambda name=name: loaded(name) for name in once}, start)

@@ -1,6 +1,7 @@
 """miniSEED by obspy: one channel an identifier, in pieces between its gaps. The format has no units.
 
-`Stream.merge` would move a piece by up to half a sample onto the grid of the one before; here each keeps its own times.
+`Stream.merge` is not used, but `read` already moves a piece that begins within half a sample of the grid of the one
+before onto that grid; a note says so.
 """
 
 from pathlib import Path
@@ -26,5 +27,8 @@ def read(path: Path) -> Recording:
         time = [(one.stats.starttime.ns - start) / 1e9 + one.stats.delta * np.arange(one.stats.npts) for one in own]
         return Channel(name, "", np.concatenate(time), np.concatenate([one.data for one in own]))
 
-    notes = ("miniSEED holds no unit and no calibration: numbers are taken in the twin's units.",)
+    notes = (
+        "miniSEED holds no unit and no calibration: numbers are taken in the twin's units.",
+        "obspy joins pieces that begin within half a sample of where the one before goes on: times may be so far off.",
+    )
     return Recording("miniSEED", {name: lambda name=name: loaded(name) for name in pieces}, start, notes)

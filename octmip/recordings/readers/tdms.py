@@ -46,14 +46,19 @@ class _Segments(TdmsReader):  # type: ignore[misc]
 
 def read(path: Path) -> Recording:
     """Return the channels of a TDMS file."""
-    file, segments = TdmsFile.open(path, raw_timestamps=True), _Segments(path)
-    groups = {group.name: group.channels() for group in file.groups()}
-    pieces = {channel.path: segments.pieces(channel.path) for group in groups.values() for channel in group}
+    segments = _Segments(path)
+    file = TdmsFile.read_metadata(path, raw_timestamps=True)
+    listed = [one for group in file.groups() for one in group.channels()]
+    pieces = {one.path: segments.pieces(one.path) for one in listed}
     starts = [at for found in pieces.values() for _, properties in found if (at := _start(properties)) is not None]
     start = min(starts, default=None)
 
-    def loaded(channel: Any) -> Channel:
-        own = pieces[channel.path]
+    def loaded(group: str, name: str) -> Channel:
+        with TdmsFile.open(path, raw_timestamps=True) as file:
+            channel = file[group][name]
+            return series(channel, pieces[channel.path], file[group].channels())
+
+    def series(channel: Any, own: list[tuple[int, dict[str, Any]]], group: Any) -> Channel:
         scales = [{k: v for k, v in given.items() if k.startswith("NI_Scal")} for _, given in own]
         if any(scale != scales[0] for scale in scales):
             raise DataError(
@@ -61,12 +66,13 @@ def read(path: Path) -> Recording:
                 "numbers; expected one scale; split the file where it was calibrated"
             )
         time = _waveform(own, start or 0)
-        time = _beside(channel, groups[channel.group_name]) if time is None else time
+        time = _beside(channel, group) if time is None else time
         name = f"{channel.group_name}/{channel.name}"
         return Channel(name, str(channel.properties.get("unit_string", "")), time, channel[:])
 
-    every = [channel for group in groups.values() for channel in group if pieces[channel.path]]
-    return Recording("TDMS", {f"{one.group_name}/{one.name}": lambda one=one: loaded(one) for one in every}, start)
+    names = [(one.group_name, one.name) for one in listed if pieces[one.path]]
+    notes = ("The last segment is shorter than it says: the file was cut.",) * file.file_status.incomplete_final_segment
+    return Recording("TDMS", {"/".join(pair): lambda pair=pair: loaded(*pair) for pair in names}, start, notes)
 
 
 def _start(properties: dict[str, Any]) -> int | None:
