@@ -1,7 +1,10 @@
 """One table of formats: what a file begins with, and the reader of it. A new format is one file and one line here."""
 
+import gc
 import importlib
 import re
+import sys
+import traceback
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -83,12 +86,26 @@ def recording(path: PathLike) -> Recording:
         raise
     except Exception as error:  # of somebody else's reader: a damaged file raises anything
         reason = _one_line(f"{type(error).__name__}: {error}")
+        _end_quietly(error)
         raise DataError(f"{path} cannot be read as {form.name} ({reason}); was it written to the end?") from error
     if not found.loaders:
         raise DataError(f"{path} ({form.name}) holds no channel of numbers with times; expected at least one")
     told = dict.fromkeys(str(one.message) for one in caught if issubclass(one.category, UserWarning))
     notes = (*found.notes, *(f"Its reader warns: {_one_line(words)}" for words in told))
     return replace(found, name=str(path), notes=notes)
+
+
+def _end_quietly(error: Exception) -> None:
+    """End the objects of a reader that failed: some complain on standard error that they hold no file to close."""
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda _: None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            traceback.clear_frames(error.__traceback__)
+            gc.collect()
+    finally:
+        sys.unraisablehook = hook
 
 
 def _one_line(words: str) -> str:

@@ -1,7 +1,7 @@
 """MDF 3 and 4 (.mf4, .mdf, .dat) by asammdf: groups of channels, each with a master channel of times.
 
-`MDF.get` drops the samples whose invalidation bit is set, and `to_dataframe` interpolates over them. Here every sample
-stays, with its bit.
+`MDF.get` drops the samples whose invalidation bit is set, and `to_dataframe` interpolates over them: every sample stays
+here, with its bit.
 """
 
 from pathlib import Path
