@@ -1,20 +1,17 @@
 """One table of formats: what a file begins with, and the reader of it. A new format is one file and one line here."""
 
-import gc
 import importlib
 import re
-import sys
-import traceback
-import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from octmip.errors import DataError, OctmipError
+from octmip.errors import DataError
 from octmip.input.files import PathLike, read_head
+from octmip.recordings.foreign import foreign
 from octmip.recordings.recording import Recording
 
-LETTERS = 200
-"""Characters of the message of somebody else's reader that a sentence repeats."""
+HEAD = 200
+"""Bytes that tell a format."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +59,7 @@ def format_of(path: PathLike) -> Format | None:
     DataError
         it cannot be read.
     """
-    head = read_head(path, LETTERS)
+    head = read_head(path, HEAD)
     return next((one for one in FORMATS if one.begins.match(head)), None)
 
 
@@ -77,36 +74,9 @@ def recording(path: PathLike) -> Recording:
         the library of its format is not installed.
     """
     form = format_of(path) or TEXT
-    try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
-            found: Recording = reader.read(Path(path))
-    except OctmipError:
-        raise
-    except Exception as error:  # of somebody else's reader: a damaged file raises anything
-        reason = _one_line(f"{type(error).__name__}: {error}")
-        _end_quietly(error)
-        raise DataError(f"{path} cannot be read as {form.name} ({reason}); was it written to the end?") from error
+    with foreign(str(path), form.name) as said:
+        reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
+        found: Recording = reader.read(Path(path))
     if not found.loaders:
         raise DataError(f"{path} ({form.name}) holds no channel of numbers with times; expected at least one")
-    told = dict.fromkeys(str(one.message) for one in caught if issubclass(one.category, UserWarning))
-    notes = (*found.notes, *(f"Its reader warns: {_one_line(words)}" for words in told))
-    return replace(found, name=str(path), notes=notes)
-
-
-def _end_quietly(error: Exception) -> None:
-    """End the objects of a reader that failed: some complain on standard error that they hold no file to close."""
-    hook = sys.unraisablehook
-    sys.unraisablehook = lambda _: None
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            traceback.clear_frames(error.__traceback__)
-            gc.collect()
-    finally:
-        sys.unraisablehook = hook
-
-
-def _one_line(words: str) -> str:
-    return re.sub(r"\s+", " ", words)[:LETTERS]
+    return replace(found, name=str(path), notes=(*found.notes, *said))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
 from octmip.input.messages import several, shown
+from octmip.recordings.foreign import foreign
 
 Floats = NDArray[np.float64]
 LONG = 1.5
@@ -148,7 +149,8 @@ class Recording:
                 f"{several(self.channels, 12)}; spell it as the file does"
             )
         try:
-            return loader()
+            with foreign(f"channel {shown(name)}", self.format):
+                return loader()
         except DataError as error:
             raise DataError(f"{self.name}: {error}") from error
 

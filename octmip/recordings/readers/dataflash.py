@@ -5,6 +5,7 @@ multipliers before the unit ("0.01 m"), without multiplying. Number and unit bel
 """
 
 import contextlib
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from octmip.errors import needed_by
 from octmip.recordings.recording import Channel, Recording
 
+os.environ.setdefault("PYMAVLINK_FAST_INDEX", "0")  # the fast index prints past Python on standard output
 with needed_by("a recording of DataFlash"):
     from pymavlink.DFReader import DFReader_binary
 
