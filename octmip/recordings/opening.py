@@ -7,7 +7,7 @@ from pathlib import Path
 
 from octmip.errors import DataError
 from octmip.input.files import PathLike, read_head
-from octmip.recordings.foreign import foreign
+from octmip.recordings.foreign_reader import foreign
 from octmip.recordings.recording import Recording
 
 HEAD = 200

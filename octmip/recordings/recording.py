@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError
 from octmip.input.messages import several, shown
-from octmip.recordings.foreign import foreign
+from octmip.recordings.foreign_reader import foreign
 
 Floats = NDArray[np.float64]
 LONG = 1.5

@@ -8,6 +8,7 @@ import importlib.util
 import re
 import tokenize
 import unicodedata
+from typing import Any
 
 _QUANTITIES = {
     "length": {
@@ -120,7 +121,7 @@ def _by_pint(given: str, wanted: str) -> float | None:
         return None
     import pint  # half a second, for units that the table lacks
 
-    registry = pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
     registry.define("strain = [strain]")
     try:
         one, other = (registry.parse_expression(text) for text in (given, wanted))

@@ -5,6 +5,7 @@ multipliers before the unit ("0.01 m"), without multiplying. Number and unit bel
 """
 
 import contextlib
+import functools
 import os
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ def read(path: Path) -> Recording:
         return Channel(f"{name}/{field}", unit, stamps * MICROSECOND, values)
 
     loaders = {
-        f"{name}/{field}": lambda name=name, field=field: loaded(name, field)
+        f"{name}/{field}": functools.partial(loaded, name, field)
         for name, form in formats.items()
         for field in form.columns
         if field not in (TIME, form.instance_field)

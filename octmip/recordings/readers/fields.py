@@ -1,5 +1,6 @@
 """Messages of robots as channels: every number in a message, by its place in it, at the time when it was logged."""
 
+import functools
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -33,9 +34,7 @@ def recorded(form: str, messages: Iterable[tuple[str, int, Any]]) -> Recording:
         return Channel(f"{topic}/{place}", "", seconds_since(start, stamps[topic]), values)
 
     loaders = {
-        f"{topic}/{place}": lambda topic=topic, place=place: loaded(topic, place)
-        for topic, own in columns.items()
-        for place in own
+        f"{topic}/{place}": functools.partial(loaded, topic, place) for topic, own in columns.items() for place in own
     }
     notes = ("Times are those of logging, not the stamps in the messages' headers.",)
     return Recording(form, loaders, start, notes if loaders else ())
@@ -46,6 +45,7 @@ def _numbers(content: Any, place: str = "") -> Iterator[tuple[str, float]]:
     if isinstance(content, (bool, int, float, np.number)):
         yield place or "data", float(content)
         return
+    parts: Iterable[tuple[Any, Any]]
     if isinstance(content, dict):
         parts = content.items()
     elif isinstance(content, (list, tuple, np.ndarray)):

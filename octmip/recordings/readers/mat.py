@@ -4,6 +4,7 @@ A structure has times where it holds a vector "time" or "t", or a sampling rate 
 every column of a matrix with so many rows, is a channel.
 """
 
+import functools
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,7 @@ def read(path: Path) -> Recording:
             f"{path}: no structure holds series beside their times; expected a vector called {several(TIMES)}, or a "
             f"rate {RATES[0]!r}, among them; save it with them"
         )
-    return Recording(
-        "MAT", {name: lambda pair=pair, name=name: Channel(name, "", *pair) for name, pair in found.items()}
-    )
+    return Recording("MAT", {name: functools.partial(Channel, name, "", *pair) for name, pair in found.items()})
 
 
 def _channels(structure: Mapping[str, Any], before: str) -> Iterator[tuple[str, tuple[Floats, Any]]]:

@@ -4,7 +4,9 @@
 here, with its bit.
 """
 
+import functools
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,10 +23,11 @@ TIME_MASTER = 1
 def read(path: Path) -> Recording:
     """Return the channels of an MDF file; a name that several groups have gets the group's number before it."""
     with MDF(path) as file:
+        groups: Any = file.groups
         start = int(file.header.start_time.timestamp() * 1e6) * 1000
         places = [
             (channel.name, group, k)
-            for group, own in enumerate(file.groups)
+            for group, own in enumerate(groups)
             for k, channel in enumerate(own.channels)
             if k != file.masters_db.get(group) and own.channel_group.cycles_nr
         ]
@@ -43,4 +46,4 @@ def read(path: Path) -> Recording:
         valid = None if invalid is None else ~np.asarray(invalid, dtype=bool)
         return Channel(name, signal.unit or "", signal.timestamps, signal.samples, valid)
 
-    return Recording("MDF", {name: lambda name=name: loaded(name) for name in once}, start)
+    return Recording("MDF", {name: functools.partial(loaded, name) for name in once}, start)

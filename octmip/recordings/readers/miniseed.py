@@ -4,6 +4,7 @@
 before onto that grid; a note says so.
 """
 
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -31,4 +32,4 @@ def read(path: Path) -> Recording:
         "miniSEED holds no unit and no calibration: numbers are taken in the twin's units.",
         "obspy joins pieces that begin within half a sample of where the one before goes on: times may be so far off.",
     )
-    return Recording("miniSEED", {name: lambda name=name: loaded(name) for name in pieces}, start, notes)
+    return Recording("miniSEED", {name: functools.partial(loaded, name) for name in pieces}, start, notes)

@@ -5,6 +5,7 @@ on with has several starts: each segment is stamped here by its own. Where segme
 no sample before the last change is right, so the channel is refused.
 """
 
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,7 @@ def read(path: Path) -> Recording:
 
     names = [(one.group_name, one.name) for one in listed if pieces[one.path]]
     notes = ("The last segment is shorter than it says: the file was cut.",) * file.file_status.incomplete_final_segment
-    return Recording("TDMS", {"/".join(pair): lambda pair=pair: loaded(*pair) for pair in names}, start, notes)
+    return Recording("TDMS", {"/".join(pair): functools.partial(loaded, *pair) for pair in names}, start, notes)
 
 
 def _start(properties: dict[str, Any]) -> int | None:

@@ -1,5 +1,6 @@
 """Tables whose rows are samples: TOA5, .lvm, CSV, Parquet, read as `octmip.formats.table` reads every table."""
 
+import functools
 from pathlib import Path
 from types import MappingProxyType
 
@@ -40,4 +41,4 @@ def read(path: Path) -> Recording:
         return Channel(column, units[column], time, columns.floats(column, words=True))
 
     others = [column for column in table.columns if column != stamps]
-    return Recording("table", {name: lambda name=name: loaded(name) for name in others}, notes=(*table.notes, *how))
+    return Recording("table", {name: functools.partial(loaded, name) for name in others}, notes=(*table.notes, *how))

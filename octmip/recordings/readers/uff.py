@@ -1,5 +1,6 @@
 """UFF58 by pyuff: functions of time, each with an abscissa of its own, which a text writes with six digits."""
 
+import functools
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ def read(path: Path) -> Recording:
     left_out = len(sets) - len(series)
     notes = (f"{left_out} functions that are no time responses are left out.",) if left_out else ()
     loaders = {
-        label: lambda one=one, label=label: Channel(label, _unit(one), _time(one), np.asarray(one["data"]))
+        label: functools.partial(Channel, label, _unit(one), _time(one), np.asarray(one["data"]))
         for label, one in zip(labels, series, strict=True)
     }
     return Recording("UFF58", loaders, notes=notes)

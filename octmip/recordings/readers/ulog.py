@@ -4,6 +4,7 @@ A topic that was subscribed to again under a new number stands in `ULog.data_lis
 `ULog.get_dataset` gives one; here the pieces are one series in the order of time.
 """
 
+import functools
 from pathlib import Path
 
 import numpy as np
@@ -29,10 +30,11 @@ def read(path: Path) -> Recording:
     def loaded(topic: str, field: str) -> Channel:
         parts = sorted(topics[topic], key=lambda data: int(data["timestamp"][0]))
         stamps = np.concatenate([data["timestamp"] for data in parts]).astype(np.int64) - start
-        return Channel(f"{topic}/{field}", "", stamps * MICROSECOND, np.concatenate([data[field] for data in parts]))
+        time = np.asarray(stamps * MICROSECOND, dtype=np.float64)
+        return Channel(f"{topic}/{field}", "", time, np.concatenate([data[field] for data in parts]))
 
     loaders = {
-        f"{topic}/{field}": lambda topic=topic, field=field: loaded(topic, field)
+        f"{topic}/{field}": functools.partial(loaded, topic, field)
         for topic, parts in topics.items()
         for field in parts[0]
         if field != "timestamp" and all(field in data for data in parts)
