@@ -22,7 +22,7 @@ from octmip.gap import Campaign, read_campaign
 from octmip.recordings.assignment import fixed_names, in_unit, places_of, without
 from octmip.recordings.recording import Channel, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
-from octmip.recordings.windows import TOLERANCE, Window, channel_named, moving, ordered, steady_windows
+from octmip.recordings.windows import TOLERANCE, Window, moving, ordered, steady_windows
 from octmip.twin import Twin, loads_of
 
 FEWEST, MOST = 4, 24
@@ -114,7 +114,7 @@ def averages_of(
         windows = ordered(windows)
         told += moving(loaded, windows, tolerance)
     else:
-        still = [channel_named(recording, channels, name) for name in steady] or loaded
+        still = [channels[name] if name in channels else recording[name] for name in steady] or loaded
         windows, how = steady_windows(still, least, tolerance)
         told += how
     statistics = tuple({name: statistic_of(one, window) for name, one in channels.items()} for window in windows)

@@ -5,15 +5,14 @@ another, without the ramp's end at either side; a load that creeps all along it 
 """
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from octmip.errors import DataError
 from octmip.input.messages import shown
-from octmip.recordings.recording import Channel, Floats, Recording
+from octmip.recordings.recording import Channel, Floats
 
 BLOCKS = 8
 """Blocks in the shortest window."""
@@ -104,33 +103,30 @@ def steady_windows(
     bands = [_tolerance(load, mean, tolerance, len(loads) > 1) for load, mean in zip(loads, means, strict=True)]
     if not np.isfinite(bands).any():
         raise DataError("no load moves beyond its scatter; expected plateaus of a load; give --windows START,END")
-    runs = list(_runs([mean / band for mean, band in zip(means, bands, strict=True)]))
-    found, creeping = [], 0
-    for run in runs:
-        kept = _tightened([mean[run] / band for mean, band in zip(means, bands, strict=True)])
+    scaled = np.array(means) / np.array(bands)[:, None]
+    found, creeping, longest = list[Window](), 0, 0.0
+    for run in _runs(scaled):
+        longest = max(longest, (run.stop - run.start) * width)
+        kept = _tightened(scaled[:, run])
         first, last = run.start + kept.start + 1, run.start + kept.stop - 1  # the block at either end may hold a step
         if (last - first) * width < least * (1.0 - 1e-9):
             continue
-        if any(_creeps(mean[first:last] / band) for mean, band in zip(means, bands, strict=True)):
+        if _creeps(scaled[:, first:last]):
             creeping += 1
-            continue
-        found.append(Window(float(edges[first]), float(edges[last])))
+        else:
+            found.append(Window(float(edges[first]), float(edges[last])))
     within = " and ".join(
         f"{load.name} stays within {band:.3g} {load.unit}".rstrip() if np.isfinite(band) else f"{load.name} is noise"
         for load, band in zip(loads, bands, strict=True)
     )
+    creep = f" (left out: {creeping} in which one creeps all along)" if creeping else ""
     if not found:
-        longest = max(((run.stop - run.start) * width for run in runs), default=0.0)
         raise DataError(
-            f"no window of at least {least:.3g} s in which {within}; the longest still stretch has {longest:.3g} s, "
-            f"{creeping} creep; expected plateaus of the load; allow shorter ones (--least SECONDS) or give "
-            "--windows START,END"
+            f"no window of at least {least:.3g} s in which {within}, the longest still stretch has {longest:.3g} "
+            f"s{creep}; expected plateaus of the load; allow shorter ones (--least SECONDS) or give --windows START,END"
         )
     many = f"{len(found)} window{'s' * (len(found) != 1)}"
-    told = [f"{many} of at least {least:.3g} s in which {within}, found on means of {width:.3g} s."]
-    if creeping:
-        told.append(f"{creeping} stretches in which a load creeps all along are no windows.")
-    return tuple(found), tuple(told)
+    return tuple(found), (f"{many} of at least {least:.3g} s in which {within}{creep}, by means of {width:.3g} s.",)
 
 
 def ordered(windows: Sequence[Window]) -> tuple[Window, ...]:
@@ -163,24 +159,15 @@ def moving(loads: Sequence[Channel], windows: Sequence[Window], tolerance: float
     return tuple(told)
 
 
-def channel_named(recording: Recording, channels: Mapping[str, Channel], name: str) -> Channel:
-    """Return what must stand still: a channel by the twin's name, or by its own."""
-    return channels[name] if name in channels else recording[name]
-
-
 def _block_means(channel: Channel, edges: Floats) -> Floats:
     """Return the mean of the valid samples between edges (n_blocks + 1,), NaN where fewer than half are there."""
     place = np.searchsorted(channel.time, edges)
     valid = channel.is_valid
-    total, count = (_sums(array, place) for array in (np.where(valid, channel.values, 0.0), valid.astype(np.float64)))
-    usual = float(np.median(count))
-    return np.where(count > max(0.5 * usual, 0.0), total / np.maximum(count, 1.0), np.nan)
-
-
-def _sums(values: Floats, place: NDArray[np.intp]) -> Floats:
-    """Return the sums (n_blocks,) of values between places (n_blocks + 1,)."""
-    found = np.add.reduceat(np.append(values, 0.0), place)[:-1]
-    return np.where(np.diff(place) > 0, found, 0.0)
+    total, count = (
+        np.add.reduceat(np.append(array, 0.0), place)[:-1] * (np.diff(place) > 0)
+        for array in (np.where(valid, channel.values, 0.0), valid)
+    )
+    return np.where(count > 0.5 * np.median(count), total / np.maximum(count, 1.0), np.nan)
 
 
 def _tolerance(load: Channel, means: Floats, share: float, has_others: bool) -> float:
@@ -207,35 +194,31 @@ def _tolerance(load: Channel, means: Floats, share: float, has_others: bool) -> 
     return max(share * extent, SCATTER * noise, 1e-12 * float(np.abs(known).max()), 1e-300)
 
 
-def _runs(scaled: Sequence[Floats]) -> list[slice]:
-    """Return the longest runs of blocks from each start whose means stay within 1 of one another."""
-    rows, found, start = np.array(scaled), list[slice](), 0
-    n = rows.shape[1]
-    while start < n:
-        low = high = rows[:, start]
-        stop = start
-        while stop < n and np.isfinite(rows[:, stop]).all():
-            low, high = np.minimum(low, rows[:, stop]), np.maximum(high, rows[:, stop])
+def _runs(scaled: Floats) -> Iterator[slice]:
+    """Yield the longest runs of blocks whose means (n_loads, n_blocks) stay within 1 of one another."""
+    start, known = 0, np.isfinite(scaled).all(axis=0)
+    while start < scaled.shape[1]:
+        stop, low, high = start, scaled[:, start], scaled[:, start]
+        while stop < scaled.shape[1] and known[stop]:
+            low, high = np.minimum(low, scaled[:, stop]), np.maximum(high, scaled[:, stop])
             if (high - low > 1.0).any():
                 break
             stop += 1
         if stop > start:
-            found.append(slice(start, stop))
+            yield slice(start, stop)
         start = max(stop, start + 1)
-    return found
 
 
-def _tightened(scaled: Sequence[Floats]) -> slice:
+def _tightened(scaled: Floats) -> slice:
     """Return the longest stretch of a run within half the tolerance about its median: without the end of a ramp."""
-    rows = np.array(scaled)
-    near = (np.abs(rows - np.median(rows, axis=1, keepdims=True)) <= 0.5).all(axis=0)
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], near, [False]])))
-    pairs = [(int(a), int(b)) for a, b in ends.reshape(-1, 2)]
-    return slice(*max(pairs, key=lambda pair: pair[1] - pair[0], default=(0, 0)))
+    near = (np.abs(scaled - np.median(scaled, axis=1, keepdims=True)) <= 0.5).all(axis=0)
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], near, [False]]))).reshape(-1, 2)
+    return slice(*ends[np.argmax(ends[:, 1] - ends[:, 0])].tolist()) if len(ends) else slice(0, 0)
 
 
 def _creeps(scaled: Floats) -> bool:
     """Whether the last third of a window lies a fifth of the tolerance off its first: a slow ramp, no plateau."""
-    third = max(len(scaled) // 3, 1)
-    scatter = float(np.std(np.diff(scaled))) / np.sqrt(third) if len(scaled) > 2 else 0.0
-    return abs(float(scaled[-third:].mean() - scaled[:third].mean())) > max(0.2, 4.0 * scatter)
+    third = max(scaled.shape[1] // 3, 1)
+    scatter = np.std(np.diff(scaled, axis=1), axis=1) / np.sqrt(third) if scaled.shape[1] > 2 else 0.0
+    moved = np.abs(scaled[:, -third:].mean(axis=1) - scaled[:, :third].mean(axis=1))
+    return bool((moved > np.maximum(0.2, 4.0 * scatter)).any())

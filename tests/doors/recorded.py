@@ -3,62 +3,36 @@
 import json
 import struct
 from collections.abc import Callable, Mapping
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-RATE = 100.0
-START = 1_700_000_000
+from benchmarks.cases.doors.recordings import BEAM, START, UNITS, Series, write_mdf, write_tdms
+
+RATE, HOLD, RAMP = 100.0, 6.0, 1.0
 PLATEAUS = ((0, 0), (40, 0), (40, 20), (80, 20), (0, 20), (80, 0))
-HOLD, RAMP = 6.0, 1.0
-GAP = slice(900, 960)
-"""Samples that no file holds, in a plateau."""
-BAD = slice(1650, 1680)
-"""Samples of the gauge g2 that are no readings."""
-PLACEHOLDER = 99999.0
-GAUGES = ("g1", "g2", "g3")
-CHANNELS = ("force", "moment", *GAUGES)
-UNITS = {"force": "N", "moment": "N m", **dict.fromkeys(GAUGES, "um/m")}
-TWIN = """
-def beam(parameters, loads):
-    scale = 100.0 / parameters["stiffness"]
-    return {
-        "g1": scale * (9.0 * loads["force"] + 4.0 * loads["moment"]),
-        "g2": parameters["gain_g2"] * scale * (5.0 * loads["force"] + 6.0 * loads["moment"]),
-        "g3": scale * (2.0 * loads["force"] + 7.0 * loads["moment"]),
-    }
-"""
-CARD: dict[str, Any] = {
-    "readings": dict.fromkeys(GAUGES, "microstrain"),
-    "loads": ["force", "moment"],
-    "parameters": {"stiffness": [100, 70, 130, "%"], "gain_g2": [1, 0.7, 1.3, "-"]},
-    "linear": True,
-}
-Series = Mapping[str, np.ndarray]
+GAP, BAD = slice(900, 960), slice(1650, 1680)
+"""Samples that no file holds, in a plateau, and those of the gauge g2 that are no readings."""
+CHANNELS = tuple(UNITS)
+GAUGES = CHANNELS[2:]
+CODES = ("LDF", "LDM", "SG1", "SG2", "SG3")
 
 
 def truth(gain: float = 1.25) -> dict[str, np.ndarray]:
     """Return the samples (n,) of every channel and of "time" [s]; NaN where a reading is bad, nothing in the gap."""
-    rng = np.random.default_rng(7)
-    knots, levels = [], []
-    for k, level in enumerate(PLATEAUS):
-        knots += [k * (HOLD + RAMP), k * (HOLD + RAMP) + HOLD]
-        levels += [level, level]
+    rng, space = np.random.default_rng(7), dict[str, Any]()
+    knots = np.add.outer(np.arange(len(PLATEAUS)) * (HOLD + RAMP), [0.0, HOLD]).ravel()
     time = np.arange(0.0, knots[-1], 1.0 / RATE)
-    force, moment = (np.interp(time, knots, np.array(levels, dtype=float)[:, k]) for k in (0, 1))
-    space: dict[str, Any] = {}
-    exec(TWIN, space)
+    force, moment = (np.interp(time, knots, np.repeat(np.array(PLATEAUS, float)[:, k], 2)) for k in (0, 1))
+    exec(BEAM, space)
     clean = space["beam"]({"stiffness": 100.0, "gain_g2": gain}, {"force": force, "moment": moment})
-    found = {"time": time, "force": force, "moment": moment}
-    for name, values in clean.items():
+    found = {"time": time, "force": force, "moment": moment, **dict(zip(GAUGES, clean, strict=True))}
+    for name in CHANNELS:
         noise = np.zeros(len(time))
         for k, shock in enumerate(rng.standard_normal(len(time))):  # remembers some three samples
             noise[k] = 0.7 * noise[k - 1] + shock
-        found[name] = values + noise
-    found["force"] = force + 0.01 * rng.standard_normal(len(time))
-    found["moment"] = moment + 0.005 * rng.standard_normal(len(time))
+        found[name] = found[name] + {"force": 0.01, "moment": 0.005}.get(name, 1.0) * noise
     found["g2"][BAD] = np.nan
     return {name: np.delete(values, np.r_[GAP]) for name, values in found.items()}
 
@@ -73,47 +47,6 @@ def as_csv(series: Series) -> str:
             cells = ("" if np.isnan(series[name][row]) else f"{series[name][row]:.9g}" for name in GAUGES)
             rows.append(f"run,{force},{moment},{','.join(cells)},{series['time'][row]:.6f}")
     return "\n".join(rows) + "\n"
-
-
-def pieces(series: Series) -> list[slice]:
-    """Return the stretches without a gap."""
-    cut = int(np.argmax(np.diff(series["time"]))) + 1
-    return [slice(0, cut), slice(cut, None)]
-
-
-def write_tdms(path: Path, series: Series) -> None:
-    from nptdms import ChannelObject, TdmsWriter
-
-    with TdmsWriter(path) as file:
-        for part in pieces(series):
-            start = np.datetime64(START, "s") + np.timedelta64(round(series["time"][part][0] * 1e9), "ns")
-            properties = {
-                "wf_start_time": start.astype("datetime64[us]"),
-                "wf_increment": 1.0 / RATE,
-                "wf_start_offset": 0.0,
-            }
-            file.write_segment(
-                [
-                    ChannelObject("Beam", name, series[name][part], {**properties, "unit_string": UNITS[name]})
-                    for name in CHANNELS
-                ]
-            )
-
-
-def write_mdf(path: Path, series: Series) -> None:
-    from asammdf import MDF, Signal
-
-    file = MDF(version="4.10")
-    file.header.start_time = datetime.fromtimestamp(START, UTC)
-    signals = []
-    for name in CHANNELS:
-        bad = np.isnan(series[name])
-        values = np.where(bad, PLACEHOLDER, series[name])
-        bits = bad if bad.any() else None
-        signals.append(Signal(values, series["time"], name=name, unit=UNITS[name], invalidation_bits=bits))
-    file.append(signals)
-    file.save(path, overwrite=True)
-    file.close()
 
 
 def write_ulog(path: Path, series: Series) -> None:
@@ -199,7 +132,7 @@ def write_miniseed(path: Path, series: Series) -> None:
     import obspy
 
     stream = obspy.Stream()
-    for code, name in zip(("LDF", "LDM", "SG1", "SG2", "SG3"), CHANNELS, strict=True):
+    for code, name in zip(CODES, CHANNELS, strict=True):
         known = np.isfinite(series[name])
         breaks = np.diff(series["time"], prepend=series["time"][0]) > 1.5 / RATE
         number = np.cumsum(breaks | (np.diff(known, prepend=known[0]) != 0))
@@ -214,30 +147,14 @@ def write_miniseed(path: Path, series: Series) -> None:
 def write_uff(path: Path, series: Series) -> None:
     import pyuff
 
-    sets = []
+    place = {"func_type": 1, "rsp_node": 1, "rsp_dir": 1, "ref_node": 0, "ref_dir": 0, "binary": 0, "ord_data_type": 4}
+    axes = {"abscissa": 17, "ordinate": 3, "orddenom": 0, "z_axis": 0}
+    place |= {"abscissa_spacing": 0} | {f"{axis}_spec_data_type": kind for axis, kind in axes.items()}
     for k, name in enumerate(CHANNELS):
         known = np.isfinite(series[name])
-        sets.append(
-            pyuff.prepare_58(
-                id1=name,
-                func_type=1,
-                rsp_node=k + 1,
-                rsp_dir=1,
-                ref_node=0,
-                ref_dir=0,
-                binary=0,
-                ord_data_type=4,
-                abscissa_spacing=0,
-                abscissa_spec_data_type=17,
-                ordinate_spec_data_type=3,
-                orddenom_spec_data_type=0,
-                z_axis_spec_data_type=0,
-                ordinate_axis_units_lab=UNITS[name],
-                x=series["time"][known],
-                data=series[name][known],
-            )
-        )
-    pyuff.UFF(str(path)).write_sets(sets, mode="overwrite")
+        arrays = {"x": series["time"][known], "data": series[name][known]}
+        one = pyuff.prepare_58(id1=name, ordinate_axis_units_lab=UNITS[name], **place, **arrays)
+        pyuff.UFF(str(path)).write_sets([one], mode="add" if k else "overwrite")
 
 
 def write_mat(path: Path, series: Series) -> None:
@@ -269,42 +186,25 @@ def write_lvm(path: Path, series: Series) -> None:
     path.write_text("\n".join(lines) + "\n")
 
 
-def _plain(before: str) -> dict[str, str]:
-    return {name: f"{before}{name}" for name in CHANNELS}
+def _places(*names: str) -> dict[str, str]:
+    return dict(zip(CHANNELS, names, strict=True))
 
 
-Format = tuple[str, Callable[[Path, Series], None], Mapping[str, str]]
-FORMATS: dict[str, Format] = {
-    "TDMS": ("run.tdms", write_tdms, _plain("Beam/")),
-    "MDF": ("run.mf4", write_mdf, _plain("")),
-    "ULog": (
-        "run.ulg",
-        write_ulog,
-        {"force": "loads/force", "moment": "loads/moment", **{name: f"gauges/g[{k}]" for k, name in enumerate(GAUGES)}},
-    ),
-    "DataFlash": (
-        "run.bin",
-        write_dataflash,
-        {"force": "LOAD/F", "moment": "LOAD/M", **{name: f"GAGE[{k}]/S" for k, name in enumerate(GAUGES)}},
-    ),
-    "MCAP": ("run.mcap", write_mcap, _plain("/beam/")),
-    "rosbag": ("run.bag", write_bag, {name: f"/beam/{name}/data" for name in CHANNELS}),
-    "miniSEED": (
-        "run.mseed",
-        write_miniseed,
-        dict(zip(CHANNELS, (f"XX.BEAM..{code}" for code in ("LDF", "LDM", "SG1", "SG2", "SG3")), strict=True)),
-    ),
-    "UFF58": ("run.uff", write_uff, _plain("")),
+FORMATS: dict[str, tuple[str, Callable[[Path, Series], None], Mapping[str, str]]] = {
+    "TDMS": ("run.tdms", write_tdms, _places(*(f"Beam/{name}" for name in CHANNELS))),
+    "MDF": ("run.mf4", write_mdf, _places(*CHANNELS)),
+    "ULog": ("run.ulg", write_ulog, _places("loads/force", "loads/moment", *(f"gauges/g[{k}]" for k in range(3)))),
+    "DataFlash": ("run.bin", write_dataflash, _places("LOAD/F", "LOAD/M", *(f"GAGE[{k}]/S" for k in range(3)))),
+    "MCAP": ("run.mcap", write_mcap, _places(*(f"/beam/{name}" for name in CHANNELS))),
+    "rosbag": ("run.bag", write_bag, _places(*(f"/beam/{name}/data" for name in CHANNELS))),
+    "miniSEED": ("run.mseed", write_miniseed, _places(*(f"XX.BEAM..{code}" for code in CODES))),
+    "UFF58": ("run.uff", write_uff, _places(*CHANNELS)),
     "MAT": (
         "run.mat",
         write_mat,
-        {
-            "force": "beam/loads/1",
-            "moment": "beam/loads/2",
-            **{name: f"beam/gauges/{k + 1}" for k, name in enumerate(GAUGES)},
-        },
+        _places(*(f"beam/loads/{k}" for k in (1, 2)), *(f"beam/gauges/{k}" for k in (1, 2, 3))),
     ),
-    "TOA5": ("run.dat", write_toa5, _plain("")),
-    "lvm": ("run.lvm", write_lvm, _plain("")),
+    "TOA5": ("run.dat", write_toa5, _places(*CHANNELS)),
+    "lvm": ("run.lvm", write_lvm, _places(*CHANNELS)),
 }
 """Name of a file, its writer, and its channels by the twin's names."""

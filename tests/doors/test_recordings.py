@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.cases.doors.recordings import BEAM, CARD, START, write_tdms
 from octmip.errors import DataError, MissingExtraError
 from octmip.gap import diagnose
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
 from octmip.recordings import averages_of, campaign_of, opening, recording
-from tests.doors.recorded import CARD, CHANNELS, FORMATS, GAUGES, RATE, START, TWIN, as_csv, truth, write_tdms
+from tests.doors.recorded import CHANNELS, FORMATS, GAUGES, RATE, as_csv, truth
 
 pytestmark = pytest.mark.filterwarnings("ignore:SelectableGroups dict interface")  # of obspy
 LOAD_UNITS = {"force": "N", "moment": "N m"}
@@ -25,7 +26,7 @@ SHORT = ["--twin", "python:beam_of_three_gauges:beam", "--card", "card.json"]
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("recordings")
-    (place / "beam_of_three_gauges.py").write_text(TWIN)
+    (place / "beam_of_three_gauges.py").write_text(BEAM)
     (place / "card.json").write_text(json.dumps(CARD))
     (place / "run.csv").write_text(as_csv(truth()))
     for name, write, _ in FORMATS.values():
@@ -137,7 +138,7 @@ def test_what_is_wrong_is_one_sentence(words, said, at, capsys, monkeypatch):
     if words[0] == "far.tdms":
         series["g2"][300:340] = -9999.0
     if not Path(words[0]).exists():
-        monkeypatch.setattr("tests.doors.recorded.UNITS", {**dict.fromkeys(CHANNELS, "um/m"), **units})
+        monkeypatch.setattr("benchmarks.cases.doors.recordings.UNITS", dict.fromkeys(CHANNELS, "um/m") | units)
         write_tdms(at / words[0], series)
     assert main(["diagnose", *words, *SHORT]) == 2
     error = capsys.readouterr().err

@@ -46,7 +46,7 @@ def test_every_plateau_is_a_window_within_its_ends(values):
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        (0.3 * TIME, "no window of at least 2 s in which force stays within 0.598 N; the longest still stretch has"),
+        (0.3 * TIME, "no window of at least 2 s in which force stays within 0.598 N, the longest still stretch has"),
         (np.sin(31.0 * TIME), "expected plateaus that stand out of its noise; give --windows START,END"),
         (5.0 + 0.1 * NOISE, "expected plateaus that stand out of its noise"),
     ],

@@ -3,6 +3,7 @@
 Processor seconds and peak memory of one command, its start among them: five channels of a beam at 1 kHz.
 """
 
+import datetime
 import json
 import os
 import sys
@@ -19,7 +20,8 @@ from benchmarks.tables import Line
 
 N_SAMPLES = 10_000_000
 """Of all channels together."""
-STEP = 1e-3
+STEP, START = 1e-3, 1_700_000_000
+"""Of a sample [s], and the beginning [s since 1970]."""
 UNITS = {"force": "N", "moment": "N m", "g1": "um/m", "g2": "um/m", "g3": "um/m"}
 BEAM = """
 def beam(parameters, loads):
@@ -44,27 +46,39 @@ def series(n: int) -> Series:
         np.interp(np.arange(n), knots[:-1], np.repeat(levels, 2))
         for levels in ([0, 40, 40, 80, 0] * 2, [0, 0, 20, 20, 20] * 2)
     )
-    found = {"force": force, "moment": moment, "g1": 9 * force + 4 * moment}
+    found = {"time": STEP * np.arange(n), "force": force, "moment": moment, "g1": 9 * force + 4 * moment}
     found |= {"g2": 1.25 * (5 * force + 6 * moment), "g3": 2 * force + 7 * moment}
-    sd = {"force": 0.02, "moment": 0.01}
+    sd = {"time": 0.0, "force": 0.02, "moment": 0.01}
     return {name: values + sd.get(name, 1.0) * rng.standard_normal(n) for name, values in found.items()}
 
 
 def write_tdms(path: Path, samples: Series) -> None:
-    """Write waveforms."""
+    """Write waveforms, a segment for each stretch without a gap."""
+    time = samples["time"]
+    step = float(np.median(np.diff(time)))
     with TdmsWriter(path) as file:
-        waveform = {"wf_start_time": np.datetime64("2026-03-14T00:00:00"), "wf_increment": STEP, "wf_start_offset": 0.0}
-        file.write_segment(
-            [ChannelObject("Beam", name, own, waveform | {"unit_string": UNITS[name]}) for name, own in samples.items()]
-        )
+        for part in np.split(np.arange(len(time)), np.flatnonzero(np.diff(time) > 1.5 * step) + 1):
+            start = np.datetime64(START, "s") + np.timedelta64(round(time[part[0]] * 1e6), "us")
+            waveform = {"wf_start_time": start, "wf_increment": step, "wf_start_offset": 0.0}
+            file.write_segment(
+                [
+                    ChannelObject("Beam", name, samples[name][part], waveform | {"unit_string": UNITS[name]})
+                    for name in UNITS
+                ]
+            )
 
 
 def write_mdf(path: Path, samples: Series) -> None:
-    """Write one group whose channels have one time."""
-    time = STEP * np.arange(len(samples["force"]))
+    """Write one group whose channels have one time; NaN is a number whose invalidation bit is set."""
     file = MDF(version="4.10")
-    file.append([Signal(own, time, name=name, unit=UNITS[name]) for name, own in samples.items()])
-    file.save(path)
+    file.header.start_time = datetime.datetime.fromtimestamp(START, datetime.UTC)
+    signals = []
+    for name, unit in UNITS.items():
+        bad = np.isnan(samples[name])
+        values, bits = np.where(bad, 99999.0, samples[name]), bad if bad.any() else None
+        signals.append(Signal(values, samples["time"], name=name, unit=unit, invalidation_bits=bits))
+    file.append(signals)
+    file.save(path, overwrite=True)
     file.close()
 
 
