@@ -73,6 +73,17 @@ def _number_or(recording: Recording, place: str | float) -> str | float:
     return place
 
 
+def taken(own: Mapping[str, Channel], channels: Mapping[str, Channel]) -> list[str]:
+    """Return sentences on the channels of other names than the twin's, and on loads in other units than its file's."""
+    others = ", ".join(f"{name} is {one.name}" for name, one in own.items() if one.name != name)
+    told = [f"Channels: {others}."] if others else []
+    for name, one in own.items():
+        if one.unit != channels[name].unit:
+            how = f"was converted from {one.unit} to" if one.unit else "has no unit in its file and is taken as"
+            told.append(f"Channel {one.name} {how} {channels[name].unit}.")
+    return told
+
+
 def in_unit(channel: Channel, unit: str) -> Channel:
     """Return a channel in another unit.
 

@@ -19,7 +19,7 @@ import pandas as pd
 from octmip.errors import DataError
 from octmip.formats.table import Source, Table
 from octmip.gap import Campaign, read_campaign
-from octmip.recordings.assignment import fixed_names, in_unit, places_of, without
+from octmip.recordings.assignment import fixed_names, in_unit, places_of, taken, without
 from octmip.recordings.recording import Channel, Recording
 from octmip.recordings.statistics import Statistic, inside_of, refuse_bare, refuse_placeholders, statistic_of
 from octmip.recordings.windows import TOLERANCE, Window, moving, ordered, steady_windows
@@ -62,8 +62,8 @@ def averages_of(
     twin: Twin,
     readings: Mapping[str, str] | None = None,
     loads: Mapping[str, str | float] | None = None,
-    *,
     load_units: Mapping[str, str] | None = None,
+    *,
     windows: Sequence[Window] = (),
     steady: Sequence[str] = (),
     least: float | None = None,
@@ -104,11 +104,7 @@ def averages_of(
     own = {name: without(recording[place], no_reading) for name, place in places.items() if isinstance(place, str)}
     channels = {name: in_unit(one, (load_units or {}).get(name, one.unit)) for name, one in own.items()}
     told = [f"{recording.name} is a recording ({recording.format}); a row is the mean of a stretch of one window."]
-    told += [
-        f"Load {name} was converted from {own[name].unit} to {channels[name].unit}."
-        for name in channels
-        if own[name].unit not in ("", channels[name].unit)
-    ]
+    told += taken(own, channels)
     loaded = [channels[name] for name in loads_of(twin) if name in channels]
     if windows:
         windows = ordered(windows)
@@ -117,18 +113,28 @@ def averages_of(
         still = [channels[name] if name in channels else recording[name] for name in steady] or loaded
         windows, how = steady_windows(still, least, tolerance)
         told += how
+    gauges, fixed = [name for name in twin.gauges if name in channels], [*numbers, *fixed_names(twin)]
     statistics = tuple({name: statistic_of(one, window) for name, one in channels.items()} for window in windows)
-    length = _row_length(windows, statistics, [name for name in channels if name not in fixed_names(twin)])
-    frames = []
-    for window, found, name in zip(windows, statistics, _tests(recording, windows, test), strict=True):
-        refuse_bare(channels, found, window)
+    for window, found in zip(windows, statistics, strict=True):
+        refuse_bare(channels, found, window, gauges)
         refuse_placeholders(channels, window)
-        fixed = numbers | {one: found[one].mean for one in fixed_names(twin) if one in channels}
-        frames.append(_rows(channels, found, fixed, window, length).assign(test=name))
-    notes = (*recording.notes, *told, *_told(channels, windows, statistics))
+    length = _row_length(windows, statistics, gauges)
+    tests = _tests(recording, windows, test)
+    rows = pd.concat(
+        [
+            _rows(channels, found, window, length).assign(
+                test=name,
+                **{
+                    key: numbers[key] if key in numbers else _rounded(found[key].mean) for key in fixed if key in places
+                },
+            )
+            for window, found, name in zip(windows, statistics, tests, strict=True)
+        ],
+        ignore_index=True,
+    )
+    notes = (*recording.notes, *told, *_told(channels, windows, statistics, gauges))
     units = tuple((name, one.unit) for name, one in channels.items() if one.unit and name not in (load_units or {}))
-    table = Table(Source(Path(recording.name), "parquet"), pd.concat(frames, ignore_index=True), notes, units)
-    return Averages(windows, channels, statistics, table)
+    return Averages(windows, channels, statistics, Table(Source(Path(recording.name), "parquet"), rows, notes, units))
 
 
 def campaign_of(averages: Averages, twin: Twin) -> Campaign:
@@ -161,40 +167,38 @@ def _tests(recording: Recording, windows: Sequence[Window], channel: str) -> lis
 
 
 def _row_length(
-    windows: Sequence[Window], statistics: Sequence[Mapping[str, Statistic]], averaged: Sequence[str]
+    windows: Sequence[Window], statistics: Sequence[Mapping[str, Statistic]], gauges: Sequence[str]
 ) -> float:
     """Return the time [s] that a row is the mean of: much the same in all windows, whose noise is pooled."""
     lengths = [window.end - window.start for window in windows]
-    worth = [min(part[name].effective for name in averaged) for part in statistics]
-    independent = float(np.median([WORTH * one / max(n, 1.0) for one, n in zip(lengths, worth, strict=True)]))
+    worth = [min(part[name].effective for name in gauges if part[name].effective > 0.0) for part in statistics]
+    independent = float(np.median([WORTH * one / n for one, n in zip(lengths, worth, strict=True)]))
     return max(min(independent, min(lengths) / FEWEST), max(lengths) / MOST)
 
 
+def _rounded(load: float) -> float:
+    return float(f"{load:.{DIGITS}g}")
+
+
 def _rows(
-    channels: Mapping[str, Channel],
-    found: Mapping[str, Statistic],
-    fixed: Mapping[str, float],
-    window: Window,
-    length: float,
+    channels: Mapping[str, Channel], found: Mapping[str, Statistic], window: Window, length: float
 ) -> pd.DataFrame:
-    """Return the rows of a window: its loads and states, and the readings' means over stretches of equal length."""
-    averaged = [name for name in channels if name not in fixed]
-    n = max(1, min(round((window.end - window.start) / length), max(found[name].n for name in averaged)))
+    """Return the rows of a window: means over stretches of equal length, NaN where too few samples are valid."""
+    n = max(1, min(round((window.end - window.start) / length), max(one.n for one in found.values())))
     edges = np.linspace(window.start, window.end, n + 1)
-    columns = {name: np.full(n, float(f"{value:.{DIGITS}g}")) for name, value in fixed.items()}
-    columns["time"] = 0.5 * (edges[1:] + edges[:-1])
-    for name in averaged:
-        parts = [inside_of(channels[name], start, end) for start, end in itertools.pairwise(edges)]
-        valid = [np.isfinite(part).sum() for part in parts]
-        usual = ENOUGH * found[name].n / n
-        columns[name] = np.array(
-            [np.nanmean(part) if k and k >= usual else np.nan for part, k in zip(parts, valid, strict=True)]
-        )
+    columns = {"time": 0.5 * (edges[1:] + edges[:-1])}
+    for name, channel in channels.items():
+        parts = [inside_of(channel, start, end) for start, end in itertools.pairwise(edges)]
+        fewest = max(ENOUGH * found[name].n / n, 1.0)
+        columns[name] = np.array([np.nanmean(one) if np.isfinite(one).sum() >= fewest else np.nan for one in parts])
     return pd.DataFrame(columns)
 
 
 def _told(
-    channels: Mapping[str, Channel], windows: Sequence[Window], statistics: Sequence[Mapping[str, Statistic]]
+    channels: Mapping[str, Channel],
+    windows: Sequence[Window],
+    statistics: Sequence[Mapping[str, Statistic]],
+    gauges: Sequence[str],
 ) -> list[str]:
     """Return what was left out, how the rates differ, and what the means are worth."""
     said: dict[str, list[str]] = {}
@@ -205,8 +209,8 @@ def _told(
     rates = dict.fromkeys(f"{1.0 / one.step:.4g} Hz" for one in channels.values() if one.step > 0.0)
     if len(rates) > 1:
         told.append(f"Channels have {len(rates)} rates ({', '.join(rates)}): each is averaged at its own.")
-    worth = [(one.effective / one.n, k, name) for k, part in enumerate(statistics) for name, one in part.items()]
-    _, k, name = min(worth)
+    known = [(k, name) for k, part in enumerate(statistics) for name in gauges if part[name].effective > 0.0]
+    k, name = min(known, key=lambda place: statistics[place[0]][place[1]].effective / statistics[place[0]][place[1]].n)
     one = statistics[k][name]
     told.append(
         f"Samples remember one another: {one.n - one.n_invalid} samples of {name} from {windows[k].start:.6g} s on are "

@@ -1,6 +1,6 @@
 """What a channel shows in a window: mean, spread, and how many independent samples the mean is worth."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +62,8 @@ def refuse_placeholders(channels: Mapping[str, Channel], window: Window) -> None
     for name, channel in channels.items():
         inside = inside_of(channel, window.start, window.end)
         values = inside[np.isfinite(inside)]
-        middle = np.median(values)
-        spread = 1.4826 * float(np.median(np.abs(values - middle)))
+        middle = np.median(values) if values.size else np.nan
+        spread = 1.4826 * float(np.median(np.abs(values - middle))) if values.size else 0.0
         far = values[np.abs(values - middle) > FAR * spread] if spread > 0.0 else values[:0]
         numbers, count = np.unique(far, return_counts=True)
         if 0 < numbers.size <= 2 and count.max() > 1:
@@ -75,12 +75,15 @@ def refuse_placeholders(channels: Mapping[str, Channel], window: Window) -> None
             )
 
 
-def refuse_bare(channels: Mapping[str, Channel], found: Mapping[str, Statistic], window: Window) -> None:
+def refuse_bare(
+    channels: Mapping[str, Channel], found: Mapping[str, Statistic], window: Window, gauges: Sequence[str]
+) -> None:
     """Refuse a window without a reading, or without a sample of a load."""
-    bare = next((name for name, one in found.items() if one.n == one.n_invalid), None)
-    if bare is not None:
-        one = channels[bare]
+    bare = [name for name, one in found.items() if one.n == one.n_invalid]
+    if set(bare) - set(gauges) or set(bare) >= set(gauges):
+        bare = [name for name in bare if name not in gauges] or bare
+        one = channels[bare[0]]
         raise DataError(
             f"channel {one.name} has no valid sample from {window.start:.6g} s to {window.end:.6g} s; its samples go "
-            f"from {one.time[0]:.6g} s to {one.time[-1]:.6g} s; give other windows, or leave the channel out"
+            f"from {one.time[0]:.6g} s to {one.time[-1]:.6g} s; give other windows"
         )

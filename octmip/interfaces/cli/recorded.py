@@ -2,7 +2,7 @@
 
 import argparse
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from octmip.errors import DataError
@@ -11,7 +11,6 @@ from octmip.interfaces.cli.samples.file_arguments import STANDARD_INPUT
 
 if TYPE_CHECKING:
     from octmip.formats.table import Table
-    from octmip.recordings import Recording
     from octmip.twin import Twin
 
 OPTIONS = ("readings", "loads", "load_units", "least", "test", "no_reading", "show_windows")
@@ -26,7 +25,9 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
     DataError
         a recording without windows, options of a recording beside a table, or windows for two recordings.
     """
+    from octmip.recordings.averages import averages_of
     from octmip.recordings.opening import format_of, recording
+    from octmip.recordings.windows import window_of
 
     form = format_of(path) if path != STANDARD_INPUT else None
     is_cut = arguments.steady is not None or bool(arguments.windows)
@@ -49,37 +50,26 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
             f"--windows are those of {arguments.campaign}; expected windows of {path} too; use --steady for both, or "
             "give the commissioning run as a table"
         )
-    return _averaged(arguments, opened, twin, is_drawn=bool(arguments.show_windows) and not is_commissioning)
-
-
-def _averaged(arguments: argparse.Namespace, opened: "Recording", twin: "Twin", is_drawn: bool) -> "Table":
-    from octmip.recordings.averages import averages_of
-    from octmip.recordings.windows import window_of
-
     found = averages_of(
         opened,
         twin,
-        _pairs(arguments.readings, "readings"),
-        _pairs(arguments.loads, "loads"),
-        load_units=_pairs(arguments.load_units, "load-units"),
+        *(_pairs(arguments, name) for name in ("readings", "loads", "load_units")),
         windows=[window_of(text) for text in arguments.windows or ()],
         steady=arguments.steady or (),
-        least=arguments.least,
-        test=arguments.test,
-        no_reading=arguments.no_reading,
+        **{name: getattr(arguments, name) for name in ("least", "test", "no_reading")},
     )
-    if is_drawn:
+    if arguments.show_windows and not is_commissioning:
         importlib.import_module("octmip.interfaces.plot.windows").draw_windows(found, arguments.show_windows)
     return found.table
 
 
-def _pairs(given: Sequence[str], option: str) -> Mapping[str, str]:
-    """Return what stands behind each name of the words NAME=CHANNEL."""
+def _pairs(arguments: argparse.Namespace, name: str) -> Mapping[str, str]:
+    """Return what stands behind each name of the words NAME=VALUE of an option."""
     pairs = dict[str, str]()
-    for words in given:
-        name, sign, channel = words.partition("=")
-        if not (name and sign and channel) or name in pairs:
-            why = "names one twice" if name in pairs else f"holds {shown(words)}"
-            raise DataError(f"--{option} {why}; expected NAME=VALUE, each name once; write it so")
-        pairs[name] = channel
+    for words in getattr(arguments, name):
+        key, sign, value = words.partition("=")
+        if not (key and sign and value) or key in pairs:
+            why = f"names {key} twice" if key in pairs else f"holds {shown(words)}"
+            raise DataError(f"--{name.replace('_', '-')} {why}; expected NAME=VALUE, each name once; write it so")
+        pairs[key] = value
     return pairs
