@@ -1,8 +1,8 @@
 """Diagnosis of a campaign: where the gap lies, which effects explain it, how far it closes, what to test next."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -30,7 +30,7 @@ from octmip.gap.inference.linear_model import LinearModel, whole_difference
 from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
-from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
+from octmip.gap.inference.wrong_run import corrected, set_right, weigh_wrong_run
 from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
@@ -202,8 +202,12 @@ def diagnose(
     """
     checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, odds, trust_run)
-        posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
+        asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+        beside = partial(_inputs, campaign, asked, effects, noise_sd, odds)
+        inputs, notes = beside(commissioning if trust_run is not False else None)
+        if trust_run is False and commissioning is not None:
+            notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
+        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, beside if trust_run is None else None)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
@@ -227,23 +231,18 @@ def diagnose(
 
 def _inputs(
     campaign: Campaign,
-    twin: Twin,
+    asked: CachedTwin,
     effects: Mapping[str, Effect] | None,
-    commissioning: Campaign | None,
     noise_sd: float | Mapping[str, float] | None,
     odds: Odds,
-    trust_run: bool | None,
+    run: Campaign | None,
 ) -> tuple[Inputs, list[str]]:
-    """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    run = commissioning if trust_run is not False else None
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+    """Return the inputs of the inference beside a run, and notes."""
     sound = as_built(asked, run)
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
-    if run is not commissioning:
-        notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
     return inputs, [*built_words(asked, sound), *notes]
 
 
@@ -251,17 +250,21 @@ _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (t
 
 
 def _beside_doubt(
-    inputs: Inputs, posterior: Posterior, trust_run: bool | None
+    posterior: Posterior, drawn: CachedTwin, beside: Callable[[Campaign], tuple[Inputs, list[str]]] | None
 ) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
     """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
+    inputs = posterior.model.inputs
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
-    if inputs.run is None or trust_run is not None or sound > SOUND_ENOUGH:
+    if inputs.run is None or beside is None or sound > SOUND_ENOUGH:
         return posterior, (), ()
-    wrong = weigh_wrong_run(posterior.model)
+    wrong = weigh_wrong_run(posterior.model, drawn)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         left = "that is taken off it" if wrong.correction is not None else "it is left out"
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."
+        if wrong.correction is not None and inputs.twin is not drawn:  # it said wrong constants, too
+            inputs, _ = beside(set_right(inputs.run, wrong, inputs.campaign.gauges))
+            wrong = replace(wrong, correction=np.zeros_like(wrong.correction))
         return attribute(corrected(inputs, wrong)), (sentence,), ()
     if probability > POSSIBLE:
         sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."

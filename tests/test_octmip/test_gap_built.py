@@ -178,3 +178,15 @@ def test_a_coarse_display_shows_no_far_off_readings():
             campaign.temperature, load_names=campaign.load_names,
         )  # fmt: skip
         assert not robust(coarse).share
+
+
+@pytest.mark.parametrize(("gain", "gauge"), [(1.3, "u1"), (0.8, "u1"), (1.15, "sum")])
+def test_a_fault_of_a_channel_in_the_run_is_no_constant_of_the_asset_and_no_fault_of_today(gain, gauge):
+    built = {"k1": 10.5, "k2": 11.6}
+    run = read(SPRINGS, under(), 3, **built)
+    wrong = replace(run, readings=run.readings * np.where(np.array(list(READINGS)) == gauge, gain, 1.0))
+    found = diagnose(read(SPRINGS, under(), 23, **built), SPRINGS, commissioning=wrong)
+    assert f"gain of gauge {gauge}" in found.doubts[0]
+    assert found.is_sound
+    by_what_is_left = found.posterior.model.inputs.twin.twin.card.ranges
+    assert by_what_is_left["k1"].nominal == pytest.approx(10.5, rel=0.03)

@@ -11,7 +11,7 @@ What the campaign is asked for are changes from there.
 Source: Tarantola (2005), "Inverse Problem Theory", section 3.4.4; Broyden (1965), Math. Comp. 19.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -19,8 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.doors.card import Range
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
+from octmip.twin import Load, State
 
 Floats = NDArray[np.float64]
 
@@ -57,6 +59,44 @@ def as_built(twin: CachedTwin, run: Campaign | None) -> CachedTwin:
     found = CachedTwin(twin.twin.at(own.values, own.signature_error))
     found.units = twin.units
     return found
+
+
+def of_drawing(drawn: CachedTwin, sound: CachedTwin, asked: Sequence[tuple[State, Load]]) -> tuple[Floats, Floats]:
+    """Return what the drawing reads more than the asset by its run (n, n_gauges), and slopes (k, n, n_gauges) there.
+
+    Parameters
+    ----------
+    drawn, sound
+        the model with the constants of its drawing, and with those of the run.
+    asked
+        n states and loads.
+
+    The slopes are per prior sd of each of the k constants that the run said; without such constants there are none.
+    """
+    own = drawn.twin
+    if drawn is sound or not isinstance(own, FunctionTwin):
+        return np.zeros((len(asked), len(sound.gauges))), np.zeros((0, len(asked), len(sound.gauges)))
+    here = np.array([own.ask(state, load, {}) for state, load in asked])
+    slopes = []
+    for name, constant in own.constants.items():
+        step = _ahead(constant)
+        there = {name: constant.nominal + step * SHARE * abs(constant.nominal)}
+        slopes.append((np.array([own.ask(state, load, there) for state, load in asked]) - here) / step)
+    return here - np.array([sound.predict(state, load) for state, load in asked]), np.array(slopes)
+
+
+def departures(drawn: CachedTwin, sound: CachedTwin) -> Floats:
+    """Return how many prior sds (k,) the drawing's constants are from those that the run said."""
+    if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
+        return np.zeros(0)
+    built, constants = sound.twin.card.ranges, drawn.twin.constants.items()
+    return np.array([(own.nominal - built[name].nominal) / (SHARE * abs(own.nominal)) for name, own in constants])
+
+
+def _ahead(constant: Range) -> float:
+    """Return the step of a slope from the drawing, in prior sds: inside the range."""
+    inside = constant.high - INSIDE * (constant.high - constant.low)
+    return SLOPE if inside - constant.nominal >= SLOPE * SHARE * abs(constant.nominal) else -SLOPE
 
 
 def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
@@ -180,7 +220,7 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
     size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
-    ahead = np.where(most >= SLOPE, SLOPE, -SLOPE)
+    ahead = np.array([_ahead(own) for own in read.twin.constants.values()])
     slope = np.column_stack([(read.asked(step)[rows] - here) / step.sum() for step in np.diag(ahead)])
     at = np.zeros(len(ahead))
     for _ in range(STEPS):
