@@ -19,7 +19,8 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.doors.built import as_built, built_words
+from octmip.gap.constants import Constant, constants_of, constants_words
+from octmip.gap.doors.built import as_built, built_words, by_campaign
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
@@ -99,6 +100,8 @@ class Diagnosis:
         what the reader should know about the data.
     doubts
         what speaks against the commissioning run, as sentences; a run that is not usable was left out.
+    constants
+        what the readings say of the asset's own constants, where no run does.
     posterior
         all hypotheses.
     """
@@ -117,6 +120,7 @@ class Diagnosis:
     posterior: Posterior
     doubts: tuple[str, ...]
     ties: tuple[tuple[str, ...], ...]
+    constants: tuple[Constant, ...]
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -150,8 +154,10 @@ class Diagnosis:
         own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin
         if isinstance(own, FunctionTwin) and isinstance(sound, FunctionTwin):
             built = {name: one.nominal for name, one in sound.card.ranges.items()}
+            built |= {one.name: one.sound for one in self.constants}
             own = own.at(built, sound.signature_error)
-        return AugmentedTwin(own, tuple(additions), partial(whole_difference, inputs, level))
+        difference = None if inputs.run is None else partial(whole_difference, inputs, level)
+        return AugmentedTwin(own, tuple(additions), difference)
 
 
 def diagnose(
@@ -211,6 +217,7 @@ def diagnose(
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
+        constants = constants_of(judged)
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
             which=which,
@@ -222,10 +229,11 @@ def diagnose(
             detectable=sizes,
             refused=_refused(which, model, sizes),
             states=_states(which[0].judged) if which else (),
-            notes=(*doubts, *remarks, *campaign.notes, *notes),
+            notes=(*doubts, *remarks, *constants_words(constants, odds.differences.constants), *campaign.notes, *notes),
             posterior=posterior,
             doubts=doubts,
             ties=ties(model),
+            constants=constants,
         )
 
 
@@ -238,12 +246,15 @@ def _inputs(
     run: Campaign | None,
 ) -> tuple[Inputs, list[str]]:
     """Return the inputs of the inference beside a run, and notes."""
-    sound = as_built(asked, run)
+    share = odds.differences.constants
+    sound = as_built(asked, run, share) if run is not None else by_campaign(asked, campaign, share)
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
-    return inputs, [*built_words(asked, sound), *notes]
+    if run is not None:
+        return inputs, [*built_words(asked, sound), *notes]
+    return inputs, [note for note in notes if note != WITHOUT_RUN or not inputs.open]
 
 
 _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."

@@ -77,7 +77,9 @@ def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
     good = replace(inputs, difference=inputs.usual)  # beside a wrong run the twin may well be good
     models = [model, *(replace(model, inputs=good).under(level) for level in (1.0, 2.0))]
     drawing = _of_drawing(model, run, drawn)
-    stacks = [_Stack.of(one, *drawing, departures(drawn, inputs.twin)) for one in models]
+    stacks = [
+        _Stack.of(one, *drawing, departures(drawn, inputs.twin, inputs.odds.differences.constants)) for one in models
+    ]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
     found = [part(one, columns[part]) for part in columns for one in stacks]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
@@ -171,7 +173,7 @@ def _of_drawing(model: LinearModel, run: Run, drawn: CachedTwin) -> tuple[Floats
     states = (_states(run, inputs), model.states)
     for averages, means, own in zip((run.averages, inputs.averages), (run.means, model.means), states, strict=True):
         asked = [(inputs.named(own[part.number]), part.load) for part in averages]
-        more, slopes = of_drawing(drawn, inputs.twin, asked)
+        more, slopes = of_drawing(drawn, inputs.twin, inputs.odds.differences.constants, asked)
         columns = np.concatenate([more[None], slopes])[:, :, list(inputs.order)]
         found.append(columns[:, means.average, means.gauge].T)
     return found[0], found[1]
