@@ -2,7 +2,7 @@
 
 import importlib
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from octmip.errors import DataError
@@ -12,47 +12,22 @@ from octmip.recordings.recording import Recording
 
 HEAD = 200
 """Bytes that tell a format."""
+FORMATS = {
+    "TDMS": (rb"TDSm", "tdms"),
+    "MDF": (rb"MDF  ", "mdf"),
+    "ULog": (rb"ULog\x01\x12\x35", "ulog"),
+    "DataFlash": (rb"\xa3\x95\x80", "dataflash"),
+    "MCAP": (rb"\x89MCAP0\r\n", "mcap"),
+    "rosbag": (rb"#ROSBAG V2|SQLite format 3", "rosbag"),
+    "miniSEED": (rb"\d{6}[DRQMV][ \x00].{12}|MS\x03", "miniseed"),
+    "UFF58": (rb"\s{0,80}-1\s+58", "uff"),
+    "MAT": (rb"MATLAB [57]\.", "mat"),
+}
+"""What its files begin with, and the file of `octmip.recordings.readers` whose ``read(path)`` returns the Recording."""
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
-    """A format of recordings.
-
-    Attributes
-    ----------
-    name
-        what people call it.
-    begins
-        what its files begin with.
-    module
-        file of `octmip.recordings.readers` whose ``read(path)`` returns the Recording.
-    """
-
-    name: str
-    begins: re.Pattern[bytes]
-    module: str
-
-
-FORMATS = tuple(
-    Format(name, re.compile(begins, re.DOTALL), module)
-    for name, begins, module in (
-        ("TDMS", rb"TDSm", "tdms"),
-        ("MDF", rb"MDF  ", "mdf"),
-        ("ULog", rb"ULog\x01\x12\x35", "ulog"),
-        ("DataFlash", rb"\xa3\x95\x80", "dataflash"),
-        ("MCAP", rb"\x89MCAP0\r\n", "mcap"),
-        ("rosbag", rb"#ROSBAG V2|SQLite format 3", "rosbag"),
-        ("miniSEED", rb"\d{6}[DRQMV][ \x00].{12}|MS\x03", "miniseed"),
-        ("UFF58", rb"\s{0,80}-1\s+58", "uff"),
-        ("MAT", rb"MATLAB [57]\.", "mat"),
-    )
-)
-TEXT = Format("table", re.compile(b""), "text")
-"""Whatever `octmip.formats.table` reads: TOA5, .lvm, CSV, Parquet."""
-
-
-def format_of(path: PathLike) -> Format | None:
-    """Return the format of a file by what it begins with, None where it is none of `FORMATS`.
+def format_of(path: PathLike) -> str:
+    """Return the format of a file by what it begins with, "" where it is none of `FORMATS`.
 
     Raises
     ------
@@ -60,11 +35,13 @@ def format_of(path: PathLike) -> Format | None:
         it cannot be read.
     """
     head = read_head(path, HEAD)
-    return next((one for one in FORMATS if one.begins.match(head)), None)
+    return next((name for name, (begins, _) in FORMATS.items() if re.match(begins, head, re.DOTALL)), "")
 
 
 def recording(path: PathLike) -> Recording:
     """Return the recording in a file; channels are read when they are asked for.
+
+    What is none of `FORMATS` is a table as `octmip.formats.table` reads it: TOA5, .lvm, CSV, Parquet.
 
     Raises
     ------
@@ -73,10 +50,11 @@ def recording(path: PathLike) -> Recording:
     MissingExtraError
         the library of its format is not installed.
     """
-    form = format_of(path) or TEXT
-    with foreign(str(path), form.name) as said:
-        reader = importlib.import_module(f"octmip.recordings.readers.{form.module}")
+    name = format_of(path)
+    module = FORMATS[name][1] if name else "text"
+    with foreign(str(path), name or "a table") as said:
+        reader = importlib.import_module(f"octmip.recordings.readers.{module}")
         found: Recording = reader.read(Path(path))
     if not found.loaders:
-        raise DataError(f"{path} ({form.name}) holds no channel of numbers with times; expected at least one")
+        raise DataError(f"{path} ({found.format}) holds no channel of numbers with times; expected at least one")
     return replace(found, name=str(path), notes=(*found.notes, *said))

@@ -196,7 +196,7 @@ def _tolerance(load: Channel, means: Floats, share: float, has_others: bool) -> 
 
 def _runs(scaled: Floats) -> Iterator[slice]:
     """Yield the longest runs of blocks whose means (n_loads, n_blocks) stay within 1 of one another."""
-    start, known = 0, np.isfinite(scaled).all(axis=0)
+    start, known = 0, np.asarray(np.isfinite(scaled).all(axis=0))
     while start < scaled.shape[1]:
         stop, low, high = start, scaled[:, start], scaled[:, start]
         while stop < scaled.shape[1] and known[stop]:

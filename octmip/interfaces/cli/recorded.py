@@ -29,9 +29,9 @@ def table_of(arguments: argparse.Namespace, path: str, twin: "Twin", is_commissi
     from octmip.recordings.opening import format_of, recording
     from octmip.recordings.windows import window_of
 
-    form = format_of(path) if path != STANDARD_INPUT else None
+    form = path != STANDARD_INPUT and format_of(path)
     is_cut = arguments.steady is not None or bool(arguments.windows)
-    if form is None and (is_commissioning or not is_cut):
+    if not form and (is_commissioning or not is_cut):
         given = next((name for name in OPTIONS if getattr(arguments, name)), None)
         if given is not None and not is_commissioning:
             raise DataError(

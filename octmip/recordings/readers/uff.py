@@ -23,12 +23,12 @@ def read(path: Path) -> Recording:
     file = pyuff.UFF(str(path))
     sets = [file.read_sets(k) for k, kind in enumerate(file.get_set_types()) if kind == 58]
     series = [one for one in sets if _is_of_time(one)]
-    names = [_name(one) for one in series]
+    names = [_text(one, "id1") or f"node {one['rsp_node']} direction {one['rsp_dir']}" for one in series]
     labels = [name if names.count(name) == 1 else f"{name}#{k + 1}" for k, name in enumerate(names)]
     left_out = len(sets) - len(series)
     notes = (f"{left_out} functions that are no time responses are left out.",) if left_out else ()
     loaders = {
-        label: functools.partial(Channel, label, _unit(one), _time(one), np.asarray(one["data"]))
+        label: functools.partial(Channel, label, _text(one, "ordinate_axis_units_lab"), _time(one), one["data"])
         for label, one in zip(labels, series, strict=True)
     }
     return Recording("UFF58", loaders, notes=notes)
@@ -39,19 +39,13 @@ def _is_of_time(one: dict[str, Any]) -> bool:
     return kind in TIME_RESPONSE and (axis == TIME or (axis in GENERAL and kind == 1))
 
 
-def _name(one: dict[str, Any]) -> str:
-    text = str(one.get("id1", "")).strip()
-    place = f"node {one['rsp_node']} direction {one['rsp_dir']}"
-    return place if text in ("", "NONE") else text
-
-
-def _unit(one: dict[str, Any]) -> str:
-    unit = str(one.get("ordinate_axis_units_lab", "")).strip()
-    return "" if unit == "NONE" else unit
+def _text(one: dict[str, Any], key: str) -> str:
+    text = str(one.get(key, "")).strip()
+    return "" if text == "NONE" else text
 
 
 def _time(one: dict[str, Any]) -> Floats:
     """Return the times: of even spacing from its step, which has more digits than their sum."""
-    if one["abscissa_spacing"] == EVEN:
-        return np.asarray(one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(one["data"])), dtype=np.float64)
-    return np.asarray(one["x"], dtype=np.float64)
+    even = one["abscissa_spacing"] == EVEN
+    time = one["abscissa_min"] + one["abscissa_inc"] * np.arange(len(one["data"])) if even else one["x"]
+    return np.asarray(time, dtype=np.float64)
