@@ -12,6 +12,7 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
+from benchmarks.cases.doors.recordings import make_recording, read_recording
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
@@ -311,6 +312,7 @@ OCTMIP = {
     "sensors": Reader(make_words, "sensors.csv", mangled_csv, words_command("sensors.csv", "--sensor-cost")),
     "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
     "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
+    "recording": Reader(make_recording, "run", mangled_bytes, read_recording),
     "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),
     "regression tree": Reader(make_regression, "tree.json", mangled_json, read_tree),
     "regression tree, commands": Reader(make_regression, "tree.json", mangled_json, regression_command),

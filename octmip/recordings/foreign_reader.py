@@ -3,6 +3,7 @@
 import contextlib
 import gc
 import io
+import logging
 import re
 import sys
 import traceback
@@ -24,7 +25,8 @@ def foreign(path: str, form: str) -> Iterator[list[str]]:
     DataError
         it raised anything, as damaged files make readers do.
     """
-    said, printed = list[str](), io.StringIO()
+    said, printed, logs = list[str](), io.StringIO(), logging.root.manager.disable
+    logging.disable(logging.CRITICAL)  # some log whole pieces of a damaged file
     try:
         with (
             warnings.catch_warnings(record=True) as caught,
@@ -39,6 +41,8 @@ def foreign(path: str, form: str) -> Iterator[list[str]]:
         reason = _one_line(f"{type(error).__name__}: {error}")
         _end_quietly(error)
         raise DataError(f"{path} cannot be read as {form} ({reason}); was it written to the end?") from error
+    finally:
+        logging.disable(logs)
     warned = [str(one.message) for one in caught if issubclass(one.category, UserWarning)]
     lines = list(
         dict.fromkeys(_one_line(words) for words in (*warned, *printed.getvalue().splitlines()) if words.strip())
@@ -55,7 +59,10 @@ def _end_quietly(error: Exception) -> None:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            traceback.clear_frames(error.__traceback__)
+            cause: BaseException | None = error
+            while cause is not None:
+                traceback.clear_frames(cause.__traceback__)
+                cause = cause.__context__
             gc.collect()
     finally:
         sys.unraisablehook = hook

@@ -17,6 +17,7 @@ from nptdms import ChannelObject, TdmsWriter
 from numpy.typing import NDArray
 
 from benchmarks.tables import Line
+from octmip.recordings import recording
 
 N_SAMPLES = 10_000_000
 """Of all channels together."""
@@ -83,6 +84,20 @@ def write_mdf(path: Path, samples: Series) -> None:
 
 
 WRITERS: Mapping[str, Callable[[Path, Series], None]] = {"tdms": write_tdms, "mf4": write_mdf}
+
+
+def make_recording(number: int, folder: Path) -> None:
+    """Write a short recording, of another format for every other number, as the file "run"."""
+    ending = list(WRITERS)[number % len(WRITERS)]
+    WRITERS[ending](folder / f"run.{ending}", series(200 + number))
+    (folder / f"run.{ending}").rename(folder / "run")
+
+
+def read_recording(_: np.random.Generator, folder: Path) -> None:
+    """Read every channel."""
+    opened = recording(folder / "run")
+    for name in opened.channels:
+        opened[name].notes()
 
 
 def results(limit: float, threads: Sequence[int], n: int = N_SAMPLES) -> Iterator[Line]:

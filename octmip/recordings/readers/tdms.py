@@ -29,8 +29,10 @@ class _Segments(TdmsReader):  # type: ignore[misc]
     def __init__(self, path: Path) -> None:
         super().__init__(path)
         self.given: list[dict[str, Any]] = []
-        self.read_metadata(require_segment_indexes=True)
-        self.close()
+        try:
+            self.read_metadata(require_segment_indexes=True)
+        finally:
+            self.close()
 
     def _update_object_properties(self, properties: Any) -> None:
         super()._update_object_properties(properties)
