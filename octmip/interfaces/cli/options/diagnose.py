@@ -62,41 +62,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what a recording needs: which channels, and which stretches of it."""
-    for name, words in (
-        ("readings", "channels of a recording by the twin's names for its readings"),
-        ("loads", "the same of loads, states and temperature; a number holds all along"),
+    for name, metavar, kind, words in (
+        ("readings", "NAME=CHANNEL", str, "channels of a recording by the twin's names for its readings"),
+        ("loads", "NAME=CHANNEL", str, "the same of loads, states and temperature; a number holds all along"),
+        ("load-units", "NAME=UNIT", str, "units in which the twin takes loads: channels in others are converted"),
+        ("windows", "START,END[,TEST]", str, "windows of a recording [s]"),
+        ("no-reading", "NUMBER", float, "numbers by which a logger says that there is no reading"),
     ):
-        parser.add_argument(f"--{name}", metavar="NAME=CHANNEL", nargs="+", action="extend", default=[], help=words)
-    parser.add_argument(
-        "--load-units",
-        metavar="NAME=UNIT",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="units in which the twin takes loads: channels in others are converted",
-    )
+        parser.add_argument(f"--{name}", metavar=metavar, type=kind, nargs="+", action="extend", default=[], help=words)
     parser.add_argument(
         "--steady",
         metavar="LOAD",
         nargs="*",
-        help="cut a recording into windows where these loads stand still, or all of them",
+        help="cut a recording into windows where these loads, or all, stand still",
     )
     parser.add_argument("--least", metavar="SECONDS", type=float, help="length of the shortest such window")
-    parser.add_argument(
-        "--windows", metavar="START,END[,TEST]", nargs="+", action="extend", help="windows of a recording [s]"
-    )
     parser.add_argument("--test", metavar="CHANNEL", default="", help="channel of a recording that numbers the tests")
-    parser.add_argument(
-        "--no-reading",
-        metavar="NUMBER",
-        type=float,
-        nargs="+",
-        default=[],
-        help="numbers by which the logger of a recording says that there is no reading",
-    )
-    writes(
-        parser.add_argument("--show-windows", metavar="FILE.png", help="draw the windows before anything is diagnosed")
-    )
+    writes(parser.add_argument("--show-windows", metavar="FILE.png", help="draw the windows before the diagnosis"))
 
 
 def _behind_door(twin: str) -> str:
