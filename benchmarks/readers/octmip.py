@@ -12,12 +12,12 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from benchmarks.cases.doors.recordings import make_recording, read_recording
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from benchmarks.readers.regression import make_regression, regression_command
+from benchmarks.recordings import make_recording, read_recording
 from octmip.errors import OctmipError
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.cases.doors.recordings import BEAM, START, UNITS, Series, write_mdf, write_tdms
+from benchmarks.recordings import BEAM, START, UNITS, Series, write_mdf, write_tdms
 
 RATE, HOLD, RAMP = 100.0, 6.0, 1.0
 PLATEAUS = ((0, 0), (40, 0), (40, 20), (80, 20), (0, 20), (80, 0))

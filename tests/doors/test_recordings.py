@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.doors.recordings import BEAM, CARD, START, UNITS, measured, write_tdms
+from benchmarks.cases.doors.recordings import measured
+from benchmarks.recordings import BEAM, CARD, START, UNITS, write_tdms
 from octmip.errors import DataError, MissingExtraError
 from octmip.gap.doors import open_twin
 from octmip.interfaces.cli import main
@@ -122,7 +123,7 @@ def test_what_is_wrong_is_one_sentence(words, said, at, capsys, monkeypatch):
     if "far" in words:
         series["g2"][300:340] = -9999.0
     if "volts" in words:
-        monkeypatch.setattr("benchmarks.cases.doors.recordings.UNITS", {**UNITS, "g1": "V"})
+        monkeypatch.setattr("benchmarks.recordings.UNITS", {**UNITS, "g1": "V"})
     if words.startswith(("far", "volts")):
         write_tdms(Path(words.split()[0]), series)
     assert main(["diagnose", *words.split(), *SHORT]) == 2
