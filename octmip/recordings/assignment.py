@@ -30,11 +30,12 @@ def places_of(
         a name that the twin lacks, a load that is not there, or no reading.
     """
     others = (*fixed_names(twin), TEMPERATURE)
-    for given, known, what in ((readings, twin.gauges, "reading"), (loads, others, "load or state")):
-        unknown = next((name for name in given if name not in known), None)
+    for asked, known, what in ((readings, twin.gauges, "reading"), (loads, others, "load or state")):
+        unknown = next((name for name in asked if name not in known), None)
         if unknown is not None:
             raise DataError(f"the twin has no {what} {shown(unknown)}; expected {several(known, 12)}; use its names")
-    named = {**{name: _by_name(recording, name) for name in (*others, *twin.gauges)}, **loads, **readings}
+    given = {**loads, **readings}
+    named = {name: given[name] if name in given else _by_name(recording, name) for name in (*others, *twin.gauges)}
     missing = next((name for name in loads_of(twin) if named[name] == ""), None)
     if missing is not None:
         raise DataError(
@@ -61,6 +62,10 @@ def _by_name(recording: Recording, name: str) -> str:
         return name
     last = {one: one.rpartition("/")[2] for one in recording.channels}
     same = [one for one in last if last[one] == name] or [one for one in last if unit_behind(last[one])[0] == name]
+    if len(same) > 1 and name != TEMPERATURE:
+        raise DataError(
+            f"{recording.name}: channels {several(same, 4)} may all be {name!r}; say which by {name}=CHANNEL"
+        )
     return same[0] if len(same) == 1 else ""
 
 
