@@ -124,9 +124,7 @@ def averages_of(
         [
             _rows(channels, found, window, length).assign(
                 test=name,
-                **{
-                    key: numbers[key] if key in numbers else _rounded(found[key].mean) for key in fixed if key in places
-                },
+                **{key: numbers[key] if key in numbers else _rounded(found[key]) for key in fixed if key in places},
             )
             for window, found, name in zip(windows, statistics, tests, strict=True)
         ],
@@ -176,8 +174,11 @@ def _row_length(
     return max(min(independent, min(lengths) / FEWEST), max(lengths) / MOST)
 
 
-def _rounded(load: float) -> float:
-    return float(f"{load:.{DIGITS}g}")
+def _rounded(load: Statistic) -> float:
+    """Return the mean of a load without the digits that its own spread leaves open."""
+    error = load.sd / np.sqrt(load.effective)
+    mean = float(f"{load.mean:.{DIGITS}g}")
+    return round(mean, int(np.ceil(1.0 - np.log10(error)))) if error > 0.0 else mean
 
 
 def _rows(
