@@ -7,6 +7,7 @@ import pytest
 
 import octmip
 from benchmarks.kinds.sample_costs import sample_problem
+from benchmarks.outside import BY_PYOMO
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
@@ -52,6 +53,13 @@ def test_costs_by_class_are_the_special_case_of_equal_rows():
     found = [octmip.solve(problem, "exact") for problem in (by_class, by_sample)]
     assert found[0].objective == found[1].objective == found[1].bound
     assert by_class.least_saving == by_sample.least_saving
+
+
+@pytest.mark.parametrize(("leaf_size", "least"), [(1, 3), (2, 4)])
+def test_a_solved_model_of_them_is_read(leaf_size, least):
+    model = octmip.model(small(leaf_size=leaf_size), "oct")
+    solution = octmip.solution_of(model, BY_PYOMO["HiGHS"](model, 10.0))
+    assert (solution.objective, solution.bound) == (least, least)
 
 
 def test_a_decision_that_is_nobodys_best_is_no_error():
