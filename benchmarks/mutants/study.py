@@ -19,18 +19,19 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.mutants.draws import NATIVE, Mutant, python_mutant, rust_mutant
-from benchmarks.mutants.pytest_runs import PytestRuns
-from benchmarks.mutants.reach import Reach
+from benchmarks.mutants.nearest import NearestTests
 from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
@@ -38,8 +39,15 @@ PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", 
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
+BATCHES = (
+    0,
+    2,
+    7,
+    12,
+    13,
+)  # ends of tests' files: most mutants are killed by the first; 99 lines of 100 are run by one
 COMMON = "tests/test_octmip/test_defaults.py"
-START, SLOWER = 10.0, 3.0  # CPU seconds to collect tests, and how much slower than usual they may be
+SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
 PROFILE = ("--profile", "checks", "--config", "profile.checks.opt-level=1")  # its tests of Python take half the time
 Outcome = tuple[str, str, float]  # the word, the first test that failed or did not end, CPU seconds
@@ -61,8 +69,7 @@ class _Runs:
     """Runs of tests in a copy of the tree."""
 
     def __init__(self, tree: Path, limit: float) -> None:
-        self.tree, self.limit, self.reach, self.n_tried = tree, limit, Reach(tree), 0
-        self.pytest = PytestRuns(tree)
+        self.tree, self.limit, self.nearest = tree, limit, NearestTests(tree)
         target = os.environ.get("CARGO_TARGET_DIR", tree / NATIVE / "target")
         self.core, self.made = next(tree.glob(CORE), tree), Path(target, "checks/lib_native.so")
 
@@ -75,31 +82,25 @@ class _Runs:
 
     def line(self, mutant: Mutant) -> Line:
         """Return the outcome of a mutant; the copy is then as it was."""
-        self.n_tried += 1
-        tests = self.reach.of(mutant.file, mutant.line)
-        with _replaced(self.tree / mutant.file, mutant.after.encode(), self.n_tried), ExitStack() as built:
+        tests = self.nearest.of(mutant.file, mutant.line)[: BATCHES[-2]]
+        tests += [COMMON] * (self.tree / COMMON).exists()
+        with _replaced(self.tree / mutant.file, mutant.after.encode()), ExitStack() as built:
             found = self._refused(built) if mutant.file.endswith(".rs") else None
             outcome, said, seconds = found or self._tested(tests)
-        return {
-            "operator": mutant.operator,
-            "outcome": outcome,
-            "by": said,
-            "seconds": round(seconds, 1),
-            "tests": len(tests),
-        }
+        if outcome == "time":
+            without, _, usual = self._pytest([said])
+            outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
+        line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
+        return line | {"tests": " ".join(tests)}
 
-    def _tested(self, tests: list[str]) -> Outcome:
-        used = 0.0
-        *batches, last = self.reach.batches(tests, (self.limit / 9, self.limit))
-        for some in [*batches, [*last, *([] if COMMON in {test.partition("::")[0] for test in tests} else [COMMON])]]:
-            usual = sum(self.reach.seconds.get(test, self.limit / 9) for test in some)
-            code, said, seconds = self.pytest.run(some, START + SLOWER * usual)
-            used += seconds
-            if code:
-                failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)
-                by = failed.group(1) if failed else said.strip().rpartition("\n")[2]
-                return "time" if code < 0 else "killed", by, used
-        return "survived", "", used
+    def _tested(self, tests: Sequence[str]) -> Outcome:
+        found: Outcome = ("survived", "", 0.0)
+        for some in (tests[a:b] for a, b in pairwise(BATCHES)):
+            if some and found[0] == "survived":
+                found = self._pytest(some)
+                if found[0] == "time":  # by one test, or by all of them
+                    found = self._pytest([found[1]])
+        return found
 
     def _refused(self, built: ExitStack) -> Outcome | None:
         """Return the outcome by compiler and tests of the crates; None where these pass: the core is then built."""
@@ -115,6 +116,14 @@ class _Runs:
     def _cargo(self, words: str) -> tuple[int, str, float]:
         command = ["cargo", *words.split(), *PROFILE, "--workspace"]
         return self._run(command, self.tree / NATIVE, BUILD)
+
+    def _pytest(self, tests: Sequence[str]) -> Outcome:
+        command = [sys.executable, "-u", "-m", "pytest", "-x", "-vv", "-p", "no:cacheprovider", *tests]
+        code, said, seconds = self._run(command, self.tree, self.limit)
+        if code < 0:
+            return "time", said.splitlines()[-1].strip(), seconds
+        failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)
+        return ("killed" if code else "survived"), failed.group(1) if failed else "", seconds
 
     def _run(self, command: Sequence[str], place: Path, limit: float) -> tuple[int, str, float]:
         """Return the code of a command, negative past a limit of CPU seconds, its words and CPU seconds."""
@@ -140,11 +149,10 @@ class _Runs:
 
 
 @contextmanager
-def _replaced(file: Path, content: bytes, time_of: int = 0) -> Iterator[None]:
+def _replaced(file: Path, content: bytes) -> Iterator[None]:
     sound = file.with_suffix(".sound")
     shutil.copy2(file, sound)
     file.write_bytes(content)
-    os.utime(file, (time_of, time_of))  # compiled files are known by time and size
     try:
         yield
     finally:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from benchmarks.oracles.page_check import check_page
-from benchmarks.uav.mission import course
 from benchmarks.uav.mission.aircraft import WEAR, Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import MOST, STEP, Capable
 from benchmarks.uav.mission.flight import Flight, recorded
@@ -48,29 +47,6 @@ def test_a_table_twin_is_the_wing_at_its_levels_and_close_between_them(aircraft:
     bound = reduced.error_bound(at_level, 1.0)[:, columns]
     assert (np.abs(aircraft.strains(at_level) - exact) <= bound).all()
     assert aircraft.strains(between) == pytest.approx(near, abs=0.5)
-
-
-def test_the_lines_of_the_course_ask_for_no_more_than_they_say_and_clear_the_obstacles():
-    assert 2.9 < course.largest_load(0.0) <= 3.0
-    assert 1.9 < course.largest_load(1.0) <= 2.0
-    x = np.linspace(0.0, course.GOAL, 2000)
-    for width in (0.0, 0.3, 1.0):
-        y = course.height(x, np.full(len(x), width))
-        away = np.hypot(x[:, None] - np.array(course.OBSTACLES), (y - 5.0)[:, None])
-        assert away.min() > course.RADIUS
-
-
-@pytest.mark.parametrize("is_cautious", [False, True])
-def test_a_step_is_as_long_as_it_says(is_cautious):
-    x, width = np.zeros(1), np.zeros(1)
-    way = [(0.0, 0.0)]
-    while x[0] < course.GOAL:
-        x, width = course.advance(x, width, np.array([is_cautious]))
-        way.append((x[0], course.height(x, width)[0]))
-    lengths = np.hypot(*np.diff(way, axis=0).T)  # to cross to the other line while climbing takes a little more
-    assert lengths[20:] == pytest.approx(course.STEP_LENGTH, rel=0.03)
-    assert lengths.max() < 1.25 * course.STEP_LENGTH
-    assert len(way) - 1 == (102 if is_cautious else 92)
 
 
 # The planner

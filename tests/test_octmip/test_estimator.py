@@ -10,16 +10,12 @@ from dataclasses import replace
 
 import joblib
 import numpy as np
-import pandas as pd
 import pytest
 from sklearn.datasets import load_iris
 from sklearn.exceptions import ConvergenceWarning, NotFittedError
-from sklearn.model_selection import GridSearchCV
-from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
 
 import octmip
-from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, certify, predict, solve
+from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
 from octmip.interfaces.estimator.progress import Told
@@ -65,18 +61,6 @@ def test_importing_octmip_imports_neither_scikit_learn_nor_pandas():
         _ = octmip.OptimalTree
 
 
-def test_predictions_are_those_of_the_tree():
-    features, labels = IRIS
-    names = np.array(["setosa", "versicolor", "virginica"])[labels]
-    fitted = OptimalTreeClassifier(max_depth=2).fit(features, names)
-    assert (fitted.predict(features) == fitted.classes_[predict(fitted.tree_, features)]).all()
-    assert (fitted.predict(features) != names).sum() == fitted.solution_.objective == 6
-    assert (fitted.objective_, fitted.bound_, fitted.gap_, fitted.is_optimal_) == (6, 6, 0, True)
-    assert fitted.certificate_ == certify(fitted.problem_, fitted.solution_)
-    assert fitted.sensors_ == fitted.problem_.sensors_used(fitted.tree_)
-    assert fitted.score(features, names) == 1 - 6 / 150
-
-
 def test_shares_are_those_of_the_training_weight_in_the_leaf():
     plain = OptimalTreeClassifier(max_depth=1, method="cart", smoothing=0)
     fitted = plain.fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
@@ -95,19 +79,6 @@ def test_costs_weigh_the_errors():
     for costs, told in ((None, "a"), ([[0, 1], [5, 0]], "b")):
         fitted = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs).fit(features, labels)
         assert fitted.predict([[0]]) == [told]
-
-
-@pytest.mark.parametrize("class_weight", ["balanced", {"a": 1.0, "b": 3.0}])
-def test_class_weights_multiply_those_of_the_samples(class_weight):
-    features, labels = np.zeros((8, 1)), ["a"] * 6 + ["b"] * 2
-    weights = [1, 1, 1, 1, 1, 0, 2, 1]
-    fitted = OptimalTreeClassifier(max_depth=1, method="cart", class_weight=class_weight)
-    found = fitted.fit(features, labels, weights).problem_.weights
-    expected = [0.8] * 5 + [8 / 3, 4 / 3] if class_weight == "balanced" else [1] * 5 + [6, 3]
-    assert np.allclose(found, expected)
-    repeated = np.repeat(np.arange(8), weights)
-    same = fitted.fit(features[repeated], np.array(labels)[repeated])
-    assert np.isclose(same.problem_.weights.sum(), found.sum())
 
 
 def test_a_class_weight_that_is_none_is_refused():
@@ -130,24 +101,6 @@ def test_a_fraction_of_the_samples_may_be_the_least_of_a_leaf():
     fitted = OptimalTreeClassifier(max_depth=2, min_samples_leaf=0.1).fit(*IRIS)
     assert fitted.problem_.leaf_size == 15
     assert np.bincount(fitted.apply(IRIS[0]))[fitted.apply(IRIS[0])].min() >= 15
-
-
-def test_names_of_a_data_frame_are_the_names_of_the_features():
-    frame = pd.DataFrame(IRIS[0], columns=list("abcd"))
-    fitted = OptimalTreeClassifier(max_depth=2, method="cart").fit(frame, IRIS[1])
-    assert list(fitted.feature_names_in_) == list("abcd") == list(fitted.problem_.feature_names)
-    with pytest.raises(ValueError, match="feature names"):
-        fitted.predict(frame.rename(columns={"a": "z"}))
-
-
-def test_it_works_in_pipelines_and_grid_search():
-    search = GridSearchCV(
-        make_pipeline(StandardScaler(), OptimalTreeClassifier(method="cart")),
-        {"optimaltreeclassifier__max_depth": [1, 3]},
-        cv=3,
-    ).fit(*IRIS)
-    assert search.best_params_ == {"optimaltreeclassifier__max_depth": 3}
-    assert search.best_score_ > 0.9
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pandas as pd
 import pytest
-import sklearn
 from matplotlib.text import Text
 from sklearn.datasets import load_iris
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
-from sklearn.tree import DecisionTreeClassifier, export_text
+from sklearn.tree import DecisionTreeClassifier
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
 from octmip.errors import DataError, MissingExtraError, TreeError
@@ -69,19 +68,6 @@ def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
     assert (model.predict(frame) == pickle.loads(pickle.dumps(model)).predict(frame)).all()
 
 
-def test_what_reads_scikit_learns_trees_reads_it(iris):
-    model = iris.to_sklearn()
-    words = export_text(model, feature_names=list(model.feature_names_in_), show_weights=True)
-    assert words.count("class:") == iris.get_n_leaves()
-    assert model.feature_importances_.sum() == pytest.approx(1)
-    assert len(model.cost_complexity_pruning_path(*IRIS).impurities) > 1  # fits itself anew, with its parameters
-    inner = model.tree_.children_left >= 0
-    totals = model.tree_.weighted_n_node_samples
-    sides = totals[model.tree_.children_left[inner]] + totals[model.tree_.children_right[inner]]
-    assert np.array_equal(totals[inner], sides)
-    assert (model.tree_.feature[~inner] == -2).all()
-
-
 def test_a_leaf_of_a_tree_without_splits_has_scikit_learns_form():
     model = OptimalTreeClassifier(3, leaf_penalty=100.0).fit(*IRIS).to_sklearn()
     assert model.get_n_leaves() == 1
@@ -105,12 +91,6 @@ def test_what_scikit_learn_would_predict_otherwise_is_refused():
     refused(
         r"leaf 0 .* predicts .*1.*, which costs least there", [[0.0], [0.0], [0.0], [1.0]], [0, 0, 1, 1], costs=costs
     )
-
-
-def test_the_cure_for_encoded_columns_works(encoded):
-    numbers = encoded.columns_.encode(FRAME)
-    again = OptimalTreeClassifier(max_depth=2).fit(numbers, ANSWERS)
-    assert (again.to_sklearn().predict(numbers) == encoded.predict(FRAME)).all()
 
 
 def test_importances_are_shares_of_the_cost_that_splits_save():
@@ -187,12 +167,6 @@ def test_a_notebook_shows_the_tree_below_scikit_learns_diagram(iris, encoded):
     assert "<b>kind</b>" not in encoded._repr_html_()
     assert 'aria-label="the fitted tree"' not in OptimalTreeClassifier()._repr_html_()
     assert "OptimalTreeClassifier" in make_pipeline(StandardScaler(), iris)._repr_html_()
-
-
-def test_a_notebook_that_wants_text_gets_text(iris):
-    with sklearn.config_context(display="text"):
-        assert not hasattr(iris, "_repr_html_")
-        assert list(iris._repr_mimebundle_()) == ["text/plain"]
 
 
 def test_a_tree_too_wide_for_a_picture_is_shown_as_text(iris, monkeypatch):

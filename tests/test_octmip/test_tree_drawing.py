@@ -96,14 +96,6 @@ def test_a_histogram_of_extreme_numbers_is_finite_and_no_longer_than_its_bins():
         assert len(found.counts) <= 2 * BINS
 
 
-@pytest.mark.parametrize(("cut", "n_left"), [(0.0, 0), (2.5, 2), (99.0, 4)])
-def test_whole_numbers_have_a_bin_each_wherever_the_threshold_is(cut, n_left):
-    tree = Split(0, cut, Leaf(0), Leaf(1))
-    problem = Problem([[1.0], [2.0], [3.0], [4.0]], [0, 0, 1, 1], depth=1)
-    found = Seen.of(problem, tree, histograms=True).histogram(tree, 0, 1, 2)
-    assert (found.counts.sum(axis=1).tolist(), found.n_left) == ([1, 1, 1, 1], n_left)
-
-
 def test_a_leaf_of_a_number_shows_how_far_its_samples_spread():
     values = np.array([[0.0], [0.0], [1.0], [1.0]])
     tree = Split(0, 0.5, ValueLeaf(2.0), ValueLeaf(10.0))
@@ -144,12 +136,3 @@ def test_yes_is_on_the_left_where_the_tree_has_it_on_the_right_and_the_histogram
     assert to_hex(shown.get_facecolor()) == DARK.paper
     with pytest.raises(ProblemError, match="sample has 2 rows; expected one of the columns 'colour'; give one row"):
         model.plot(sample=table.iloc[:2])
-
-
-def test_a_title_longer_than_its_tree_is_not_cut_off_and_is_no_formula():
-    problem = Problem(POINTS, PROBLEM.codes, depth=1)
-    figure = tree_figure(problem, Leaf(0), "A title of $5 or $6 WHICH IS LONGER THAN ITS TREE")
-    place = figure.axes[0].title.get_window_extent(FigureCanvasAgg(figure).get_renderer())
-    assert place.x0 >= 0.0
-    assert place.x1 <= figure.bbox.width
-    assert figure.axes[0].title.get_parse_math() is False

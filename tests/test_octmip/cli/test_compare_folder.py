@@ -7,8 +7,7 @@ import signal
 import pandas as pd
 import pytest
 
-from octmip.interfaces.cli.compare import Found, ratios_of, shifted_mean
-from octmip.interfaces.plot import benchmark_figure
+from octmip.interfaces.cli.compare import Found, ratios_of
 from octmip.trees.certificate import certify
 
 METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
@@ -40,12 +39,6 @@ def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
     assert (cart["tables"], cart["proven"], cart["seconds to proof"]) == (2, 0, None)
     assert (exact["tables"], exact["proven"], exact["best tree"], exact["within 1 x"]) == (2, 2, 2, "100 %")
     assert (oct_h["tables"], oct_h["mean gap to best bound %"]) == (0, None)
-
-
-def test_its_table_says_once_what_holds_for_all_and_beside_each_table_what_is_its_own(folder, run):
-    out = run("compare", folder, *METHODS)[1]
-    assert out.count("oct_h: method 'oct_h' finds no axis trees") == 1
-    assert "empty.csv has 2 columns and 0 rows" in out.split("one.csv: 30 samples")[0]
 
 
 def test_rows_and_picture_are_written(folder, run, tmp_path):
@@ -108,17 +101,3 @@ def test_a_ratio_is_of_the_quickest_proof_and_infinite_without_one():
     ]
     assert ratios_of("x", found) == [2.0, math.inf]
     assert ratios_of("y", found) == [1.0, 1.0]
-
-
-def test_the_mean_of_seconds_is_geometric_and_shifted_by_one():
-    assert shifted_mean([0.0, 3.0]) == pytest.approx(1.0)
-
-
-def test_the_figure_shows_the_share_proven_and_the_mean_gap():
-    figure = benchmark_figure(
-        {"x": [1.0, 4.0], "y": [2.0, math.inf]}, {"x": [[(1.0, 0.5), (2.0, 0.0)], []], "y": [[], []]}
-    )
-    profile, gaps = figure.axes
-    assert list(profile.lines[0].get_ydata()) == [0.0, 0.5, 1.0, 1.0]
-    assert list(profile.lines[1].get_ydata()) == [0.0, 0.5, 0.5]
-    assert [min(line.get_ydata()) for line in gaps.lines] == [50.0, 100.0]
