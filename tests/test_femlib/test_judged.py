@@ -13,7 +13,6 @@ from femlib.errors import FemlibError, SolveError
 from femlib.material import isotropic_plate
 from femlib.sensors import StrainGauge
 from femlib.structure import Structure, read, reduce
-from femlib.structure.calculix import read_gauges, weights_of
 from tests.test_femlib.own_meshes import ALUMINIUM, plate_mesh, plate_with_mast
 
 GAUGE = StrainGauge("m", (0.3, 0.2, 0.0), (1, 0, 0), ("skin",))
@@ -144,20 +143,3 @@ def test_a_line_load_runs_along_lines_that_branch() -> None:
     structure = Structure(read(mesh), plate.sections, {"left": "clamped"})
     total = structure.line_load("cross", (0.0, 0.0, 2.0)).reshape(-1, 6)[:, 2].sum()
     assert total == pytest.approx(2.0 * (0.6 + 0.4))
-
-
-def test_gauges_on_triangles_are_read_from_nine_points(tmp_path) -> None:
-    """Strain grows from 100 microstrain at the middle to 160 at the top; S6 prints three layers of three points."""
-    mesh = plate_mesh()
-    a, b, c, d = mesh.cells[0].data.T
-    trias = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    cut = meshio.Mesh(mesh.points[:-2], [("triangle", trias)], cell_sets={"skin": [np.arange(len(trias))]})
-    cut.point_sets = {"left": mesh.point_sets["left"]}
-    plate = Structure(read(cut), {"skin": ALUMINIUM}, {"left": "clamped"})
-    lines = ["strains", ""]
-    for element in sorted({e for own in weights_of(plate, [GAUGE]) for e in own}):
-        for k, height in enumerate(np.repeat([-1.0, 0.0, 1.0], 3)):
-            value = 1e-6 * (100.0 + 60.0 * np.sqrt(0.6) * height)
-            lines.append(f" {element + 1} {k + 1} {value:.9e} 0. 0. 0. 0. 0.")
-    (tmp_path / "own.dat").write_text("\n".join(lines) + "\n")
-    assert read_gauges(plate, tmp_path / "own.dat", [GAUGE])[0] == pytest.approx(160.0)

@@ -12,7 +12,7 @@ from femlib.assembly import (
     surface_load,
     thermal_load,
 )
-from femlib.material import Ply, isotropic_plate, laminate
+from femlib.material import isotropic_plate
 from femlib.mesh import dofs_of_nodes
 from tests.test_femlib.plates import patch, rotation
 
@@ -60,19 +60,6 @@ def test_free_thermal_expansion_has_no_mechanical_strain(shape: str, kind: str) 
     )
     assert np.abs(shells.stiffness() @ moved - load).max() < 1e-9 * np.abs(load).max()
     assert np.abs(solution - moved).max() < 1e-9 * np.abs(moved).max()  # node 0 lies at the origin
-
-
-def test_free_expansion_of_an_orthotropic_ply_follows_its_fibres() -> None:
-    ply = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 1e-3, 0.5, 0.0, -0.5e-6, 30e-6)
-    shells = patch(laminate([ply]), "quad4")
-    n = shells.mesh.n_elements
-    load = thermal_load(shells, np.full(n, 10.0), np.zeros(n))
-    c, s = np.cos(0.5), np.sin(0.5)
-    fibre, across = np.array([c, s]), np.array([-s, c])
-    strain = 10.0 * (-0.5e-6 * np.outer(fibre, fibre) + 30e-6 * np.outer(across, across))
-    moved = np.zeros((len(shells.mesh.nodes), 6))
-    moved[:, :2] = shells.mesh.nodes[:, :2] @ strain
-    assert np.abs(shells.stiffness() @ moved.ravel() - load).max() < 1e-9 * np.abs(load).max()
 
 
 def test_a_cantilever_has_the_frequencies_of_beam_theory() -> None:

@@ -5,7 +5,6 @@ import math
 import os
 import subprocess
 import sys
-import warnings
 from dataclasses import replace
 
 import joblib
@@ -66,12 +65,6 @@ def test_shares_are_those_of_the_training_weight_in_the_leaf():
     fitted = plain.fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
     assert fitted.predict_proba([[0], [1]]).tolist() == [[1, 0], [0.25, 0.75]]
     assert fitted.predict_log_proba([[0], [1]]).tolist() == [[0, -math.inf], [math.log(0.25), math.log(0.75)]]
-
-
-def test_a_weight_of_zero_leaves_a_sample_out():
-    features, labels = [[0.0], [1.0], [2.0], [9.0]], [0, 0, 1, 1]
-    left_out = OptimalTreeClassifier(max_depth=1, method="cart").fit(features, labels, [1, 1, 0, 1])
-    assert left_out.tree_.threshold == 5.0
 
 
 def test_costs_weigh_the_errors():
@@ -156,14 +149,6 @@ def test_a_proof_that_a_limit_ends_warns_with_the_gap():
         fitted = OptimalTreeClassifier(max_depth=4, seconds=0.0).fit(*HARD)
     assert caught[0].filename == __file__
     assert fitted.gap_ == 1
-
-
-@pytest.mark.parametrize("settings", [{"method": "search"}, {"method": "cart"}, {"split": "hyperplane"}])
-def test_methods_that_promise_no_proof_do_not_warn(settings):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        fitted = OptimalTreeClassifier(max_depth=1, seconds=0.0, **settings).fit(*IRIS)
-    assert not fitted.is_optimal_
 
 
 def stopped(monkeypatch, **changes):

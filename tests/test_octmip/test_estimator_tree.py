@@ -1,7 +1,6 @@
 """The tree of a fitted OptimalTreeClassifier: its nodes, importances, words, pictures, and scikit-learn's own form."""
 
 import pickle
-import sys
 from html import escape
 from xml.etree import ElementTree
 
@@ -15,7 +14,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
-from octmip.errors import DataError, MissingExtraError, TreeError
+from octmip.errors import DataError, TreeError
 from octmip.interfaces.estimator import drawing
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import NodeTable, leaf_nodes, node_indicator
@@ -47,11 +46,6 @@ def test_nodes_are_numbered_in_preorder():
     assert leaf_nodes(UNEVEN, samples).tolist() == [1, 4, 5, 6]
     paths = [node_indicator(UNEVEN, samples)[k].indices.tolist() for k in range(4)]
     assert paths == [[0, 1], [0, 2, 3, 4], [0, 2, 3, 5], [0, 2, 6]]
-
-
-def test_a_single_leaf_is_node_0():
-    assert NodeTable.of(Leaf(1)).leaf_nodes.tolist() == [0]
-    assert node_indicator(Leaf(1), np.zeros((2, 1))).toarray().tolist() == [[1], [1]]
 
 
 def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
@@ -103,11 +97,6 @@ def test_importances_are_shares_of_the_cost_that_splits_save():
     assert leaf.feature_importances_.tolist() == [0, 0]
 
 
-def test_importances_of_a_table_are_those_of_its_columns(encoded):
-    assert encoded.feature_importances_.shape == (2,)
-    assert encoded.feature_importances_.sum() == pytest.approx(1)
-
-
 def test_the_saving_of_a_hyperplane_does_not_depend_on_units():
     features = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     scaled = features * [1.0, 1000.0]
@@ -140,14 +129,6 @@ def test_the_page_judges_the_tree_by_samples_held_out(encoded, tmp_path):
             encoded.report(tmp_path / "page.html", FRAME.iloc[:3], wrong)
     with pytest.raises(ValueError, match="inconsistent numbers of samples"):
         encoded.report(tmp_path / "page.html", FRAME.iloc[:3], ["no"])
-
-
-def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.interfaces.plot"))]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(MissingExtraError, match=r"install octmip\[plot\]"):
-        encoded.plot()
 
 
 def picture(html):

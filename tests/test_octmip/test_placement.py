@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Problem, certify, solve
+from octmip import Problem, certify
 from octmip.errors import ProblemError
 from octmip.sensing import (
     by_chance,
@@ -104,19 +104,6 @@ def test_no_bound_lies_above_the_optimum(seed):
     least = optimum(problem).objective
     slack = 1e-9 * max(1.0, least)
     assert label_bound(problem) <= least + slack
-
-
-def test_bounds_are_met_where_they_can_be():
-    features = np.arange(6.0)[:, None]
-    three = Problem(features, [0, 0, 0, 1, 1, 2], depth=1)
-    assert label_bound(three) == 1.0 == solve(three).objective  # two leaves: the rarest class is lost
-    assert label_bound(replace(three, depth=2)) == 0.0
-
-
-def test_a_hyperplane_frontier_has_the_bounds_that_are_known():
-    problem = replace(readings(), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
-    points = placement_frontier(problem, values=[1, 2], options=SearchOptions(restarts=1))
-    assert all(0 < label_bound(problem) <= p.solution.bound <= p.solution.objective for p in points)
 
 
 def test_the_highest_readings_and_chance_keep_the_budget():

@@ -30,12 +30,11 @@ from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
-from octmip.interfaces.report.tree.evidence import gather, judged_by, with_share_held_out
+from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.registry import Run
 from octmip.trees.scope import within
-from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import leaf_index, leaves
 
 DAY = datetime.date(2026, 3, 1)
@@ -138,17 +137,6 @@ def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
     assert "<h1>A decision tree</h1>" in page
 
 
-def test_a_chosen_tree_says_what_is_expected_on_new_samples_and_not_that_it_was_not_measured():
-    problem, share = xor(), {"mean": 0.05, "low": 0.01, "high": 0.1}
-    choice = {"expected": {"tree": share, "cart": share, "difference": share}}
-    solution = dataclasses.replace(solve(problem), details={"choice": choice})
-    file = record_tree(problem, solution, "side")
-    page = tree_page(file, "t.json", gather(file, problem), masthead=Masthead(made=DAY))
-    assert "On new samples 5 % are expected to be wrong, of CART pruned by the same folds 5 %" in page
-    assert "The error that is expected on new samples stands above." in page
-    assert "was not measured for this page" not in page
-
-
 def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
     problem = xor()
     greedy = greedy_tree(problem)
@@ -178,16 +166,6 @@ def test_a_leaf_alone_is_a_tree_too():
     assert "by no question about nothing" not in page
     assert "The tree asks nothing: one answer for every sample." in page
     assert "0 instead of 1" in page  # the greedy tree is better, and the page says so
-
-
-def test_samples_of_another_table_judge_the_trees_of_the_page():
-    problem = xor()
-    file = record_tree(problem, solve(problem), "side")
-    samples = Samples(problem.features, problem.codes, problem.weights)
-    evidence = judged_by(gather(file, problem, seconds=0), file, samples, "test.csv")
-    page = tree_page(file, "t.json", evidence)
-    assert "The error on new samples was measured on 200 samples of test.csv." in page
-    assert "0 (0 %)" in page
 
 
 # What the page is made of

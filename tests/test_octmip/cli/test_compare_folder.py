@@ -41,13 +41,6 @@ def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
     assert (oct_h["tables"], oct_h["mean gap to best bound %"]) == (0, None)
 
 
-def test_rows_and_picture_are_written(folder, run, tmp_path):
-    assert run("compare", folder, *METHODS, "--out", tmp_path / "out" / "deep")[0] == 0
-    rows = pd.read_csv(tmp_path / "out" / "deep" / "rows.csv")
-    assert list(rows["table"]) == ["one.csv"] * 3 + ["two.csv.gz"] * 3
-    assert (tmp_path / "out" / "deep" / "benchmark.svg").read_text().count("<svg") == 1
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -64,13 +57,6 @@ def test_what_cannot_be_compared_is_a_sentence(folder, run, data, tmp_path, word
     code, _, err = run("compare", *METHODS, *(places.get(word, word) for word in words))
     assert code == 2
     assert said in err
-
-
-def test_a_table_without_the_label_is_named_beside_those_that_have_it(folder, run):
-    code, out, _ = run("compare", folder, *METHODS, "--label", "state")
-    assert code == 0
-    assert "one.csv: " in out
-    assert "has no column 'state'" in out
 
 
 def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeypatch):

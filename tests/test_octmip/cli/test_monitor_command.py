@@ -18,7 +18,6 @@ from octmip.gap import function_twin
 from octmip.interfaces.cli import main
 from octmip.monitor import ModelSelector
 from octmip.sensing.monitor_design import design_monitor
-from octmip.trees.prediction import predict
 
 BRIDGE = """
 import numpy as np
@@ -121,13 +120,6 @@ def test_trees_of_several_states_share_the_sensors_of_a_budget():
     assert len(bound.sensors) == 1
     assert not set(bound.sensors) & set(dear.sensors)
     assert sum(free.off_by) < sum(bound.off_by)
-
-
-def test_what_a_tree_is_off_is_counted_on_fresh_readings():
-    design = design_monitor(TWO, {}, 0.3, n_draws=12)
-    told = np.array(design.trees[0].values)[predict(design.trees[0].tree, design.fresh)]
-    assert design.off_by[0] == pytest.approx(np.abs(told - design.library.states[design.truth, 0]).mean())
-    assert not np.isin(design.fresh[:, 0], design.problems[0].features[:, 0]).any()
 
 
 PLATE = """
@@ -262,14 +254,6 @@ def test_wrong_words_of_the_loop_are_one_sentence(words, told, capsys):
     Path("x.csv").write_text("test\n")
     assert said(*words) == 2
     assert re.search(told, capsys.readouterr().err)
-
-
-def test_noise_counts_as_much_less_as_readings_are_divided_by():
-    twin = function_twin(lambda p, loads: [p["d"] * loads["f"]], {"a": "mm"}, loads=["f"], states=("d",), linear=True)
-    one, three = (design_monitor(twin, load, 0.3, n_draws=12) for load in (1.0, 3.0))
-    spread = [design.fresh[:, 0] - design.library.strains[design.truth, 0] for design in (one, three)]
-    assert spread[1] == pytest.approx(spread[0] / 3.0, abs=1e-12)
-    assert (one.load_factor, three.load_factor) == (1.0, 3.0)
 
 
 def test_a_twin_without_a_state_cannot_be_monitored():
