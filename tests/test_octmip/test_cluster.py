@@ -6,8 +6,9 @@ import signal
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import dask
 import numpy as np
@@ -21,6 +22,7 @@ from octmip.interfaces.cli import main
 from octmip.trees import _native
 from octmip.trees.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods import shared_work
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
 from octmip.trees.methods.search import local_search
@@ -244,6 +246,18 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
         task.n_lost = 1
     with pytest.raises(SolverError, match="lost with its worker 1 times"):
         task.result()
+
+
+def test_a_turn_that_is_cut_short_leaves_no_solver_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = shared_problem({}, [])
+    for is_whole in (None, False, True):
+        solver = Mock(
+            take=Mock(return_value={"is_whole": is_whole}) if is_whole is not None else Mock(side_effect=OSError)
+        )
+        monkeypatch.setitem(shared_work._kept, problem.digest, solver)
+        with pytest.raises(OSError) if is_whole is None else nullcontext():  # noqa: PT011
+            shared_work.take_turn(problem, "turn", {"seconds": 1.0, "gap": 0.0, "nodes": 9.0, "memory": 1e9})
+        assert (problem.digest in shared_work._kept) == bool(is_whole)
 
 
 def test_a_cut_of_another_problem_is_refused() -> None:
