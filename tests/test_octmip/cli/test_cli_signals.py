@@ -1,5 +1,6 @@
 """SIGINT and SIGTERM end every command with what is known; without a result the exit code is 130 or 143."""
 
+import importlib
 import os
 import signal
 import subprocess
@@ -125,18 +126,37 @@ def test_an_error_that_others_make_of_a_signal_is_an_interruption(
     assert capsys.readouterr().err == "octmip: interrupted\n"
 
 
-def test_a_signal_that_a_finaliser_drops_is_sent_again(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+class Dropping:
+    """Its finaliser drops the signal."""
+
+    def __del__(self) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
+        time.sleep(0.01)
+
+
+DROPS = """
+import os, signal, time
+try:
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep({})
+except KeyboardInterrupt:
+    pass
+time.sleep(0.1)
+"""  # as compiled modules do
+
+
+@pytest.mark.parametrize("seconds", [None, 0.0, 0.4])
+def test_a_signal_that_a_finaliser_or_an_import_drops_is_sent_again(
+    seconds: float | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    class Dropping:
-        def __del__(self) -> None:
-            os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(0.01)
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "dropping.py").write_text(DROPS.format(seconds))
 
     def dropped(*_: object) -> None:
-        Dropping()
+        Dropping() if seconds is None else importlib.import_module("dropping")
         time.sleep(10.0)
 
+    monkeypatch.delitem(sys.modules, "dropping", raising=False)
     monkeypatch.setattr("octmip.interfaces.cli.doctor.run", dropped)
     start = time.perf_counter()
     assert main(["doctor"]) == 143
