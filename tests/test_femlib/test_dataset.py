@@ -97,8 +97,3 @@ def test_a_bad_table_gets_a_sentence(tmp_path: Path, change, sentence: str) -> N
         path.write_text(change(text))
     with pytest.raises(InputError, match=sentence):
         published_strains(path)
-
-
-def test_a_negative_seed_gets_a_sentence(means: MeanStrains) -> None:
-    with pytest.raises(InputError, match="seed is -1; expected 0 or more"):
-        build_dataset(means, seed=-1)

@@ -86,20 +86,3 @@ def test_a_rigid_motion_of_a_warped_element_has_no_force_and_no_strain() -> None
     values = np.linalg.eigvalsh(matrices)
     assert (np.abs(values[:, :6]).max(axis=1) < 1e-10 * values[:, -1]).all()
     assert (values[:, 6] > 1e-8 * values[:, -1]).all()
-
-
-def test_strain_rows_have_the_energy_of_the_stiffness_but_for_the_bubble() -> None:
-    corners = np.random.default_rng(4).normal(size=(3, 3, 3))
-    section = np.zeros(3, dtype=np.int64)
-    along = tria3.strain_operators(corners, tria3.MIDDLE).axes[:, 0]
-    moved = np.random.default_rng(5).normal(size=(3, 3, 3))  # u, v, theta_z in the element's plane
-    nodal = np.zeros((3, 3, 6))
-    nodal[:, :, :3] = moved[:, :, :2] @ along[:, :, :2].swapaxes(1, 2)
-    nodal[:, :, 3:] = moved[:, :, 2:] * along[:, None, :, 2]
-    flat = nodal.reshape(3, 18)
-    matrices = tria3.stiffness(corners, (PLATE,), section, np.zeros(3))
-    operator = tria3.strain_operators(corners, tria3.MIDDLES, None, ((PLATE,), section))
-    strains = np.einsum("epci,ei->epc", operator.membrane, flat)
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    energy = np.einsum("e,epc,cd,epd->e", area / 3.0, strains, PLATE.membrane, strains)
-    assert energy == pytest.approx(np.einsum("ei,eij,ej->e", flat, matrices, flat), rel=1e-9)

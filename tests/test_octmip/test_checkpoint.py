@@ -154,17 +154,6 @@ def test_a_smaller_gap_and_a_log_are_still_worked_for(tmp_path):
     assert check_proof(hard(), tmp_path / "log", bound=logged.bound).bound == found.bound
 
 
-CHILD = """
-import sys
-from octmip import ExactOptions, solve
-from tests.test_octmip.test_checkpoint import RUNS
-print("ready", flush=True)
-solution = solve(RUNS[int(sys.argv[1])], "exact", options=ExactOptions(checkpoint=sys.argv[2], every=0.02))
-print(solution.objective, solution.bound, solution.stop, not {"resumed_from", "kept"}.isdisjoint(solution.details))
-"""
-RUNS = (Problem(np.random.default_rng(3).normal(size=(200, 6)), hard().targets, depth=3), lines(70))
-
-
 def found_in(path):
     """Return what was found in the one entry of a checkpoint."""
     return json.loads(path.read_bytes().split(b"\n")[1].split(b" ", 2)[2])

@@ -64,13 +64,3 @@ def test_a_named_gauge_is_taken_out_and_a_missing_one_is_no_alarm(detector):
     assert detector.is_alarm(gap).mean() < 0.04
     with pytest.raises(DataError):
         detector.surprise(readings[:, :3])
-
-
-def test_more_readings_averaged_find_smaller_faults(detector):
-    many = replace_averaged(detector, 9)
-    few, more = (power(d, [25.0], 200, np.random.default_rng(1))[0].mean() for d in (detector, many))
-    assert more > few + 0.2
-
-
-def replace_averaged(detector: FaultDetector, n: int) -> FaultDetector:
-    return FaultDetector(detector.means, 8.0, detector.gauges, n_averaged=n)

@@ -122,12 +122,6 @@ def test_quantiles_of_a_belief_are_linear_within_cells():
         belief.mean("mu9")
 
 
-def test_thresholds_of_several_parameters_are_taken_together(cells):
-    belief = Belief(cells, np.full((1, 1, 64), 1 / 64))
-    assert belief.probability_above({"mu1": 0.4, "mu2": 0.4}) == pytest.approx(0.75)
-    assert belief.probability_above({"mu1": 0.45}) == pytest.approx(0.4375)
-
-
 def mu1_tree():
     return Split(0, 800.0, Leaf(0), Split(1, 900.0, Leaf(1), Leaf(2)))
 

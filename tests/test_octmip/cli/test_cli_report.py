@@ -1,6 +1,5 @@
 """octmip report with the data: what is recounted, compared and held out, as words, Markdown and a page."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -32,15 +31,6 @@ def test_the_page_of_a_tree_and_its_data_recounts_compares_and_checks_the_proof(
     assert "6 samples were held out (20 % of the rows" in page
     assert re.search(r"≤ [\d.]+ mm\?", page)
     assert "Is the depth worth it?" in page
-
-
-def test_samples_come_from_the_table_with_their_rows_in_it(run, data, solved, tmp_path):
-    run("report", solved, data, "--seconds", 0, "--out", tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text()
-    samples = json.loads(re.findall(r'id="tree-data">(.*?)</script>', text)[0])["samples"]
-    assert sorted(samples["columns"]) == ["a", "b", "w", "y"]
-    assert sorted(row[0] for leaf in samples["leaves"] for row in leaf) == list(range(1, 31))
-    assert "Is the depth worth it?" not in text
 
 
 def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree(run, data, tmp_path):
