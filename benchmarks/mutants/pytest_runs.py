@@ -32,7 +32,7 @@ class PytestRuns:
         alone = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
         environment = os.environ | alone | {"PYTHONPATH": str(tree)}
         self.server = subprocess.Popen(
-            [sys.executable, __file__],
+            [sys.executable, __file__, *IMPORTED],
             cwd=tree,
             env=environment,
             text=True,
@@ -53,13 +53,13 @@ class PytestRuns:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.server.terminate()
-        self.server.wait()
+        with self.server:  # which closes its pipes, so that it ends
+            pass
 
 
 def _serve() -> None:
     sys.path[0] = os.getcwd()
-    for name in IMPORTED:
+    for name in sys.argv[1:]:
         importlib.import_module(name)
     for line in sys.stdin:
         arguments, limit, said = json.loads(line)

@@ -51,20 +51,22 @@ def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0,
     """Yield a line for each mutant."""
     rng = np.random.default_rng([STREAM, seed := seed or int(time.time())])
     with tempfile.TemporaryDirectory() as folder:
-        runs = _Runs(shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED), limit)
-        if only == NATIVE:
-            runs.build()
-        for _ in range(draws):
-            mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, (only,) if only else PYTHON)
-            yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
+        tree = shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED)
+        with PytestRuns(tree) as asked:
+            runs, parts = _Runs(tree, limit, asked), (only,) if only else PYTHON
+            if only == NATIVE:
+                runs.build()
+            for _ in range(draws):
+                mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, parts)
+                yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
 
 
 class _Runs:
     """Runs of tests in a copy of the tree."""
 
-    def __init__(self, tree: Path, limit: float) -> None:
-        self.tree, self.limit, self.nearest, self.n_kills = tree, limit, NearestTests(tree), Counter[tuple[str, str]]()
-        self.pytest = PytestRuns(tree)
+    def __init__(self, tree: Path, limit: float, asked: PytestRuns) -> None:
+        self.tree, self.limit, self.pytest = tree, limit, asked
+        self.nearest, self.n_kills = NearestTests(tree), Counter[tuple[str, str]]()
         target = os.environ.get("CARGO_TARGET_DIR", tree / NATIVE / "target")
         self.core, self.made = next(tree.glob(CORE), tree), Path(target, "checks/lib_native.so")
 
