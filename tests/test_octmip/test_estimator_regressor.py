@@ -63,5 +63,5 @@ def test_a_regressor_has_the_picture_page_and_importances_that_a_classifier_has(
     assert "A decision tree for price" in page
     assert "measured on 20 samples" in page
     assert 'aria-label="the fitted tree"' in found._repr_html_()
-    assert found.plot() is not None
+    assert found.plot().axes
     assert "samples)" in found.export_text()
