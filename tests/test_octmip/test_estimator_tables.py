@@ -1,11 +1,13 @@
 """OptimalTreeClassifier on any table: text, categories, missing values, and what a column costs."""
 
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from octmip import OptimalTreeClassifier, Problem, solve
-from octmip.errors import DataError, ProblemError
+from octmip.errors import DataError, MissingExtraError, ProblemError
 from octmip.formats.columns import Columns
 
 
@@ -101,3 +103,10 @@ def test_columns_may_share_a_sensor():
         fitted(sensor_of_feature={"height": "form"})
     with pytest.raises(ProblemError, match="2 entries but X has 4 columns"):
         fitted(sensor_of_feature=["a", "b"])
+
+
+def test_a_table_of_another_package_without_pyarrow_names_the_extra(monkeypatch):
+    polars = pytest.importorskip("polars")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match="a DataFrame as samples needs the package pyarrow"):
+        OptimalTreeClassifier(max_depth=1).fit(polars.DataFrame({"a": [0.0, 1.0]}), [0, 1])
