@@ -133,13 +133,3 @@ def test_what_was_answered_without_a_word_is_refused_in_one_sentence(name) -> No
     with pytest.raises(FemlibError, match=sentence) as told:
         make()
     assert "\n" not in str(told.value)
-
-
-def test_a_line_load_runs_along_lines_that_branch() -> None:
-    mesh = plate_mesh(6, 4)
-    x, y, z = mesh.points.T
-    mesh.point_sets["cross"] = np.flatnonzero((z == 0.0) & ((np.abs(x - 0.3) < 1e-9) | (np.abs(y - 0.2) < 1e-9)))
-    plate = plate_with_mast()
-    structure = Structure(read(mesh), plate.sections, {"left": "clamped"})
-    total = structure.line_load("cross", (0.0, 0.0, 2.0)).reshape(-1, 6)[:, 2].sum()
-    assert total == pytest.approx(2.0 * (0.6 + 0.4))

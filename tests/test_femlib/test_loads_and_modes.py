@@ -9,7 +9,6 @@ from femlib.assembly import (
     factorise,
     line_load,
     natural_modes,
-    surface_load,
     thermal_load,
 )
 from femlib.material import isotropic_plate
@@ -17,17 +16,6 @@ from femlib.mesh import dofs_of_nodes
 from tests.test_femlib.plates import patch, rotation
 
 STEEL = isotropic_plate(210e9, 0.3, 4e-3, density=7850.0, expansion=12e-6)
-
-
-@pytest.mark.parametrize("shape", ["quad4", "tria3"])
-def test_a_surface_load_keeps_force_and_moment(shape: str) -> None:
-    shells = patch(STEEL, shape)
-    mesh = shells.mesh
-    area = np.linalg.norm(mesh.area_vectors(), axis=1)
-    forces = surface_load(mesh, np.tile([1.0, -2.0, 3.0], (mesh.n_elements, 1))).reshape(-1, 6)
-    assert forces[:, :3].sum(axis=0) == pytest.approx(0.5 * np.array([1.0, -2.0, 3.0]))
-    assert area.sum() == pytest.approx(0.5)
-    assert mesh.nodes[:, 0] @ forces[:, 2] == pytest.approx(3.0 * 0.5 * 0.5)  # resultant at x = 0.5
 
 
 def test_a_line_load_is_shared_by_length() -> None:

@@ -207,16 +207,6 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
         branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
 
 
-def test_a_problem_that_never_arrives_is_one_sentence(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def lose(**_: object) -> None:
-        raise OSError("the worker has ended")
-
-    monkeypatch.setattr("octmip.trees.cluster.PAUSE", 0)
-    monkeypatch.setitem(client.cluster.scheduler.handlers, "scatter", lose)
-    with pytest.raises(SolverError, match="lost on its way to the workers 20 times"):
-        Cluster(client).share("shared")
-
-
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}

@@ -15,7 +15,6 @@ from octmip.sensing import (
     by_chance,
     by_information,
     by_reading,
-    by_tree,
     label_bound,
     place_sensors,
     placement_frontier,
@@ -114,14 +113,6 @@ def test_the_highest_readings_and_chance_keep_the_budget():
         sensors = by_chance(problem, 5.0, np.random.default_rng(seed))
         assert sum({"s0": 1, "s1": 2, "s2": 1, "s3": 4}[name] for name in sensors) <= 5
     assert len({by_chance(problem, 2.0, np.random.default_rng(seed)) for seed in range(20)}) > 1
-
-
-def test_forward_selection_takes_the_sensors_that_tell():
-    problem = replace(readings(), sensor_cost=None)
-    assert by_tree(problem, 2.0) == ("s1", "s3")
-    assert by_tree(problem, 2.0, rows=60) == ("s1", "s3")
-    with pytest.raises(ProblemError, match="rows is 1"):
-        by_tree(problem, 2.0, rows=1)
 
 
 def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation():

@@ -138,17 +138,6 @@ def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
     assert shared_budget(problems, 1.0, method="search").objective == joint.objective
 
 
-def test_hyperplanes_share_a_budget_by_search():
-    rng = np.random.default_rng(3)
-    features = rng.normal(size=(80, 5))
-    labels = [(features[:, 0] + features[:, 1] > 0).astype(int), (features[:, 1] > features[:, 2]).astype(int)]
-    problems = [Problem(features, y, depth=1, split="hyperplane", split_size=2) for y in labels]
-    joint = shared_budget(problems, 3.0, options=SearchOptions(restarts=1))
-    assert joint.objective == 0
-    assert joint.stop is Stop.OPTIMAL
-    assert set(joint.sensors) == {"x0", "x1", "x2"}
-
-
 @pytest.mark.parametrize("limits", [Limits(seconds=0.0), Limits(nodes=0), Limits(gap=0.5)])
 def test_a_limit_leaves_trees_and_a_true_bound(limits):
     rng = np.random.default_rng(7)

@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -11,7 +10,6 @@ from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.answer import ProgressLine
 from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
-from octmip.interfaces.cli.stages import StageLine
 from octmip.trees.methods.options import all_options
 from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import OVERS
@@ -122,15 +120,6 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
     assert "FAULT   native core" in out
     assert "does not work (OSError: no such symbol)" in out
     assert out.splitlines()[-1].startswith("This installation does not work")
-
-
-def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, monkeypatch):
-    monkeypatch.setattr("octmip.interfaces.cli.stages.TICK", 0.01)
-    for is_terminal in (False, True):
-        monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
-        with StageLine("certifying"):
-            time.sleep(0.05)
-        assert ("   0 s  certifying ..." in capsys.readouterr().err) == is_terminal
 
 
 @pytest.mark.parametrize("module", ["octmip.trees._native", "pandas"])

@@ -126,16 +126,6 @@ def _with_other_table(run, houses, tmp_path):
     return run("certify", tree, other)[2]
 
 
-@pytest.mark.parametrize("kind", ["html", "md", "txt", "svg", "png", "pdf"])
-def test_report_writes_words_and_drawings_of_a_tree_of_numbers(houses, run, tmp_path, kind):
-    tree, out = tmp_path / "t.json", tmp_path / f"r.{kind}"
-    answer = json.loads(solved(run, houses, "--out", tree, "--json")[1])
-    assert run("report", tree, "--out", out)[0] == 0
-    assert out.stat().st_size > 100
-    leaf = answer["tree"]["left"]["left"]["value"]
-    assert kind not in ("md", "txt") or f"{leaf:.6g}" in out.read_text()
-
-
 def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_path):
     rng = np.random.default_rng(3)
     frame = pd.DataFrame(rng.normal(size=(60, 2)).round(3), columns=["a", "b"])

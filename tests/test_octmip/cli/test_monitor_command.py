@@ -194,22 +194,6 @@ def test_a_faulty_gauge_or_a_state_of_the_library_changes_no_tree(plate, capsys)
     assert not Path("new").exists()
 
 
-def test_a_reading_that_lacks_gauges_is_tested_and_told_as_far_as_it_can_be(plate, capsys):
-    plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
-    table = pd.read_csv("flight.csv")
-    table[["test", "load_factor", "g2"]].to_csv("lone.csv", index=False)
-    capsys.readouterr()
-    assert main([*AGAIN, "lone.csv"]) == 0
-    assert "so nothing was tested" in capsys.readouterr().out
-    table.loc[30, [f"g{k}" for k in range(1, 9)]] = np.nan  # a reading of no gauge but the one that is dropped
-    table.loc[20, ["g1", "g3", "g4", "g5", "g6", "g7", "g8"]] = np.nan
-    table.drop(columns="g9").to_csv("eight.csv", index=False)
-    assert main([*AGAIN, "eight.csv", "--draws", "6", "--json"]) == 0
-    change = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert change["watch"]["n_tested"] == 38
-    assert sum(change["told_since"].values()) == change["readings_since"] - 2
-
-
 def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
     table = pd.read_csv("flight.csv")
@@ -227,15 +211,6 @@ def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     shutil.copy("old/one.json", "old/two.json")
     assert main([*AGAIN, "flight.csv"]) == 2
     assert "two.json is a tree of 'one'; expected one of 'two'" in capsys.readouterr().err
-
-
-def test_an_inspection_names_the_damage_where_the_watch_does_not(plate, capsys):
-    plate("sound.csv", lambda k: (0.0, 0.0))
-    assert main([*AGAIN, "sound.csv", "--inspected", "three", "--draws", "12", "--json"]) == 0
-    change = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert (change["added"], change["watch"]["alarm"]) == ("three", None)
-    assert main([*AGAIN, "sound.csv", "--inspected", "two"]) == 2
-    assert "the library knows 'two' already" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
