@@ -6,8 +6,10 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
-TOO_LONG = ("test_blind", "test_uav_study", "test_fuzz_everything", "test_kills_and_soak", "test_pictures")
-TOO_LONG += ("test_cli_signals", "test_cluster")
+TOO_LONG = (
+    *("test_blind", "test_uav_study", "test_fuzz_everything", "test_kills_and_soak", "test_pictures"),
+    *("test_cli_signals", "test_cluster"),
+)
 """Run where they have the source's name alone."""
 AROUND = 12
 """The words of so many lines before and behind a line count twice."""

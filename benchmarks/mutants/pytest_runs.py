@@ -19,8 +19,10 @@ from typing import Self
 
 import pytest
 
-IMPORTED = ("scipy.optimize", "scipy.sparse.linalg", "scipy.stats", "pandas", "pyarrow", "sklearn.tree", "libcst")
-IMPORTED += ("sklearn.model_selection", "sklearn.utils.estimator_checks", "xml.dom.minidom", "concurrent.futures")
+IMPORTED = (
+    *("scipy.optimize", "scipy.sparse.linalg", "scipy.stats", "pandas", "pyarrow", "sklearn.tree", "libcst"),
+    *("sklearn.model_selection", "sklearn.utils.estimator_checks", "xml.dom.minidom", "concurrent.futures"),
+)
 WAIT = 8  # wall seconds for each CPU second: a test may wait for what never comes
 
 
