@@ -7,7 +7,6 @@ import pytest
 
 from femlib.dataset import (
     MeanStrains,
-    Recipe,
     build_dataset,
     published_strains,
     study_states_percent,
@@ -46,14 +45,6 @@ def test_the_recipe_gives_the_size_split_and_labels_of_the_study(means: MeanStra
     assert np.bincount(data.mu1).nonzero()[0].tolist() == [0, 20, 40, 60, 80]
     assert (np.bincount(data.states) == 100).all()
     assert (data.states_percent[data.states, 1] == data.mu2).all()
-
-
-def test_noise_has_the_variance_of_the_recipe_after_the_division(means: MeanStrains) -> None:
-    data = build_dataset(means, Recipe(samples_per_state=2000), seed=4)
-    noise = data.features - data.mean_features[data.states]
-    assert data.noise_sd == pytest.approx(np.sqrt(1000.0) / 3.0)
-    assert noise.std() == pytest.approx(data.noise_sd, rel=0.01)
-    assert np.abs(np.corrcoef(noise.T) - np.eye(3)).max() < 0.02
 
 
 def test_the_20_gauges_of_the_study_are_drawn_together_as_in_the_published_figures() -> None:

@@ -55,16 +55,6 @@ def test_a_gauge_on_triangles_reads_membrane_and_bending_at_any_angle_and_side(a
     assert (row @ u.ravel())[0] == pytest.approx(exact, rel=1e-10)
 
 
-def test_strain_does_not_leak_over_the_border_of_a_patch(mesh: Mesh) -> None:
-    halves = (mesh.centroids()[:, 0] > 0.1).astype(np.int64)
-    split = Mesh(mesh.nodes, mesh.quads, mesh.trias, ("left", "right"), halves)
-    u = np.zeros((len(mesh.nodes), 6))
-    u[:, 0] = np.maximum(0.0, mesh.nodes[:, 0] - 0.1)  # strain 0 left of x = 0.1, 1 right of it
-    thickness = np.full(mesh.n_elements, THICKNESS)
-    at_border = StrainGauge("s", np.array([0.1, 0.1, 0.0]), np.array([1.0, 0, 0]), ("right",), 0.0)
-    assert (strain_rows(split, thickness, [at_border]) @ u.ravel())[0] == pytest.approx(1.0)
-
-
 def test_the_place_of_a_gauge_is_found_in_natural_coordinates(mesh: Mesh) -> None:
     spot = locate(mesh, gauge(0.175, 0.18, (1, 0, 0)))
     assert spot.element == 4

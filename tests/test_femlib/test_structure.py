@@ -42,14 +42,6 @@ def test_one_beam_bends_and_shears_as_timoshenko_says():
     np.testing.assert_allclose(flexibility[:4], expected, rtol=1e-9)
 
 
-def test_a_beam_beside_its_nodes_bends_about_its_own_axis():
-    """A push at the nodes of a beam .1 m above them turns the end: P e L / (E I)."""
-    own = section(offset=(0.0, 0.0, 0.1))
-    stiffness = beam2.stiffness(np.array([[[0, 0, 0], [0.3, 0, 0.0]]]), [own], np.zeros(1, dtype=int))[0]
-    moved = np.linalg.solve(stiffness[6:, 6:], [1.0, 0, 0, 0, 0, 0])
-    assert moved[4] == pytest.approx(-0.1 * 0.3 / (own.young * own.inertia_y), rel=1e-9)
-
-
 def test_a_rectangle_twists_as_the_series_says():
     assert section(along_y=1.0, along_z=1.0).torsion == pytest.approx(0.14058, rel=2e-3)
     assert section(along_y=1.0, along_z=10.0).torsion == pytest.approx(3.123, rel=2e-3)

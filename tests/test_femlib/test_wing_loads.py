@@ -5,7 +5,6 @@ import pytest
 
 from femlib.arrays import FloatArray
 from femlib.wing import Wing, bend, inertial_load, vortex_lattice
-from femlib.wing.aerodynamics import hat_means
 from femlib.wing.loads import EFFECTIVE_MASS, GRAVITY
 
 HALF_WEIGHT = 0.5 * EFFECTIVE_MASS * GRAVITY
@@ -50,14 +49,6 @@ def test_the_inertia_of_the_wing_is_its_mass_times_gravity_and_relieves_the_root
     change = tiny.strain_microstrain({}, 3.0, tiny.lift + load) / tiny.strain_microstrain({}, 3.0) - 1.0
     assert -0.2 < root < -0.05
     assert change[0] == pytest.approx(root, abs=0.02)
-
-
-def test_hat_means_keep_sum_and_centre() -> None:
-    lines = np.array([0.0, 0.1, 0.15, 0.4, 1.0])
-    for start, end in ((0.0, 0.05), (0.12, 0.7), (0.9, 1.0)):
-        means = hat_means(lines, start, end)
-        assert means.sum() == pytest.approx(1.0)
-        assert means @ lines == pytest.approx(0.5 * (start + end))
 
 
 class TestVortexLattice:

@@ -17,7 +17,6 @@ import octmip
 from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
-from octmip.interfaces.estimator.progress import Told
 from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
@@ -88,12 +87,6 @@ def test_threads_and_seeds_are_what_scikit_learn_means_by_them():
     assert seed_of(np.random.RandomState(0)) == seed_of(np.random.RandomState(0)) != seed_of(None)
     fitted = OptimalTreeClassifier(max_depth=1, random_state=np.random.RandomState(3), n_jobs=-1).fit(*IRIS)
     assert fitted.solution_.seed == seed_of(np.random.RandomState(3))
-
-
-def test_a_fraction_of_the_samples_may_be_the_least_of_a_leaf():
-    fitted = OptimalTreeClassifier(max_depth=2, min_samples_leaf=0.1).fit(*IRIS)
-    assert fitted.problem_.leaf_size == 15
-    assert np.bincount(fitted.apply(IRIS[0]))[fitted.apply(IRIS[0])].min() >= 15
 
 
 @pytest.mark.parametrize(
@@ -186,12 +179,3 @@ def test_no_tree_at_all_is_an_error(monkeypatch):
     stopped(monkeypatch, tree=None, objective=math.inf, stop=Stop.TIME)
     with pytest.raises(SolverError, match="give it more seconds"):
         OptimalTreeClassifier(max_depth=2).fit(*IRIS)
-
-
-def test_a_long_fit_says_how_far_it_is_where_it_is_asked_to(monkeypatch, capsys):
-    monkeypatch.setattr("octmip.interfaces.estimator.progress.INTERVAL", -1.0)
-    for verbose in (0, 1):
-        OptimalTreeClassifier(seconds=0.0, verbose=verbose).fit(*IRIS)
-        assert ("cross-validating, 1 of 6 done" in capsys.readouterr().out) == bool(verbose)
-    Told()(octmip.Progress(3.0, 12.0, 9.0, 70))
-    assert capsys.readouterr().out == "octmip: 3.0 s  objective 12  bound 9  gap 25 %  nodes 70\n"

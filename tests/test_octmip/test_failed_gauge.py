@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.sensing import FaultDetector, Imputation, power
+from octmip.sensing import FaultDetector, Imputation
 
 
 def gauges(n: int = 400, n_gauges: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -37,13 +37,6 @@ def detector() -> FaultDetector:
 def test_the_false_alarm_rate_is_the_stated_one(detector):
     healthy = detector.draw(20_000, np.random.default_rng(5))
     assert detector.is_alarm(healthy).mean() == pytest.approx(0.01, abs=0.003)  # four standard errors
-
-
-def test_power_rises_with_the_fault_and_names_the_gauge(detector):
-    found, right = power(detector, [0.0, 20.0, 40.0, 80.0], 200, np.random.default_rng(6))
-    assert (np.diff(found.mean(axis=1)) > 0).all()
-    assert found[3].min() > 0.99
-    assert right[3].min() > 0.99
 
 
 def test_the_surprise_is_the_predictive_density(detector):

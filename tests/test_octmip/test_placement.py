@@ -14,7 +14,6 @@ from octmip.errors import ProblemError
 from octmip.sensing import (
     by_chance,
     by_information,
-    by_reading,
     label_bound,
     place_sensors,
     placement_frontier,
@@ -103,16 +102,6 @@ def test_no_bound_lies_above_the_optimum(seed):
     least = optimum(problem).objective
     slack = 1e-9 * max(1.0, least)
     assert label_bound(problem) <= least + slack
-
-
-def test_the_highest_readings_and_chance_keep_the_budget():
-    problem = readings()
-    assert by_reading(problem, 1.0) == ("s0",)
-    assert by_reading(replace(problem, sensor_cost=[9.0, 2.0, 1.0, 4.0]), 5.0)[0] != "s0"
-    for seed in range(20):
-        sensors = by_chance(problem, 5.0, np.random.default_rng(seed))
-        assert sum({"s0": 1, "s1": 2, "s2": 1, "s3": 4}[name] for name in sensors) <= 5
-    assert len({by_chance(problem, 2.0, np.random.default_rng(seed)) for seed in range(20)}) > 1
 
 
 def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation():

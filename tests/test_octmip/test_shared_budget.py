@@ -128,16 +128,6 @@ def gauges_for_two(n_each: int = 12) -> list[Problem]:
     return [Problem(features, labels, depth=1, feature_names=("g0", "a", "b", "c")) for labels in (first, second)]
 
 
-def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
-    problems = gauges_for_two()
-    joint = shared_budget(problems, 1.0)
-    assert joint.is_optimal
-    assert len(joint.sensors) == 1
-    assert joint.sensor_cost == 1.0
-    assert shared_budget(problems, 2.0).sensors == ("a", "b")
-    assert shared_budget(problems, 1.0, method="search").objective == joint.objective
-
-
 @pytest.mark.parametrize("limits", [Limits(seconds=0.0), Limits(nodes=0), Limits(gap=0.5)])
 def test_a_limit_leaves_trees_and_a_true_bound(limits):
     rng = np.random.default_rng(7)

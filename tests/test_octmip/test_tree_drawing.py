@@ -75,18 +75,6 @@ def test_bars_left_of_the_mark_are_the_samples_that_go_left():
     assert not any(box.bars for box in drawing_of(PROBLEM, TREE).boxes if box.label is None)
 
 
-@pytest.mark.parametrize("missing", ["left", "right"])
-def test_missing_values_have_a_bar_beyond_the_end_of_their_side(missing):
-    values = np.array([[1.0], [2.0], [3.0], [4.0], [np.nan], [np.nan]])
-    problem = Problem(values, [0, 0, 1, 1, 1, 1], depth=1)
-    tree = Split(0, 2.5, Leaf(0), Leaf(1), missing=missing)
-    found = Seen.of(problem, tree, histograms=True).histogram(tree, 0, 1, 2)
-    expected = [[1, 0], [1, 0], [0, 1], [0, 1]]
-    beyond = [[0, 0], [0, 2]]
-    assert found.counts.tolist() == (beyond[::-1] + expected if missing == "left" else expected + beyond)
-    assert (found.n_left, len(found.counts) - found.n_left) == ((4, 2) if missing == "left" else (2, 4))
-
-
 def test_a_leaf_of_a_number_shows_how_far_its_samples_spread():
     values = np.array([[0.0], [0.0], [1.0], [1.0]])
     tree = Split(0, 0.5, ValueLeaf(2.0), ValueLeaf(10.0))

@@ -32,9 +32,7 @@ from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
-from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.registry import Run
-from octmip.trees.scope import within
 from octmip.trees.tree import leaf_index, leaves
 
 DAY = datetime.date(2026, 3, 1)
@@ -135,17 +133,6 @@ def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
     assert "Nothing was recounted for this page" in page
     assert "no tree of depth 2 or less with these settings has less than 8 errors" in page
     assert "<h1>A decision tree</h1>" in page
-
-
-def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
-    problem = xor()
-    greedy = greedy_tree(problem)
-    assert "Whether a better tree exists is not known" in tree_page(record_tree(problem, greedy), "t.json")
-    scope = {"scope": within(problem, "small trees")}
-    claim = dataclasses.replace(greedy, bound=greedy.objective, stop=Stop.OPTIMAL, details=scope)
-    assert "Proven: among small trees, of depth 2 or less, no tree makes fewer errors" in tree_page(
-        record_tree(problem, claim), "t.json"
-    )
 
 
 def test_the_confusion_has_the_true_class_in_rows():

@@ -45,14 +45,6 @@ def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree
     assert "leave --holdout out" in err
 
 
-def test_words_and_markdown_of_a_tree_and_its_data_say_what_the_greedy_tree_does(run, data, solved, tmp_path):
-    out = run("report", solved, data)[1]
-    assert "recounted on 30 samples: every claim holds" in out
-    assert re.search(r"greedy tree: \d+ wrong", out)
-    assert run("report", solved, data, "--out", tmp_path / "r.md")[0] == 0
-    assert "greedy tree:" in (tmp_path / "r.md").read_text()
-
-
 def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, solved, tmp_path):
     drawn = []
     for words in ((), (data, "--unit", "a=mm", "--histograms", "--dark", "--seconds", 0)):

@@ -93,14 +93,6 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
-def test_compare_says_who_found_each_tree(data, run):
-    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
-    code, out, _ = run(*words, "--json")
-    assert code == 0
-    found = {row["method"]: row["tree_by"] for row in json.loads(out)["rows"]}
-    assert found == {"search": "search", "exact": "exact", "oct": "cart", "flow": "cart"}
-
-
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
     code, out, err = run(*words, "--out", tmp_path / "f.png")

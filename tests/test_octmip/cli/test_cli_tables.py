@@ -68,16 +68,6 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
     assert "0 of 2 samples wrong (0 %); 1 more row has no label" in err
 
 
-@pytest.mark.parametrize("words", [("--drop", 'id,"x,""y""",when'), ("--drop", "id,when", "--drop", '"x,""y"""')])
-def test_names_with_commas_and_quotes_can_be_named(survey, run, tmp_path, words):
-    tree = tmp_path / "t.json"
-    assert run("solve", survey, "--label", "label", "--depth", 1, *words, "--out", tree)[0] == 0
-    assert {column.name for column in read_tree_file(tree).preparation.columns.columns} == {"colour", "age"}
-    words = ("--features", '"x,""y""", age', "--label", "label", "--depth", 1)
-    assert run("solve", survey, *words, "--out", tree)[0] == 0
-    assert [column.name for column in read_tree_file(tree).preparation.columns.columns] == ['x,"y"', "age"]
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -97,15 +87,6 @@ def test_wrong_words_about_columns_end_in_one_line(survey, run, words, sentence)
     code, out, err = run("solve", survey, "--label", "label", "--depth", 2, *words)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert sentence in err
-
-
-def test_rows_with_missing_readings_are_left_out_where_that_is_asked(survey, run, tmp_path):
-    tree = tmp_path / "tree.json"
-    code, out, _ = run("solve", survey, *SOLVE, "--missing", "drop-rows", "--out", tree)
-    assert code == 0
-    assert "note: 9 rows with missing cells left out" in out
-    assert read_tree_file(tree).n_samples == 71
-    assert run("certify", tree, survey)[0] == 0
 
 
 @pytest.mark.parametrize("word", ["", "?"])

@@ -1,13 +1,11 @@
 """octmip compare of a folder: every method on every table of it."""
 
 import json
-import math
 import signal
 
 import pandas as pd
 import pytest
 
-from octmip.interfaces.cli.compare import Found, ratios_of
 from octmip.trees.certificate import certify
 
 METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
@@ -72,18 +70,3 @@ def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeyp
     code, out, _ = run("compare", folder, *METHODS, "--json")
     assert code == 0
     assert [one["table"] for one in json.loads(out)["tables"] if one["rows"]] == ["one.csv"]
-
-
-def proven(method, seconds):
-    """Return a row of a method that proves its tree after so many seconds, None: never."""
-    return {"method": method, "is_optimal": seconds is not None, "seconds_to_gap": {"0 %": seconds}}
-
-
-def test_a_ratio_is_of_the_quickest_proof_and_infinite_without_one():
-    found = [
-        Found("a", 9, (), (proven("x", 2.0), proven("y", 1.0)), ()),
-        Found("b", 9, (), (proven("x", None), proven("y", 3.0)), ()),
-        Found("c", 9, (), (proven("x", None), proven("y", None)), ()),
-    ]
-    assert ratios_of("x", found) == [2.0, math.inf]
-    assert ratios_of("y", found) == [1.0, 1.0]

@@ -76,16 +76,6 @@ def test_the_c_function_answers_as_the_tree_does():
     assert answers == selector.library.states[states, 0].tolist()
 
 
-def test_each_load_has_a_folder_and_json_says_what_holds(capsys):
-    said(*LOAD, "--load", "truck_1=20,truck_2=0", *NOISE, "--json")
-    first, second = json.loads(capsys.readouterr().out)["monitors"]
-    assert (first["folder"], second["folder"]) == ("out/load-1", "out/load-2")
-    assert first["holds_for"] == "this load"
-    (crack,) = first["states"]
-    assert crack["levels"] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    assert crack["off_by_on_fresh_readings"] < 0.5 * crack["off_by_without_readings"]
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
