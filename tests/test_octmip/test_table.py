@@ -138,6 +138,11 @@ def test_whatever_stands_below_the_last_row_no_row_is_lost(tmp_path, tail):
     assert len(table.notes) == bool(words)
 
 
+def test_words_in_cells_above_a_header_are_no_table(tmp_path):
+    table = read_table(csv_file(tmp_path, "note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n"))
+    assert (table.columns, len(table.frame)) == (("x", "y"), 3)
+
+
 @pytest.mark.parametrize("name", ["iris.data", "iris.txt", "iris"])
 def test_another_ending_leaves_it_to_the_content(tmp_path, name):
     path = tmp_path / name
