@@ -1,8 +1,8 @@
 """Diagnosis of a campaign: where the gap lies, which effects explain it, how far it closes, what to test next."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,7 +19,8 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.doors.built import as_built, built_words
+from octmip.gap.constants import Constant, constants_of, constants_words
+from octmip.gap.doors.built import as_built, built_words, by_campaign
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of, in_chain
 from octmip.gap.effects.families import History
@@ -30,7 +31,7 @@ from octmip.gap.inference.linear_model import LinearModel, whole_difference
 from octmip.gap.inference.posterior import Posterior, attribute
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
-from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
+from octmip.gap.inference.wrong_run import corrected, set_right, weigh_wrong_run
 from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
@@ -99,6 +100,8 @@ class Diagnosis:
         what the reader should know about the data.
     doubts
         what speaks against the commissioning run, as sentences; a run that is not usable was left out.
+    constants
+        what the readings say of the asset's own constants, where no run does.
     posterior
         all hypotheses.
     """
@@ -117,6 +120,7 @@ class Diagnosis:
     posterior: Posterior
     doubts: tuple[str, ...]
     ties: tuple[tuple[str, ...], ...]
+    constants: tuple[Constant, ...]
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -150,8 +154,10 @@ class Diagnosis:
         own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin
         if isinstance(own, FunctionTwin) and isinstance(sound, FunctionTwin):
             built = {name: one.nominal for name, one in sound.card.ranges.items()}
+            built |= {one.name: one.sound for one in self.constants}
             own = own.at(built, sound.signature_error)
-        return AugmentedTwin(own, tuple(additions), partial(whole_difference, inputs, level))
+        difference = None if inputs.run is None else partial(whole_difference, inputs, level)
+        return AugmentedTwin(own, tuple(additions), difference)
 
 
 def diagnose(
@@ -202,11 +208,16 @@ def diagnose(
     """
     checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, odds, trust_run)
-        posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
+        asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
+        beside = partial(_inputs, campaign, asked, effects, noise_sd, odds)
+        inputs, notes = beside(commissioning if trust_run is not False else None)
+        if trust_run is False and commissioning is not None:
+            notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
+        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, beside if trust_run is None else None)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
+        constants = constants_of(judged)
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
             which=which,
@@ -218,50 +229,53 @@ def diagnose(
             detectable=sizes,
             refused=_refused(which, model, sizes),
             states=_states(which[0].judged) if which else (),
-            notes=(*doubts, *remarks, *campaign.notes, *notes),
+            notes=(*doubts, *remarks, *constants_words(constants, odds.differences.constants), *campaign.notes, *notes),
             posterior=posterior,
             doubts=doubts,
             ties=ties(model),
+            constants=constants,
         )
 
 
 def _inputs(
     campaign: Campaign,
-    twin: Twin,
+    asked: CachedTwin,
     effects: Mapping[str, Effect] | None,
-    commissioning: Campaign | None,
     noise_sd: float | Mapping[str, float] | None,
     odds: Odds,
-    trust_run: bool | None,
+    run: Campaign | None,
 ) -> tuple[Inputs, list[str]]:
-    """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    run = commissioning if trust_run is not False else None
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    sound = as_built(asked, run)
+    """Return the inputs of the inference beside a run, and notes."""
+    share = odds.differences.constants
+    sound = as_built(asked, run, share) if run is not None else by_campaign(asked, campaign, share)
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
-    if run is not commissioning:
-        notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
-    return inputs, [*built_words(asked, sound), *notes]
+    if run is not None:
+        return inputs, [*built_words(asked, sound), *notes]
+    return inputs, [note for note in notes if note != WITHOUT_RUN or not inputs.open]
 
 
 _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."
 
 
 def _beside_doubt(
-    inputs: Inputs, posterior: Posterior, trust_run: bool | None
+    posterior: Posterior, drawn: CachedTwin, beside: Callable[[Campaign], tuple[Inputs, list[str]]] | None
 ) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
     """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
+    inputs = posterior.model.inputs
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
-    if inputs.run is None or trust_run is not None or sound > SOUND_ENOUGH:
+    if inputs.run is None or beside is None or sound > SOUND_ENOUGH:
         return posterior, (), ()
-    wrong = weigh_wrong_run(posterior.model)
+    wrong = weigh_wrong_run(posterior.model, drawn)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         left = "that is taken off it" if wrong.correction is not None else "it is left out"
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."
+        if wrong.correction is not None and inputs.twin is not drawn:  # it said wrong constants, too
+            inputs, _ = beside(set_right(inputs.run, wrong, inputs.campaign.gauges))
+            wrong = replace(wrong, correction=np.zeros_like(wrong.correction))
         return attribute(corrected(inputs, wrong)), (sentence,), ()
     if probability > POSSIBLE:
         sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."

@@ -33,7 +33,12 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     from octmip.formats.tree_file import read_tree_file
-    from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
+    from octmip.gap import (  # scikit-learn's covariance behind it takes half a second
+        Differences,
+        Odds,
+        diagnose,
+        read_campaign,
+    )
     from octmip.gap.doors import open_twin
     from octmip.gap.twins import CachedTwin
 
@@ -48,6 +53,8 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
     if arguments.load_limits:
         settings["load_limits"] = tuple(arguments.load_limits)
+    if arguments.constants is not None:
+        settings["odds"] = Odds(differences=Differences(constants=arguments.constants / 100.0))
     line("diagnosing")
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
 

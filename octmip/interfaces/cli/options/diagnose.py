@@ -36,6 +36,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="standard deviation of one reading in its unit, used where no load was read three times",
     )
     parser.add_argument(
+        "--constants",
+        metavar="PERCENT",
+        type=float,
+        help="how far constants of the asset are off the drawing, where no run says it (default 8)",
+    )
+    parser.add_argument(
         "--load-limits",
         metavar=("LOW", "HIGH"),
         type=float,
