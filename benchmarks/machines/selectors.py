@@ -64,7 +64,7 @@ def diagnosis(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Ma
     start = time.process_time()
     found = diagnose(campaign, twin, commissioning=run)
     seconds = time.process_time() - start
-    calls = len(twin._answers)
+    calls = len(twin.answers)
     names = [[sorted(group) for group in cause.names] for cause in found.credible]
     first, closing = found.which[0], found.shrinkage
     load = load_of(twin.loads, tuple(machine.new_cell.values()))
@@ -99,7 +99,7 @@ def plain(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machin
         sizes=[(e.name, p, *s[1:]) for (e, p), s in zip(first.members, first.sizes.tolist(), strict=True)],
         doubts=[],
         seconds=time.process_time() - start,
-        calls=len(twin._answers),
+        calls=len(twin.answers),
     )
 
 

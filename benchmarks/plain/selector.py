@@ -17,10 +17,10 @@ from scipy.special import logsumexp, ndtr
 
 from femlib.arrays import FloatArray
 from octmip.gap import Addition, AugmentedTwin, Campaign
-from octmip.gap.diagnosis import library_of
 from octmip.gap.doors.built import as_built
 from octmip.gap.effects import in_chain
 from octmip.gap.inference.candidates import bounds_of
+from octmip.gap.preparation import library_of
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Effect, Load, State, Twin, state_limits_of
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip.errors import TwinError
 from octmip.gap import Campaign, Differences, FunctionTwin, Odds, Recorded, diagnose, function_twin, gathered
 from octmip.gap.channels.outliers import robust
 from octmip.gap.doors.built import built_by
@@ -90,19 +89,6 @@ def test_a_gauge_that_reads_nothing_or_that_the_twin_lacks_does_not_count():
     built = built_by(silent, CachedTwin(SPRINGS), 0.08)
     assert built.values["k1"] == pytest.approx(9.2, abs=0.05)
     assert 0.02 <= built.signature_error <= 0.1
-
-
-@pytest.mark.parametrize("answer", ["ValueError", float("nan")])
-def test_a_model_that_fails_at_another_value_is_told_in_one_sentence(answer):
-    def failing(p, loads):
-        if p["k1"] != 10.0 and answer == "ValueError":
-            raise ValueError("no such spring")
-        return [value if p["k1"] == 10.0 else answer for value in springs(p, loads)]
-
-    twin = function_twin(failing, READINGS, RANGES, loads=("force",))
-    run = read(SPRINGS, under(), 1)
-    with pytest.raises(TwinError, match=r"expected readings|expected a finite number"):
-        diagnose(run, twin, commissioning=run)
 
 
 @pytest.mark.parametrize(("built", "now"), [(9.2, 10.0), (10.8, 10.0), (9.2, 8.0), (11.0, 12.0)])
@@ -223,7 +209,7 @@ def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation(
         lever, {"u": "mm", "f": "N"}, {"arm": (2.0, 1.0, 3.0, "m"), "k": (5.0, 3.0, 8.0, "N/mm")}, ("force",)
     )
     found = diagnose(read(twin, under(), 3, sd=np.array([0.02, 0.1])), twin)
-    arm, k = found.constants
+    arm, _ = found.constants
     assert arm.correlation["k"] > 0.8
     assert arm.sd == pytest.approx(0.08 * 2.0 / np.sqrt(2.0), rel=0.1)
     assert not found.which[0].effects

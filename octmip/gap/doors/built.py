@@ -18,6 +18,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.doors.card import INSIDE
 from octmip.gap.doors.function import FunctionTwin
@@ -64,8 +65,8 @@ def by_campaign(twin: CachedTwin, campaign: Campaign, share: float) -> CachedTwi
     own = built_by(campaign, twin, share) if isinstance(twin.twin, FunctionTwin) else None
     if own is None or not isinstance(twin.twin, FunctionTwin):
         return twin
-    constants = twin.twin.constants.items()
-    open_ = {name: (one.nominal - own.values[name], share * abs(one.nominal)) for name, one in constants}
+    drawn = twin.twin.constants
+    open_ = {k: (drawn[k].nominal - value, share * abs(drawn[k].nominal)) for k, value in own.values.items()}
     found = CachedTwin(twin.twin.at(own.values, None, open_))
     found.units = twin.units
     return found
@@ -88,9 +89,9 @@ def of_drawing(
     The slopes are per prior sd of each of the k constants that the run said; without such constants there are none.
     """
     own = drawn.twin
-    if drawn is sound or not isinstance(own, FunctionTwin):
+    if drawn is sound or not isinstance(own, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
         return np.zeros((len(asked), len(sound.gauges))), np.zeros((0, len(asked), len(sound.gauges)))
-    sds = {name: share * abs(constant.nominal) for name, constant in own.constants.items()}
+    sds = {name: share * abs(own.constants[name].nominal) for name in sound.twin.said}
     slopes = np.array([own.slopes(state, load, sds) for state, load in asked]).transpose(1, 0, 2)
     return np.array([own.predict(state, load) - sound.predict(state, load) for state, load in asked]), slopes
 
@@ -99,8 +100,8 @@ def departures(drawn: CachedTwin, sound: CachedTwin, share: float) -> Floats:
     """Return how many prior sds (k,) the drawing's constants are from those that the run said."""
     if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
         return np.zeros(0)
-    built, constants = sound.twin.card.ranges, drawn.twin.constants.items()
-    return np.array([(own.nominal - built[name].nominal) / (share * abs(own.nominal)) for name, own in constants])
+    built, own = sound.twin.card.ranges, drawn.twin.constants
+    return np.array([(own[k].nominal - built[k].nominal) / (share * abs(own[k].nominal)) for k in sound.twin.said])
 
 
 def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
@@ -225,7 +226,12 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
     size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
     ahead = np.array([own.ahead(sd)[1] for own, sd in zip(read.twin.constants.values(), read.spread, strict=True)])
-    slope = np.column_stack([(read.asked(step)[rows] - here) / step.sum() for step in np.diag(ahead)])
+    slope, told = np.zeros((len(rows), len(ahead))), np.ones(len(ahead), dtype=bool)
+    for k, step in enumerate(np.diag(ahead)):
+        try:
+            slope[:, k] = (read.asked(step)[rows] - here) / step.sum()
+        except TwinError:  # a constant at whose other values the model fails stays as drawn
+            told[k] = False
     at = np.zeros(len(ahead))
     for _ in range(STEPS):
         white, left = slope * weight[:, None], (measured - here + slope @ at) * weight
@@ -233,8 +239,12 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
         step = moved - at
         if np.abs(step).max() < CLOSE:
             break
-        there = read.asked(moved)[rows]
+        try:
+            there = read.asked(moved)[rows]
+        except TwinError:
+            break
         slope = slope + np.outer(there - here - slope @ step, step) / (step @ step)
         at, here = moved, there
     missed = np.maximum(0.0, (measured - here) ** 2 - read.variance[rows]) / size**2
-    return Built(read.values(at), float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))
+    values = {name: value for (name, value), has in zip(read.values(at).items(), told, strict=True) if has}
+    return Built(values, float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))

@@ -54,6 +54,12 @@ class FunctionTwin:
         one for every parameter, and others that are added: `with_effects`.
     signature_error
         relative sd of what an error of a load changes; 0 where no run says how good the model is.
+    answers
+        (n_readings,) of each question, by the values of all parameters, states and loads; shared by all twins of it.
+    watch
+        called with the number of answers after each new one; None: nothing is.
+    said
+        constants of which readings of the asset told the value.
     open
         by name of each constant that no run says: the drawing's value less the nominal one, and its prior sd.
 
@@ -68,10 +74,12 @@ class FunctionTwin:
         self.loads, self.parameters = tuple(card.loads), tuple(card.states)
         self.state_limits, self.sign, self.is_linear_in_load = card.state_limits, card.sign, card.linear
         self.signature_error = 0.0
+        self.said: tuple[str, ...] = ()
         self.open: Mapping[str, tuple[float, float]] = {}
         own: list[Effect] = [parameter_effect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
-        self._answers: dict[tuple[float, ...], Floats] = {}
+        self.answers: dict[tuple[float, ...], Floats] = {}
+        self.watch: Callable[[int], None] | None = None
 
     @property
     def gauge_positions(self) -> Floats | None:
@@ -106,7 +114,7 @@ class FunctionTwin:
         """
         twin = copy(self)
         error, whose = (SIGNATURE_ERROR, OPEN) if signature_error is None else (signature_error, SOUND)
-        twin.open = open_
+        twin.said, twin.open = tuple(values), open_
         ranges = {name: replace(own, nominal=values.get(name, own.nominal)) for name, own in self.card.ranges.items()}
         twin.card = replace(self.card, parameters=ranges)
         own = {
@@ -151,9 +159,11 @@ class FunctionTwin:
         parameters |= {name: float(state.get(name, 0.0)) for name in self.card.states}
         loads = self._by_name(load)
         key = (*parameters.values(), *loads.values())
-        if key not in self._answers:
-            self._answers[key] = self._readings(self.function(parameters, loads))
-        return self._answers[key]
+        if key not in self.answers:
+            self.answers[key] = self._readings(self.function(parameters, loads))
+            if self.watch is not None:
+                self.watch(len(self.answers))
+        return self.answers[key]
 
     def _by_name(self, load: Applied) -> dict[str, float]:
         """Return the loads in the order of the card.

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, expected_of, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
@@ -52,7 +53,10 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
         chords |= new
         signatures = model.signatures.copy()
         for j, size in new.items():
-            rows = exact_change(model.inputs, model.states, candidates[j], size)
+            try:
+                rows = exact_change(model.inputs, model.states, candidates[j], size)
+            except TwinError:  # the model has no answer at that size: its slope stays
+                continue
             own = ratio if getattr(candidates[j].effect, "load_power", None) != 0 else 1.0
             signatures[:, j] = own * rows[model.average, model.gauge] / size
         signatures.flags.writeable = False

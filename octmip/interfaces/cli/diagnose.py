@@ -34,7 +34,9 @@ def run(arguments: argparse.Namespace) -> int:
 def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     from octmip.formats.tree_file import read_tree_file
     from octmip.gap import (  # scikit-learn's covariance behind it takes half a second
+        Budget,
         Differences,
+        FunctionTwin,
         Odds,
         diagnose,
         read_campaign,
@@ -55,7 +57,16 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
         settings["load_limits"] = tuple(arguments.load_limits)
     if arguments.constants is not None:
         settings["odds"] = Odds(differences=Differences(constants=arguments.constants / 100.0))
+    if arguments.calls is not None:
+        settings["budget"] = Budget(
+            arguments.calls,
+            arguments.jobs,
+            arguments.answers,
+            lambda done, total: line(f"asking the model: {done} of at most {total} answers"),
+        )
     line("diagnosing")
+    if isinstance(twin.twin, FunctionTwin):
+        twin.twin.watch = lambda n: line(f"diagnosing: {n} answers of the model")
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
 
 

@@ -41,6 +41,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         help="how far constants of the asset are off the drawing, where no run says it (default 8)",
     )
+    parser.add_argument("--calls", metavar="N", type=int, help="ask a slow model behind a door no more than N times")
+    parser.add_argument("--jobs", metavar="N", type=int, default=1, help="questions at the same time (with --calls)")
+    parser.add_argument(
+        "--answers",
+        metavar="FILE.jsonl",
+        help="keep each answer of the model there and take earlier ones (with --calls)",
+    )
     parser.add_argument(
         "--load-limits",
         metavar=("LOW", "HIGH"),
