@@ -23,7 +23,7 @@ from femlib.rom.capability import LIMITS, Capability, drawn_states
 from femlib.wing import FlightPoint, ReducedWing, Wing, reduce_wing, uav_wing
 from femlib.wing.built import BUILT_MASS, built_wing
 from femlib.wing.strength import wing_capability, wing_stresses
-from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
+from femlib.wing.structure import CARBON_LENGTH, SKIN_STRAINS, WOOD_STRAINS
 from femlib.wing.trim import trim_wing
 from octmip.interfaces.report.markdown import markdown_table
 
@@ -49,14 +49,15 @@ def main() -> None:
     parser.add_argument("--picture", help="PNG file to write")
     parser.add_argument("--trim", type=float, nargs="*", help="speeds [m/s] of a wing in trim, instead")
     options = parser.parse_args()
-    wing = built_wing(refinement=options.refinement)
+    wing = built_wing(refinement=options.refinement, edge_step=CARBON_LENGTH)
     start = time.process_time()
     reduced = reduce_wing(wing)
-    capable = wing_capability(wing, reduced)
+    finer = built_wing(refinement=2.0 * options.refinement, edge_step=0.5 * CARBON_LENGTH)
+    capable = wing_capability(wing, reduced, finer=None if options.trim else finer)
     if options.trim:
         print(markdown_table([row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)]))
         return
-    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
+    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}, by the mesh {capable.mesh_error:.1e}"
     print(f"{words}; {cost(capable)}")
     print(
         f"assumed strains that plies bear (tension, compression, shear): carbon {SKIN_STRAINS}, plywood {WOOD_STRAINS}"
