@@ -30,6 +30,8 @@ MOST_UNKNOWNS = 60_000
 """Degrees of freedom of the finer mesh, at most: some 5 CPU seconds."""
 MOST_CUTS = 2
 """A strip of one element changes little if it is cut in two, and much if in four."""
+ROUNDING = 1e-8
+"""Share of the largest load that counts as none."""
 ANY_SHAPE = QualityLimits(warp=1e9, aspect=1e9, distortion=0.0)
 
 
@@ -134,7 +136,7 @@ class Refined:
         rest, fine = load - self.motion.T @ even, even
         held = dofs_of_nodes(self.spread).ravel()
         # of a load that is even on its elements and edges rounding alone is left
-        if np.abs(rest[held]).max(initial=0.0) > 1e-9 * np.abs(load).max():
+        if np.abs(rest[held]).max(initial=0.0) > ROUNDING * np.abs(load).max():
             on = self.motion[:, held]
             is_shell = self.between[:, self.spread].sum(axis=1) > 1.0 - 1e-9  # not the middle of a beam
             on = sparse.csr_array(sparse.diags_array(np.repeat(is_shell, DOFS_PER_NODE).astype(np.float64)) @ on)
@@ -144,25 +146,35 @@ class Refined:
         return np.asarray(fine)
 
     def _even(self, load: FloatArray) -> FloatArray:
-        """Return the forces (n_fine_dofs,) of even tractions on elements and edges that are near to loads (n_dofs,)."""
-        coarse, fine = self.coarse, self.shells.mesh
+        """Return the forces (n_fine_dofs,) of even tractions that are near to loads (n_dofs,).
+
+        On edges between loaded nodes if these meet the loads, else on elements whose nodes are all loaded and on the
+        edges between others.
+        """
+        coarse, fine = self.coarse, np.zeros(self.shells.mesh.n_dofs)
         is_loaded = load.reshape(-1, DOFS_PER_NODE)[:, :3].any(axis=1)
         inside = np.concatenate([is_loaded[coarse.quads].all(axis=1), is_loaded[coarse.trias].all(axis=1)])
-        ends = _loaded_edges(coarse, is_loaded, inside)
+        for held in (np.zeros_like(inside), inside):
+            ends = _loaded_edges(coarse, is_loaded, held)
+            on = sparse.hstack([_in_space(surface_shares(coarse)[:, held]), edge_shares(coarse, ends)], "csc")
+            if not on.shape[1]:
+                continue
+            square = on.T @ on
+            ridge = 1e-12 * square.diagonal().mean() * sparse.eye_array(on.shape[1])
+            even = splu(sparse.csc_array(square + ridge)).solve(on.T @ load)
+            fine = self._on_fine(held, ends, even)
+            if np.abs(on @ even - load).max() <= ROUNDING * np.abs(load).max():
+                break
+        return fine
+
+    def _on_fine(self, held: BoolArray, ends: IntArray, even: FloatArray) -> FloatArray:
+        """Return the forces (n_fine_dofs,) of tractions on elements that are `held` and forces on edges (n, 2)."""
+        mesh = self.shells.mesh
+        lies_in = (np.arange(mesh.n_elements), self.parent[: mesh.n_elements])
+        area = surface_shares(mesh) @ sparse.csr_array((np.ones(mesh.n_elements), lies_in))[:, held]
         halves, of_edge = _pieces(self.between, ends)
-        area = surface_shares(coarse)[:, inside]
-        of_fine = sparse.csr_array(
-            (np.ones(fine.n_elements), (np.arange(fine.n_elements), self.parent[: fine.n_elements]))
-        )[:, inside]
-        on = sparse.hstack([_in_space(area), edge_shares(coarse, ends)], "csc")
-        if not on.shape[1]:
-            return np.zeros(fine.n_dofs)
-        square = on.T @ on
-        ridge = 1e-12 * square.diagonal().mean() * sparse.eye_array(on.shape[1])
-        even = splu(sparse.csc_array(square + ridge)).solve(on.T @ load)
-        pieces = sparse.kron(of_edge, sparse.eye_array(3), "csr")
-        on_fine = sparse.hstack([_in_space(surface_shares(fine) @ of_fine), edge_shares(fine, halves) @ pieces], "csr")
-        return np.asarray(on_fine @ even)
+        lines = edge_shares(mesh, halves) @ sparse.kron(of_edge, sparse.eye_array(3), "csr")
+        return np.asarray(sparse.hstack([_in_space(area), lines], "csr") @ even)
 
 
 def _in_space(shares: sparse.csr_array) -> sparse.csr_array:

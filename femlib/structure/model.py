@@ -120,6 +120,8 @@ class Structure:
                 "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
             )
         supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
+        if not len(supports.free):
+            raise InputError("every node is held in all directions; expected some that can move; refine or give up one")
         components = tuple(component_of(self.mesh, parts, name) for name in self.damage)
         object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
         object.__setattr__(self, "judge", Judge(parts.built, supports))

@@ -1,18 +1,21 @@
 """The largest stress of solutions whose truth is known: within the limit, or refused."""
 
 from collections.abc import Callable
+from functools import partial
 
 import meshio
 import numpy as np
 import pytest
 
-from femlib.arrays import FloatArray
+from femlib.assembly import MOST_ERROR
 from femlib.errors import SolveError
 from femlib.material import isotropic_plate
 from femlib.structure import Structure, heated, read
 
-YOUNG, THICK, WARM, GROWTH = 70e9, 2e-3, 20.0, 23e-6
+YOUNG, THICK, WARM, GROWTH = 70e9, 2e-3, 5.0, 23e-6
 LIMIT = 0.02
+Made = Callable[[], tuple[Callable[[float], float], float]]
+"""Gives the largest stress, of a limit on its estimated error, and its truth."""
 
 
 def sheet(nx, ny, lx=0.4, ly=0.2, is_cut=False, jitter=0.0, place=None):
@@ -47,7 +50,7 @@ def largest(stresses):
 
 
 def stressed(structure, load, state=None):
-    return largest(structure.stresses(state or {}, load, strain_limit=LIMIT))
+    return lambda limit: largest(structure.stresses(state or {}, load, max(limit, MOST_ERROR), limit))
 
 
 PULLED = {"left": "x z rx ry rz", "origin": "y"}
@@ -55,7 +58,7 @@ PULLED = {"left": "x z rx ry rz", "origin": "y"}
 
 def pulled(*size, **kind):
     plate = Structure(sheet(*size, **kind), metal(), PULLED)
-    return lambda: stressed(plate, plate.line_load("right", (1e4, 0.0, 0.0))), 1e4 / THICK
+    return stressed(plate, plate.line_load("right", (1e4, 0.0, 0.0))), 1e4 / THICK
 
 
 def leaning(points):
@@ -63,20 +66,18 @@ def leaning(points):
 
 
 def skew(*size, **kind):
-    """A rhomboid under one stress: tractions on all its edges."""
+    """A rhomboid under one stress along x, its right edge leaning."""
     held = {"origin": "x y z", "bottom right": "y z", "top": "z"}
     plate = Structure(sheet(*size, place=leaning, **kind), metal(), held)
-    load = plate.line_load("right", (1e3, 0.0, 0.0)) - plate.line_load("left", (1e3, 0.0, 0.0))
-    slope = 0.5 / np.hypot(1.0, 0.5)
-    load = load.reshape(-1, 6) * [1.0 / slope * 0.5, 1, 1, 1, 1, 1]
-    return lambda: stressed(plate, load.ravel()), 1e3 / slope * 0.5 / (1.0 / np.hypot(1.0, 0.5)) / THICK
+    load = plate.line_load("right", (1e4, 0.0, 0.0)) - plate.line_load("left", (1e4, 0.0, 0.0))
+    return stressed(plate, load), 1e4 * np.hypot(1.0, 0.5) / THICK
 
 
 def sheared(*size, **kind):
     plate = Structure(sheet(*size, **kind), metal(), {"origin": "x y z", "bottom right": "y z", "top": "z"})
     sides = {"right": (0, 1e4, 0), "left": (0, -1e4, 0), "top": (1e4, 0, 0), "bottom": (-1e4, 0, 0)}
     load = sum(plate.line_load(name, force) for name, force in sides.items())
-    return lambda: float(np.abs(plate.stresses({}, load, strain_limit=LIMIT).stress[:, 2]).max()), 1e4 / THICK
+    return lambda limit: float(np.abs(plate.stresses({}, load, strain_limit=limit).stress[:, 2]).max()), 1e4 / THICK
 
 
 def warm(supports, expected, gradient=0.0):
@@ -85,24 +86,24 @@ def warm(supports, expected, gradient=0.0):
         temperature = {"skin": (WARM * (gradient == 0.0), gradient)}
         # what should be 0 is counted over E alpha T, and 1 added to it
         zero = YOUNG * GROWTH * WARM if expected == 0.0 else 0.0
-        return lambda: zero + largest(heated(plate, temperature, strain_limit=LIMIT).stresses), expected or zero
+        return lambda limit: zero + largest(heated(plate, temperature, strain_limit=limit).stresses), expected or zero
 
     return made
 
 
-HELD = warm({"all": "clamped"}, YOUNG * GROWTH * WARM / 0.7)
-STEEP = warm({"all": "clamped"}, YOUNG * GROWTH * 2e4 * THICK / 2 / 0.7, 2e4)
+HELD = warm({"edge": "clamped"}, YOUNG * GROWTH * WARM / 0.7)
+STEEP = warm({"edge": "clamped"}, YOUNG * GROWTH * 2e4 * THICK / 2 / 0.7, 2e4)
 FREE = warm({"left": "x", "origin": "y z rx", "right": "z"}, 0.0)
 
 
 def strip(n, is_cut=False, poisson=0.0):
     beam = Structure(sheet(n, 2, 0.2, 0.05, is_cut), metal(poisson), {"left": "clamped"})
-    return lambda: stressed(beam, beam.line_load("right", (0.0, 0.0, 100.0))), 6 * 100.0 * 0.2 / THICK**2
+    return stressed(beam, beam.line_load("right", (0.0, 0.0, 100.0))), 6 * 100.0 * 0.2 / THICK**2
 
 
 def clamped_strip(n, is_cut=False):
     beam = Structure(sheet(n, 2, 0.2, 0.05, is_cut), metal(0.0), {"left": "clamped", "right": "clamped"})
-    return lambda: stressed(beam, beam.pressure("skin", 100.0)), 6 * 100.0 * 0.2**2 / 12 / THICK**2
+    return stressed(beam, beam.pressure("skin", 100.0)), 6 * 100.0 * 0.2**2 / 12 / THICK**2
 
 
 def plate(coefficient, right, top):
@@ -110,9 +111,8 @@ def plate(coefficient, right, top):
 
     def made(n, is_cut=False):
         held = {"left": "x ry rz", "bottom": "y rx rz", "right": right, "top": top}
-        # held twice, the corner has both: later sets add to earlier ones
         own = Structure(sheet(n, n, 0.2, 0.2, is_cut), metal(), held)
-        return lambda: stressed(own, own.pressure("skin", 1e3)), 6 * coefficient * 1e3 * 0.4**2 / THICK**2
+        return stressed(own, own.pressure("skin", 1e3)), 6 * coefficient * 1e3 * 0.4**2 / THICK**2
 
     return made
 
@@ -126,57 +126,56 @@ def rolled(points):
 
 
 def cylinder(n, is_cut=False):
-    """A quarter of a pipe under pressure, free to grow along its axis: p r / t."""
-    pipe = Structure(
-        sheet(n, 3, place=rolled, is_cut=is_cut),
-        metal(),
-        {"left": "x ry rz", "right": "z rx ry", "origin": "y"},
-    )
-    return lambda: stressed(pipe, pipe.pressure("skin", 1e4)), 1e4 * 0.3 / THICK
+    """A quarter of a pipe that cannot grow along its axis, under pressure: p r / t."""
+    held = {"left": "x ry rz", "right": "z rx ry", "bottom": "y rx rz", "top": "y rx rz"}
+    pipe = Structure(sheet(n, 3, place=rolled, is_cut=is_cut), metal(), held)
+    return stressed(pipe, pipe.pressure("skin", 1e4)), 1e4 * 0.3 / THICK
 
 
 def singular(n, kind):
     if kind == "corner of a region":
         own = Structure(sheet(n, n // 2), metal(), PULLED, damage=("patch",))
-        return lambda: stressed(own, own.line_load("right", (1e4, 0.0, 0.0)), {"patch": 0.8}), np.inf
+        return stressed(own, own.line_load("right", (1e4, 0.0, 0.0)), {"patch": 0.8}), np.inf
     own = Structure(sheet(n, n, 0.4, 0.4), metal(), {"edge": "clamped"})
-    return lambda: stressed(own, own.point_load("centre", (0.0, 0.0, 1.0))), np.inf
+    return stressed(own, own.point_load("centre", (0.0, 0.0, 1.0))), np.inf
 
 
-CASES: dict[str, tuple[Callable[[], float], FloatArray | float]] = {
-    **{f"pulled {size}": pulled(*size) for size in ((1, 1), (3, 2), (8, 4), (24, 16))},
-    **{f"pulled, any shape, {size}": pulled(*size, jitter=0.2) for size in ((4, 3), (8, 4))},
-    **{f"pulled triangles {size}": pulled(*size, is_cut=True, jitter=0.1) for size in ((3, 2), (8, 4))},
-    **{f"sheared {size}": sheared(*size) for size in ((3, 2), (8, 4))},
-    "sheared triangles": sheared(6, 3, is_cut=True),
-    "skew": skew(6, 4),
-    "skew triangles": skew(6, 4, is_cut=True),
-    **{f"held and warm {size}": HELD(*size) for size in ((2, 1), (8, 4))},
-    "held and warm, any shape": HELD(6, 4, jitter=0.2),
-    "held and warm triangles": HELD(6, 4, is_cut=True),
-    "held and warmer at the top": STEEP(8, 4),
-    "free and warm": FREE(8, 4),
-    "free and warm, any shape": FREE(6, 3, jitter=0.2),
-    "free and warm triangles": FREE(6, 3, is_cut=True),
-    **{f"cantilever {n}": strip(n) for n in (2, 4, 8, 24)},
-    **{f"cantilever, triangles {n}": strip(n, True) for n in (8, 24)},
-    **{f"clamped strip {n}": clamped_strip(n) for n in (4, 8, 16, 32)},
-    "clamped strip, triangles": clamped_strip(8, True),
-    **{f"clamped plate {n}": CLAMPED(n) for n in (4, 8, 16)},
-    "clamped plate, triangles": CLAMPED(8, True),
-    **{f"supported plate {n}": SUPPORTED(n) for n in (2, 4, 8)},
-    "supported plate, triangles": SUPPORTED(8, True),
-    **{f"cylinder {n}": cylinder(n) for n in (4, 8)},
-    "cylinder, triangles": cylinder(8, True),
-    **{f"corner of a region {n}": singular(n, "corner of a region") for n in (8, 16)},
-    "point load": singular(12, "point load"),
+CASES: dict[str, Made] = {
+    **{f"pulled {size}": partial(pulled, *size) for size in ((1, 1), (3, 2), (8, 4), (12, 8))},
+    **{f"pulled, any shape, {size}": partial(pulled, *size, jitter=0.2) for size in ((4, 3), (8, 4))},
+    **{f"pulled triangles {size}": partial(pulled, *size, is_cut=True, jitter=0.1) for size in ((3, 2), (8, 4))},
+    **{f"sheared {size}": partial(sheared, *size) for size in ((3, 2), (8, 4))},
+    "sheared triangles": partial(sheared, 6, 3, is_cut=True),
+    "skew": partial(skew, 6, 4),
+    "skew triangles": partial(skew, 6, 4, is_cut=True),
+    **{f"held and warm {size}": partial(HELD, *size) for size in ((4, 2), (8, 4))},
+    "held and warm, any shape": partial(HELD, 6, 4, jitter=0.2),
+    "held and warm triangles": partial(HELD, 6, 4, is_cut=True),
+    "held and warmer at the top": partial(STEEP, 8, 4),
+    "free and warm": partial(FREE, 8, 4),
+    "free and warm, any shape": partial(FREE, 6, 3, jitter=0.2),
+    "free and warm triangles": partial(FREE, 6, 3, is_cut=True),
+    **{f"cantilever {n}": partial(strip, n) for n in (4, 8, 16)},
+    **{f"cantilever, triangles {n}": partial(strip, n, True) for n in (8, 16)},
+    **{f"clamped strip {n}": partial(clamped_strip, n) for n in (4, 8, 16, 32)},
+    "clamped strip, triangles": partial(clamped_strip, 8, True),
+    **{f"clamped plate {n}": partial(CLAMPED, n) for n in (4, 8, 16)},
+    "clamped plate, triangles": partial(CLAMPED, 8, True),
+    **{f"supported plate {n}": partial(SUPPORTED, n) for n in (2, 4, 8)},
+    "supported plate, triangles": partial(SUPPORTED, 8, True),
+    **{f"cylinder {n}": partial(cylinder, n) for n in (4, 8)},
+    "cylinder, triangles": partial(cylinder, 8, True),
+    **{f"corner of a region {n}": partial(singular, n, "corner of a region") for n in (8, 16)},
+    "point load": partial(singular, 12, "point load"),
 }
 
 
-def test_print():
-    for name, (found, truth) in CASES.items():
-        try:
-            off = found() / truth - 1.0
-            print(f"{name:30s} {100*off:8.3f} %", "WRONG" if not abs(off) <= LIMIT else "")
-        except SolveError as e:
-            print(f"{name:30s} refused", str(e)[:230])
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_accepted_is_within_two_percent_and_what_is_refused_is_not_within_one(name) -> None:
+    found, truth = CASES[name]()
+    try:
+        off = found(LIMIT) / truth - 1.0
+    except SolveError:
+        assert abs(found(1e9) / truth - 1.0) > 0.5 * LIMIT
+    else:
+        assert abs(off) < LIMIT
