@@ -209,12 +209,17 @@ def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, s
     """Return the factors (3,) of `LIMITS` of one state (n_parameters,) by the full model."""
     shells = structure.shells
     moved = structure.solve(state[None], load)[0]
-    blocks, strains = blocks_of(shells, limits.faces), corner_strains(shells, moved, limits.length)
-    ply = min(float(b.factors(b.strain(strains), limits.criterion).min()) for b in blocks)
     left = structure.stiffness_left(state)
     modes = buckling_modes(shells, structure.supports, load, 1, left, limit=np.finfo(float).max, is_refined=False)
     factor = modes[0].factor if modes else float("inf")
-    return np.array([ply, factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])
+    return np.array([first_ply(structure, limits, moved), factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])
+
+
+def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> float:
+    """Return the factor on displacements (n_dofs,) at which the first ply fails."""
+    strains = corner_strains(structure.shells, moved, limits.length)
+    every = blocks_of(structure.shells, limits.faces)
+    return min(float(block.factors(block.strain(strains), limits.criterion).min()) for block in every)
 
 
 def _kept(

@@ -227,8 +227,8 @@ def wing_grid(
     nose = NOSE_END * grid_lines([0.0, 1.0], STEP_NOSE / refinement) ** 2
     edges, spar = _chord_edges(regions), planform.spar_fraction
     rest = grid_lines([NOSE_END, spar, 1.0, *edges], STEP_CHORD / refinement)
-    rest = _beside(rest, edges, np.array([NOSE_END, spar, 1.0]), edge_step / planform.root_chord)
-    chord = np.concatenate([nose[:-1], rest])
+    kept = np.array([0.0, NOSE_END, spar, 1.0])
+    chord = _beside(np.concatenate([nose[:-1], rest]), edges, kept, edge_step / planform.root_chord)
     rib_rows = np.searchsorted(eta, ribs - 1e-9)
     column = int(np.searchsorted(chord, spar - 1e-9))
     shape = (len(eta), len(chord))
@@ -270,7 +270,8 @@ def _beside(lines: FloatArray, edges: Sequence[float], kept: FloatArray, first: 
     for step, before in zip(EDGE_STEPS[::-1], (*EDGE_STEPS[-2::-1], 0.0), strict=True):
         wanted = np.concatenate([fixed[np.isin(fixed, np.round(edges, 12))] + side * step * first for side in (-1, 1)])
         clear = (np.abs(wanted[:, None] - fixed).min(axis=1) > 0.9 * step * first) & (0.0 < wanted) & (wanted < 1.0)
-        wanted = wanted[clear]
+        wanted = np.sort(wanted[clear])
+        wanted = wanted[np.diff(wanted, prepend=-1.0) > 0.5 * (step - before) * first]
         is_free = np.abs(found[:, None] - wanted).min(axis=1, initial=np.inf) > 0.5 * (step - before) * first
         found = np.concatenate([found[is_free | np.isin(np.round(found, 12), fixed)], wanted])
     return np.unique(np.round(found, 12))
