@@ -69,7 +69,8 @@ def main() -> None:
     if options.trim:
         print(markdown_table([row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)]))
         return
-    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}, by the mesh {capable.mesh_error:.1e}"
+    errors = f"largest error of a limit {capable.error:.1e}, by the mesh {capable.mesh_error:.1e}"
+    words = f"set-up {time.process_time() - start:.0f} CPU s; {errors}"
     print(f"{words}; {cost(capable)}")
     print(
         f"assumed strains that plies bear (tension, compression, shear): carbon {SKIN_STRAINS}, plywood {WOOD_STRAINS}"
@@ -103,7 +104,9 @@ def region_rows(refinement: float) -> Iterator[dict[str, object]]:
     states = np.concatenate([0.0 * each[:1], each, drawn_states(np.random.default_rng(2), 12, len(own.parameters))])
     for state in states:
         bears = [_first(wing, state) for wing in (own, fine)]
-        lost = " ".join(own.regions[k].name for k in np.flatnonzero(state)[:3]) if np.count_nonzero(state) < 4 else "all"
+        lost = (
+            " ".join(own.regions[k].name for k in np.flatnonzero(state)[:3]) if np.count_nonzero(state) < 4 else "all"
+        )
         row: dict[str, object] = {"lost": lost or "none", "bears": round(bears[0], 3), "finer": round(bears[1], 3)}
         yield row | {"off %": round(100.0 * (bears[0] / bears[1] - 1.0), 2)}
 

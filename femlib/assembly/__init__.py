@@ -6,7 +6,7 @@ from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import edge_forces, line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, matrix_modes, natural_modes, point_masses
-from femlib.assembly.peaks import Solved, checked_peak
+from femlib.assembly.peaks import checked_peak
 from femlib.assembly.quality import (
     MOST_ERROR,
     Judge,
@@ -32,7 +32,6 @@ __all__ = [
     "Mode",
     "Quality",
     "Shells",
-    "Solved",
     "Springs",
     "Stresses",
     "Supports",

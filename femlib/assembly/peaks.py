@@ -5,13 +5,10 @@ the largest of all. Where it grows as fast with every cut the point is singular:
 corner, a point load. No mesh gives a strain there; a mean over a length has a limit.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from femlib.arrays import FloatArray, IntArray
-from femlib.assembly.quality import Judge, refuse_error
-from femlib.assembly.refined import Refined
+from femlib.arrays import FloatArray
+from femlib.assembly.quality import Judge, held_back, refuse_error
 from femlib.assembly.shells import Shells
 from femlib.assembly.stresses import corner_elements, corner_strains
 from femlib.errors import SolveError
@@ -21,65 +18,45 @@ GROWS = 0.9
 0.5 by the first, 1 and more at a singular point."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Solved:
-    """A solution that is asked for its plies.
-
-    Attributes
-    ----------
-    shells : Shells
-        The structure.
-    moved : FloatArray
-        Displacements (n_dofs,).
-    load : FloatArray
-        Nodal forces (n_dofs,), without those of warmth.
-    factor : FloatArray
-        Factor on each part's stiffness (n_parts,).
-    length : float
-        Length that strains are means over [m].
-    warmth : FloatArray, optional
-        As for `ply_stresses`; errors are over the free strain where that is larger.
-    """
-
-    shells: Shells
-    moved: FloatArray
-    load: FloatArray
-    factor: FloatArray
-    length: float = 0.0
-    warmth: FloatArray | None = None
-
-
-def checked_peak(judge: Judge, solved: Solved, limit: float) -> float:
+def checked_peak(
+    judge: Judge,
+    moved: FloatArray,
+    load: FloatArray,
+    factor: FloatArray,
+    limit: float,
+    length: float = 0.0,
+    warmth: FloatArray | None = None,
+) -> float:
     """Return the estimated error of the largest strains; without a finer mesh the root of the energy's.
+
+    Arguments are those of `Judge.quality` and `ply_stresses`; errors are over the free expansion where that is larger.
 
     Raises
     ------
     SolveError
-        If it exceeds `limit`; the sentence says where, and whether the strains have a limit there.
+        If it exceeds `limit`; the sentence says where, and whether the strains converge there.
     """
-    finer = judge.finer
-    if finer is None:
-        error = float(np.sqrt(judge.quality(solved.load, solved.moved, None, solved.factor).mesh.sum()))
+    shells, finer = judge.shells, judge.finer
+    fine = judge.finer_solution(load, factor, warmth)
+    if finer is None or fine is None:
+        error = float(np.sqrt(judge.quality(load, moved, None, factor, warmth).mesh.sum()))
         refuse_error(error, "strains of the plies", limit)
         return error
-    fine = judge.finer_solution(solved.load, solved.factor, solved.warmth)
-    if fine is None:
-        return 0.0
-    coarse, own = _peaks(solved.shells, solved.moved, solved.length), _peaks(finer.shells, fine, solved.length)
+    coarse, own = _peaks(shells, moved, length), _peaks(finer.shells, fine, length)
     away = np.abs(own - coarse)
     part = int(away.argmax())
-    error = finer.share * float(away[part]) / max(float(own.max()), _free(solved))
+    free = 0.0 if warmth is None else held_back(shells, warmth, factor)[1]
+    error = finer.share * float(away[part]) / max(float(own.max()), free)
     if error <= limit:
         return error
-    sizes = _sizes(finer.shells, fine, solved.length)
+    mesh = finer.shells.mesh
+    sizes = _sizes(finer.shells, fine, length)
     sizes[finer.shells.smooth[corner_elements(finer.shells)] != part] = 0.0
-    node = finer.shells.mesh.nodes[_nodes(finer.shells)[int(sizes.argmax())]]
+    node = mesh.nodes[np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])[int(sizes.argmax())]]
     place = f"({', '.join(f'{x:.3g}' for x in node)}) m"
     if finer.cuts == 2:
-        once, between = judge.solution_on(
-            Refined.of(solved.shells, judge.supports), solved.load, solved.factor, solved.warmth
-        )
-        middle = _peaks(once.shells, between, solved.length)[part]
+        once = judge.cut_once()
+        middle = _peaks(once.shells, judge.solution_on(once, load, factor, warmth), length)[part]
         if middle > coarse[part] and own[part] - middle > GROWS * (middle - coarse[part]):
             raise SolveError(
                 f"strains of the plies do not converge at {place}: {coarse[part]:.3g}, {middle:.3g} and "
@@ -104,17 +81,3 @@ def _sizes(shells: Shells, moved: FloatArray, length: float) -> FloatArray:
     half = 0.5 * np.array([own.thickness for own in shells.laminates])[section, None]
     faces = np.stack([strains[:, :3] - half * strains[:, 3:], strains[:, :3] + half * strains[:, 3:]])
     return np.asarray(np.sqrt((faces**2 @ [1.0, 1.0, 0.5]).max(axis=0)))
-
-
-def _free(solved: Solved) -> float:
-    """Return the largest strain of free expansion."""
-    if solved.warmth is None:
-        return 0.0
-    most = np.array([max(max(abs(p.expansion_1), abs(p.expansion_2)) for p in s.plies) for s in solved.shells.laminates])
-    half = np.array([0.5 * own.thickness for own in solved.shells.laminates])[solved.shells.section]
-    rise = np.abs(solved.warmth[:, 0]) + half * np.abs(solved.warmth[:, 1])
-    return float((most[solved.shells.section] * rise).max())
-
-
-def _nodes(shells: Shells) -> IntArray:
-    return np.concatenate([shells.mesh.quads.ravel(), shells.mesh.trias.ravel()])

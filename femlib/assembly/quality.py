@@ -12,6 +12,7 @@ is a table in docs/wing.md; alone, it does not see the twist of a strip one elem
 
 import hashlib
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -65,26 +66,23 @@ class Judge:
 
     Attributes
     ----------
+    shells : Shells
+        The structure.
     finer : Refined, optional
         The structure on the finer mesh; None where that would be too large.
     """
 
     def __init__(self, shells: Shells, supports: Supports) -> None:
-        self._shells, self._supports = shells, supports
+        self.shells, self._supports = shells, supports
         self._made: Kept[str, Refined | None] = Kept()
         self._factors: Kept[str, Factors] = Kept()
         self._errors: Kept[str, float] = Kept()
         self._last: tuple[str, FloatArray] = ("", np.zeros(0))
 
     @property
-    def supports(self) -> Supports:
-        """What is held."""
-        return self._supports
-
-    @property
     def finer(self) -> Refined | None:
         """The structure on the finer mesh, made when it is first asked for."""
-        return self._made.get("", lambda: Refined.finest(self._shells, self._supports))
+        return self._made.get("", lambda: Refined.finest(self.shells, self._supports))
 
     def quality(
         self,
@@ -103,16 +101,14 @@ class Judge:
         if warmth is not None:
             return self._of_warm(load, moved, factor, warmth)
         if not np.any(load):
-            return Quality(np.zeros(self._shells.mesh.n_elements))
-        estimated = solution_quality(self._shells, moved, factor)
+            return Quality(np.zeros(self.shells.mesh.n_elements))
+        estimated = solution_quality(self.shells, moved, factor)
         if pristine is None:
             return estimated
         return Quality(estimated.mesh, self._errors.get(_name(load), lambda: self._distance(load, pristine)))
 
-    def _of_warm(
-        self, load: FloatArray, moved: FloatArray, factor: FloatArray | None, warmth: FloatArray
-    ) -> Quality:
-        shells = self._shells
+    def _of_warm(self, load: FloatArray, moved: FloatArray, factor: FloatArray | None, warmth: FloatArray) -> Quality:
+        shells = self.shells
         held, growth = held_back(shells, warmth, np.ones(shells.n_elements) if factor is None else factor)
         if not held and not np.any(load):
             return Quality(np.zeros(shells.mesh.n_elements))
@@ -135,26 +131,26 @@ class Judge:
         parts = [np.round(load / size, 12) + 0.0, factor, warmth]
         name = hashlib.sha256(b"-".join(b"" if part is None else part.tobytes() for part in parts)).hexdigest()
         if self._last[0] != name:
-            self._last = name, self.solution_on(finer, load / size, factor, warmth)[1]
+            self._last = name, self.solution_on(finer, load / size, factor, warmth)
         return np.asarray(size * self._last[1])
+
+    def cut_once(self) -> Refined:
+        """Return the structure with every element cut once."""
+        return Refined.of(self.shells, self._supports)
 
     def solution_on(
         self, finer: Refined, load: FloatArray, factor: FloatArray | None, warmth: FloatArray | None
-    ) -> tuple[Refined, FloatArray]:
-        """Return a finer mesh and the displacements (n_fine_dofs,) on it."""
+    ) -> FloatArray:
+        """Return the displacements (n_fine_dofs,) on a finer mesh."""
         held, shells, left = finer.supports, finer.shells, finer.factor(factor)
         force = finer.load(load) if np.any(load) else np.zeros(shells.mesh.n_dofs)
         if warmth is not None:
             n = shells.mesh.n_elements
             kept = warmth[finer.parent[:n]] * (1.0 if left is None else left[:n, None])
             force = force + thermal_load(shells, kept[:, 0], kept[:, 1])
-
-        def factorised() -> Factors:
-            return factorise(held.reduce(shells.stiffness(factor=left)), held.groups)
-
-        is_sound = factor is None or bool(np.all(factor == 1.0))
-        factors = self._factors.get("", factorised) if is_sound and finer is self.finer else factorised()
-        return finer, held.expand(factors.solve(force[held.free]))
+        is_kept = finer is self.finer and (factor is None or bool(np.all(factor == 1.0)))
+        made = partial(_factors, shells, held, left)
+        return held.expand((self._factors.get("", made) if is_kept else made()).solve(force[held.free]))
 
     def _distance(self, load: FloatArray, pristine: FloatArray) -> float:
         found, finer = self.finer_solution(load), self.finer
@@ -163,6 +159,10 @@ class Judge:
         fine = found[: len(pristine)].reshape(-1, DOFS_PER_NODE)[:, :3]
         coarse = pristine.reshape(-1, DOFS_PER_NODE)[:, :3]
         return relative_distance(coarse, fine, finer.share)
+
+
+def _factors(shells: Shells, supports: Supports, factor: FloatArray | None) -> Factors:
+    return factorise(supports.reduce(shells.stiffness(factor=factor)), supports.groups)
 
 
 def held_back(shells: Shells, warmth: FloatArray, factor: FloatArray) -> tuple[float, float]:
@@ -257,8 +257,7 @@ def checked_solution(shells: Shells, supports: Supports, load: FloatArray, limit
         If the structure is not held, or the displacements are estimated to be farther off than `limit`.
     """
     force = frozen_floats(load, "load", (supports.n_dofs,))
-    factors = factorise(supports.reduce(shells.stiffness()), supports.groups)
-    moved = supports.expand(factors.solve(force[supports.free]))
+    moved = supports.expand(_factors(shells, supports, None).solve(force[supports.free]))
     quality = Judge(shells, supports).quality(force, moved, moved, None)
     quality.refuse(limit)
     return judged(moved, quality.displacement_error)

@@ -74,7 +74,9 @@ def _nodal_rows(shells: Shells, kinds: list[PointStrains], length: float) -> tup
     fits = _fits(weight, np.concatenate([means @ places, places]), node, read, tangents)
     rows = fits @ sparse.vstack([means, sparse.eye_array(len(places))], "csr")
     if length > 0.0:
-        longest = np.concatenate([_longest_side(kind.points) for kind in kinds])
+        longest = np.concatenate(
+            [np.linalg.norm(np.roll(k.points, -1, 1) - k.points, axis=2).max(axis=1) for k in kinds]
+        )
         is_small = at @ (longest > SMALL * length) == 0.0
         part, of_element = names % shells.n_smooth, np.zeros(len(whole), dtype=np.int64)
         of_element[element] = part[group]
@@ -147,11 +149,6 @@ def _means(
     shares.eliminate_zeros()
     each = sparse.block_diag([block for of_kind in blocks for block in of_kind], "csr")
     return sparse.csr_array(sparse.diags_array(1.0 / np.maximum(shares.sum(axis=1), 1e-300)) @ shares @ each)
-
-
-def _longest_side(points: FloatArray) -> FloatArray:
-    """Return the longest side (n,) [m] of elements with corners (n, m, 3)."""
-    return np.asarray(np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2).max(axis=1))
 
 
 def _inside(shapes: FloatArray) -> FloatArray:

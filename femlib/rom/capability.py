@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from scipy.special import ndtr
 
 from femlib.arrays import FloatArray
 from femlib.assembly import buckling_modes
@@ -130,6 +131,15 @@ class Capability:
         """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
         return np.asarray(self.limits(states).min(axis=1))
 
+    def failure_probability(self, states: FloatArray, factor: float, spread: float) -> FloatArray:
+        """Return the probability (n_states,) that states do not bear a factor, of lognormal limits.
+
+        `spread` is the standard deviation of a limit's logarithm: of moduli, strengths and loads together.
+        """
+        if not is_number(factor) or not is_number(spread) or factor <= 0.0 or spread <= 0.0:
+            raise InputError(f"factor is {factor!r} and spread {spread!r}; expected numbers above 0; correct them")
+        return np.asarray(ndtr(np.log(factor / self.load_factors(states)) / spread))
+
     def _limits(self, damage: FloatArray) -> tuple[float, float, float]:
         parts = self.model.parts(damage[None])[0]
         factors = block_factors(self.blocks, self.strains @ parts, self.criterion)
@@ -212,7 +222,13 @@ def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, s
     left = structure.stiffness_left(state)
     modes = buckling_modes(shells, structure.supports, load, 1, left, limit=np.finfo(float).max, is_refined=False)
     factor = modes[0].factor if modes else float("inf")
-    return np.array([first_ply(structure, limits, moved), factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])
+    return np.array(
+        [
+            first_ply(structure, limits, moved),
+            factor,
+            limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300),
+        ]
+    )
 
 
 def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> float:

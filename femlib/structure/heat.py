@@ -14,7 +14,6 @@ from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
     BucklingMode,
-    Solved,
     Stresses,
     buckling_modes,
     checked_peak,
@@ -102,7 +101,7 @@ def heated(
     quality = structure.judge.quality(push, moved, None, left, warm)
     quality.refuse(limit)
     error = quality.displacement_error
-    off = checked_peak(structure.judge, Solved(shells, moved, push, left, length, warm), strain_limit)
+    off = checked_peak(structure.judge, moved, push, left, strain_limit, length, warm)
     stresses = ply_stresses(shells, moved, left, off, warmth=warm, length=length)
     return Heated(judged(moved.reshape(-1, DOFS_PER_NODE), error), stresses)
 

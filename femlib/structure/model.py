@@ -17,7 +17,6 @@ from femlib.assembly import (
     Mode,
     Quality,
     Shells,
-    Solved,
     Stresses,
     Supports,
     buckling_modes,
@@ -297,8 +296,7 @@ class Structure:
         moved, quality = self._judged(state, load)
         quality.refuse(limit)
         left = self.stiffness_left(state)
-        solved = Solved(self.built, moved.ravel(), np.asarray(load, dtype=np.float64), left, length)
-        error = checked_peak(self.judge, solved, strain_limit)
+        error = checked_peak(self.judge, moved.ravel(), np.asarray(load, np.float64), left, strain_limit, length)
         return ply_stresses(self.built, moved.ravel(), left, error, length=length)
 
     def reactions(self, state: Mapping[str, float], load: FloatArray, limit: float = MOST_ERROR) -> Judged:

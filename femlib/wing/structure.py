@@ -269,7 +269,7 @@ def _beside(lines: FloatArray, edges: Sequence[float], kept: FloatArray, first: 
     fixed, found = np.unique(np.round([*edges, *kept], 12)), lines
     for step, before in zip(EDGE_STEPS[::-1], (*EDGE_STEPS[-2::-1], 0.0), strict=True):
         wanted = np.concatenate([fixed[np.isin(fixed, np.round(edges, 12))] + side * step * first for side in (-1, 1)])
-        clear = (np.abs(wanted[:, None] - fixed).min(axis=1) > 0.9 * step * first) & (0.0 < wanted) & (wanted < 1.0)
+        clear = (np.abs(wanted[:, None] - fixed).min(axis=1) > 0.9 * step * first) & (wanted > 0.0) & (wanted < 1.0)
         wanted = np.sort(wanted[clear])
         wanted = wanted[np.diff(wanted, prepend=-1.0) > 0.5 * (step - before) * first]
         is_free = np.abs(found[:, None] - wanted).min(axis=1, initial=np.inf) > 0.5 * (step - before) * first
