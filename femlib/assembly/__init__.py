@@ -6,7 +6,7 @@ from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import edge_forces, line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, matrix_modes, natural_modes, point_masses
-from femlib.assembly.peaks import checked_peak
+from femlib.assembly.peaks import MOST_PEAK_ERROR, checked_peak
 from femlib.assembly.quality import (
     MOST_ERROR,
     Judge,
@@ -22,6 +22,7 @@ from femlib.assembly.supports import Supports
 
 __all__ = [
     "MOST_ERROR",
+    "MOST_PEAK_ERROR",
     "Beams",
     "BucklingMode",
     "BuiltUp",

@@ -13,6 +13,8 @@ from femlib.assembly.shells import Shells
 from femlib.assembly.stresses import corner_elements, corner_strains
 from femlib.errors import SolveError
 
+MOST_PEAK_ERROR = 0.02
+"""Estimated error of the largest strains beyond which they are refused."""
 GROWS = 0.9
 """Ratio of the growths by two cuts beyond which strains have no limit: 0.25 where they converge by the second order,
 0.5 by the first, 1 and more at a singular point."""

@@ -1,8 +1,8 @@
 """Strains and stresses of plies at the corners of shells, and the factors on the load at which the plies fail.
 
-At each node the strains are a linear fit to those of the elements of the same part (`recovery`, `Shells.smooth`),
-so that a corner of two patches, or where a layup ends, has the strains of both. Damage and a stiffness scale take a share of a
-ply's stress; the ply fails at the strain of its card: what is left of it carries the stress of the whole.
+At each node the strains are a linear fit to those of the elements of the same part (`recovery`, `Shells.smooth`), so
+that a corner of two patches, or where a layup ends, has the strains of both. Damage and a stiffness scale take a share
+of a ply's stress; the ply fails at the strain of its card: what is left of it carries the stress of the whole.
 
 Source of the last: J. Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83-89 (equivalence of strain).
 """

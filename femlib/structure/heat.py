@@ -13,6 +13,7 @@ import numpy as np
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
+    MOST_PEAK_ERROR,
     BucklingMode,
     Stresses,
     buckling_modes,
@@ -25,7 +26,7 @@ from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import damage_row
 from femlib.errors import InputError, SolveError, frozen_floats, is_number
 from femlib.mesh import DOFS_PER_NODE
-from femlib.structure.model import MOST_PEAK_ERROR, Structure
+from femlib.structure.model import Structure
 
 Warmth = Mapping[str, tuple[float, float]]
 """Temperature [K] above the stress-free one of the middle of the shells of each set, and its rise toward their top

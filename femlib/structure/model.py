@@ -11,6 +11,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray, IntArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
+    MOST_PEAK_ERROR,
     BucklingMode,
     BuiltUp,
     Judge,
@@ -45,8 +46,6 @@ MOST_GAUGE_ERROR = 0.1
 """Estimated error of gauge strains beyond which they are refused."""
 JUDGED = 0.8
 """Damage of all regions in which the mesh of a capability is judged."""
-MOST_PEAK_ERROR = 0.02
-"""Estimated error of the plies' largest strains beyond which they are refused."""
 LIGHT = 1e-3
 """Share of the load that a structure bears under which its mesh is judged: errors are relative, and nothing buckles."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
@@ -340,11 +339,10 @@ class Structure:
         limits = replace(structure_limits(self.mesh, place, direction, most_deflection, criterion), length=length)
         found = structure_capability(self.damaged, load, limits, settings, n_states, n_checks)
         sound = float(found.load_factors(np.zeros((1, len(self.parameters))))[0])
-        light, errors = LIGHT * sound * np.asarray(load), []
-        for lost in (0.0, JUDGED):
-            state = dict.fromkeys(self.parameters, lost)
-            errors.append(self.stresses(state, light, strain_limit=strain_limit, length=length).error)
-        return replace(found, mesh_error=max(errors))
+        light = LIGHT * sound * np.asarray(load)
+        states = [dict.fromkeys(self.parameters, lost) for lost in (0.0, JUDGED)]
+        error = max(self.stresses(s, light, strain_limit=strain_limit, length=length).error for s in states)
+        return replace(found, mesh_error=error)
 
     def natural_modes(
         self, n_modes: int, state: Mapping[str, float] | None = None, limit: float = MOST_ERROR
