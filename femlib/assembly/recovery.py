@@ -29,6 +29,7 @@ FAR = 0.01
 INSIDE = 1e-3
 """Weight of points beside the means of their elements, for directions that these leave open."""
 SMALL, CUTS = 1.3, 4
+"""Sides over the length up to which elements are cut, and in how many parts a side is."""
 MOST_PAIRS = 20_000_000
 """Nodes times points within the length, at most: some 2 GB."""
 
