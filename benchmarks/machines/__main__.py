@@ -18,13 +18,14 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.figure import Figure, area, share, statistic, table
+from benchmarks.machines.bare import bare_figures, of_its_twin
 from benchmarks.machines.draws import Key, seal
 from benchmarks.machines.frame import FRAME
 from benchmarks.machines.motor import MOTOR
 from benchmarks.machines.oven import OVEN
 from benchmarks.machines.panel import PANEL
 from benchmarks.machines.pump import PUMP
-from benchmarks.machines.selectors import SELECTORS, Said, answer, far
+from benchmarks.machines.selectors import Said, answer, far
 from benchmarks.machines.ship import SHIP
 from benchmarks.machines.tanks import TANKS
 from benchmarks.machines.transformer import TRANSFORMER
@@ -42,12 +43,33 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=50, help="of each machine")
     parser.add_argument("--seed", type=int, default=None, help="default: the clock")
     parser.add_argument("--machine", action="append", choices=MACHINES, help="may be given more than once")
-    parser.add_argument("--selector", action="append", choices=SELECTORS, help="may be given more than once")
+    parser.add_argument("--selector", action="append", choices=["diagnosis", "plain"], help="may be given twice")
+    parser.add_argument(
+        "--without-run", action="store_true", help="assets that obey their twin, diagnosed without a run"
+    )
     parser.add_argument("--out", type=Path, default=None, help="folder for cases and answers; it must be new")
     options = parser.parse_args()
     folder = options.out or Path(tempfile.mkdtemp(prefix="machines"))
     seed = int(time.time()) if options.seed is None else options.seed
-    print(run(folder, seed, options.draws, options.machine or list(MACHINES), options.selector or list(SELECTORS)))
+    names = options.machine or list(MACHINES)
+    if options.without_run:
+        print(run_bare(folder, seed, options.draws, names))
+    else:
+        print(run(folder, seed, options.draws, names, options.selector or ["diagnosis", "plain"]))
+
+
+def run_bare(folder: Path, seed: int, draws: int, machines: Sequence[str]) -> str:
+    """Return the table of a set without runs, which is made in a new folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    keys = folder.resolve().parent / f"{folder.name}.keys.json"
+    seal(folder, keys, seed, draws, [of_its_twin(MACHINES[name]) for name in machines])
+    said = {name: _asked(folder, name, "bare") for name in machines}
+    cases: dict[str, Key] = open_keys(folder, keys)
+    columns = {
+        name: bare_figures(MACHINES[name], [(answer, cases[k]) for k, answer in found.items()])
+        for name, found in said.items()
+    }
+    return f"Seed {seed}, {draws} draws of each.\n\n{table('Machines, without a run', columns)}"
 
 
 def run(folder: Path, seed: int, draws: int, machines: Sequence[str], selectors: Sequence[str]) -> str:

@@ -28,7 +28,7 @@ MOST_DRAWS = 2000
 
 
 class Key(TypedDict):
-    """What is wrong in a case: kind, place, size and d' of each fault."""
+    """What is wrong in a case: kind, place, size and d' of each fault, and what makes the machine its own."""
 
     name: str
     machine: str
@@ -37,6 +37,7 @@ class Key(TypedDict):
     faults: list[tuple[str, str, float]]
     d_prime: list[float]
     noise: str
+    own: dict[str, float]
     new: list[float]
     salt: str
 
@@ -46,7 +47,8 @@ def seal(folder: Path, keys: Path, seed: int, count: int, machines: Sequence[Mac
     answers: dict[str, Key] = {}
     for machine in machines:
         rng = np.random.default_rng([seed, *machine.name.encode()])
-        strata = [s for s, share in SHARES.items() for _ in range(round(share * count))]
+        shares = {s: share for s, share in SHARES.items() if machine.outside or s != "outside"}
+        strata = [s for s, share in shares.items() for _ in range(round(share * count / sum(shares.values())))]
         rng.shuffle(strata)
         for k, stratum in enumerate(strata):
             name = f"{machine.name}{k:03d}"
@@ -69,6 +71,7 @@ def _case(place: Path, stratum: str, machine: Machine, rng: np.random.Generator)
         "faults": [(fault.kind, fault.place, fault.size) for fault in faults],
         "d_prime": d_prime,
         "noise": noise,
+        "own": dict(own),
         "new": machine.means(own, faults, [machine.new_cell])[0].tolist(),
         "salt": secrets.token_hex(16),
     }

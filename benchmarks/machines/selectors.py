@@ -9,9 +9,11 @@ import numpy as np
 
 from benchmarks.machines.machine import Machine
 from benchmarks.plain.selector import select
-from octmip.gap import Campaign, FunctionTwin, diagnose, read_campaign
+from octmip.gap import Campaign, Differences, FunctionTwin, Odds, diagnose, read_campaign
 from octmip.twin import load_of
 
+BUILT = 0.05
+"""Sd of a constant of an asset over that of the drawing, where a diagnosis is told it."""
 Groups = list[list[str]]
 """For every effect of a cause the names that cannot be told apart."""
 Sizes = list[tuple[str, str, float, float]]
@@ -34,6 +36,8 @@ class Said:
         of the run.
     closed
         what the page says that the first cause closes; None where it says nothing.
+    constants
+        name and 90 % interval of each, where no run says them.
     new, before
         (n_readings,) at the load that no campaign holds, with the first cause and without.
     """
@@ -47,6 +51,7 @@ class Said:
     closed: float | None = None
     new: tuple[float, ...] = ()
     before: tuple[float, ...] = ()
+    constants: tuple[tuple[str, float, float], ...] = ()
     seconds: float = 0.0
     calls: int = 0
 
@@ -59,7 +64,7 @@ def diagnosis(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Ma
     start = time.process_time()
     found = diagnose(campaign, twin, commissioning=run)
     seconds = time.process_time() - start
-    calls = len(twin._answers)
+    calls = len(twin.answers)
     names = [[sorted(group) for group in cause.names] for cause in found.credible]
     first, closing = found.which[0], found.shrinkage
     load = load_of(twin.loads, tuple(machine.new_cell.values()))
@@ -94,11 +99,22 @@ def plain(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machin
         sizes=[(e.name, p, *s[1:]) for (e, p), s in zip(first.members, first.sizes.tolist(), strict=True)],
         doubts=[],
         seconds=time.process_time() - start,
-        calls=len(twin._answers),
+        calls=len(twin.answers),
     )
 
 
-SELECTORS: Mapping[str, Selector] = {"diagnosis": diagnosis, "plain": plain}
+def bare(campaign: Campaign, twin: FunctionTwin, run: Campaign, machine: Machine) -> Said:
+    """Return what octmip.gap says without the run, told how far constants are from the drawing."""
+    start = time.process_time()
+    found = diagnose(campaign, twin, odds=Odds(differences=Differences(constants=BUILT)))
+    seconds = time.process_time() - start
+    names = [[sorted(group) for group in cause.names] for cause in found.credible]
+    constants = tuple((one.name, *one.interval) for one in found.constants)
+    unknown = found.unknown_probability
+    return Said(names[0], names, found.which[0].probability, unknown, [], [], constants=constants, seconds=seconds)
+
+
+SELECTORS: Mapping[str, Selector] = {"diagnosis": diagnosis, "plain": plain, "bare": bare}
 
 
 def answer(place: Path, machine: Machine, selector: str) -> Said:

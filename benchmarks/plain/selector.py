@@ -1,10 +1,11 @@
-"""The plain selector: linear Gaussian evidence for each effect of a library, alone and in pairs.
+"""The plain selector: exact maps, Gauss and Newton's steps, Laplace's evidence of no, one or two effects, or unknown.
 
-    reading - twin - difference = sum_j size_j s_j + N x + noise,     size_j ~ N(mean_j, (k sd_j)^2), k = 1/3, 1, 3
+    mean reading = F(states, sizes) + difference + e,    size ~ N(mean, (k sd)^2) within its range, k = 1/3, 1, 3
 
-in every gauge and cell (one test at one load). A signature s_j is wrong by a share of itself at each gauge, which adds
-(share size_j)^2 s_j s_j^T to the covariance of that gauge; `N` holds nuisances. What no effect explains has a known
-course over the cells and an unknown size at each gauge. A pair holds one of the twelve best single effects.
+in every cell (one test at one load) and gauge. F is the twin as the run says that it was built, asked with the effects
+in it; the difference is what the run reads more at that load, else `BARE` of the reading. What an effect of the
+structure changes is wrong by `SHARE` of itself at each reading. A pair holds one of `N_HEADS` single effects; those
+that may count are fitted. What no effect explains is a course over the cells, of an unknown size at each gauge.
 """
 
 from collections.abc import Sequence
@@ -14,36 +15,29 @@ from itertools import product
 import numpy as np
 from scipy.special import logsumexp, ndtr
 
-from benchmarks.plain.readings import Readings, readings_of, with_states
-from femlib.arrays import FloatArray, IntArray
-from octmip.gap import Campaign
-from octmip.gap.diagnosis import library_of
+from femlib.arrays import FloatArray
+from octmip.gap import Addition, AugmentedTwin, Campaign
+from octmip.gap.doors.built import as_built
 from octmip.gap.effects import in_chain
+from octmip.gap.inference.candidates import bounds_of
+from octmip.gap.preparation import library_of
 from octmip.gap.twins import CachedTwin
-from octmip.twin import Effect, Twin, amounts_of
+from octmip.twin import Effect, Load, State, Twin, state_limits_of
 
 PRIOR = {"none": 0.50, "single": 0.38, "pair": 0.07, "unknown": 0.04}
-SCALES = (1 / 3, 1.0, 3.0)
-SHARES = (0.01, 0.10)
-"""Relative error of a signature of the measuring chain, and of the structure."""
-UNKNOWN_SIZES = (0.003, 0.01, 0.03, 0.1, 0.3)
-"""Over the typical reading of a gauge."""
-N_HEADS, N_EXACT = 12, 16
-"""Single effects that are tried with all others; those whose signature is taken between 0 and the size found."""
-AT_ONCE = 128
-"""Sets whose products fit into the processor's cache."""
-SEPARABLE, CREDIBLE, Z90 = 3.0, 0.95, 1.645
-IDLE = 1e-4
-"""Probability below which a hypothesis is not looked at."""
-Fit = tuple[FloatArray, FloatArray, FloatArray]
-"""Log evidence (n_sets,), sizes and their sds (n_sets, n_members)."""
+SCALES, UNKNOWN_SIZES = (1 / 3, 1.0, 3.0), (0.003, 0.01, 0.03, 0.1, 0.3)
+SHARE, BARE, LEFT, CONSTANTS = 0.06, 0.05, 0.003, 0.08
+"""Of what an effect changes; of the reading without a run at its load, and beside one."""
+N_HEADS, N_PAIRS, STEPS, STEP, STATE_SD = 8, 24, 4, 0.2, 0.3
+SEPARABLE, CREDIBLE, Z90, IDLE = 3.0, 0.95, 1.645, 1e-4
+Member = tuple[Effect, str]
 
 
 @dataclass(frozen=True, eq=False)
 class PlainCause:
     """One explanation: (effect, place) of each member, (size, low, high) of each at 90 %, names not told apart."""
 
-    members: tuple[tuple[Effect, str], ...]
+    members: tuple[Member, ...]
     sizes: FloatArray
     probability: float
     names: tuple[frozenset[str], ...]
@@ -60,175 +54,180 @@ class Selection:
     states: FloatArray
 
 
-def select(campaign: Campaign, twin: Twin, run: Campaign | None = None, noise_sd: float | None = None) -> Selection:
+@dataclass(frozen=True, eq=False)
+class _Fit:
+    """Members, log evidence, open states and sizes, their sds, slopes (n, n_open + n_members), what members change."""
+
+    members: tuple[Member, ...]
+    log: float
+    at: FloatArray
+    spread: FloatArray
+    slopes: FloatArray
+    change: FloatArray
+
+
+def select(campaign: Campaign, twin: Twin, run: Campaign | None = None) -> Selection:
     """Return the probability of no effect, of every single one, of pairs, and of something unknown."""
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    read = readings_of(campaign, asked, run, noise_sd)
-    effects = library_of(twin, campaign).values()
-    library = [e for e in effects if not getattr(e, "is_nameless", False)]  # its unknown has courses of its own
-    every = [(effect, place) for effect in library for place in effect.places(asked)]
-    signatures = _signatures(read, every)
-    kept = [k for k, signature in enumerate(signatures) if np.any(np.abs(signature) > 1e-12 * read.typical[:, None])]
-    members = [every[k] for k in kept]
-    read = with_states(read, signatures[kept], np.array([effect.prior_sd for effect, _ in members]))
-    model = _Model(read, members, _signatures(read, members))
-    alone = model.evidence(np.arange(len(members))[:, None])
-    best = np.argsort(-alone[0])[:N_EXACT]
-    model.signatures[best] = _signatures(read, [members[k] for k in best], alone[1][best, 0])
-    return _selection(model)
+    sound = as_built(twin if isinstance(twin, CachedTwin) else CachedTwin(twin), run, CONSTANTS)
+    asked = _Asked(campaign, sound, run)
+    library = [e for e in library_of(sound, campaign).values() if not getattr(e, "is_nameless", False)]
+    members = [(e, place) for e in library for place in e.places(sound)]
+    share = {e.name: float(np.log(len(library) * max(1, len(e.places(sound))))) for e in library}
+    none = asked.fitted(())
+    singles = [asked.fitted((member,), none.at) for member in members]
+    singles.sort(key=lambda fit: share[fit.members[0][0].name] - fit.log)
+    pairs = [(one, two) for k, one in enumerate(singles[:N_HEADS]) for two in singles[k + 1 :]]
+    pairs = [(one, two) for one, two in pairs if one.members[0][0] is not two.members[0][0]]
+    logs = [asked.log_of_two(none, *pair) - sum(share[fit.members[0][0].name] for fit in pair) for pair in pairs]
+    best = [pairs[k] for k in np.argsort(-np.array(logs))[:N_PAIRS]]
+    doubles = [asked.fitted(a.members + b.members, [*none.at, a.at[-1], b.at[-1]]) for a, b in best]
+    fits, prior = [none, *singles, *doubles], [PRIOR["none"], PRIOR["single"], 2.0 * PRIOR["pair"]]
+    logs = [fit.log + np.log(prior[len(fit.members)]) - sum(share[e.name] for e, _ in fit.members) for fit in fits]
+    logs.append(float(np.log(PRIOR["unknown"])) + asked.unknown(none))
+    return _selection(asked, fits, np.exp(np.array(logs) - logsumexp(logs)))
 
 
-def _signatures(read: Readings, members: Sequence[tuple[Effect, str]], sizes: FloatArray | None = None) -> FloatArray:
-    """Return what effects change per unit of size (n_members, n_gauges, n_cells), at 0 or between 0 and a size."""
-    found = np.zeros((len(members), *read.residual.shape))
-    states = [dict(zip(read.twin.parameters, row, strict=True)) for row in read.states.tolist()]
-    for c, (cell, state) in enumerate(zip(read.campaign.cells, states, strict=True)):
-        here = read.twin.predict(state, cell.load)[read.order]
-        real = np.where(np.abs(here) > 0.01 * read.typical, read.expected[:, c] / np.where(here == 0.0, 1.0, here), 1.0)
-        for k, (effect, place) in enumerate(members):
-            if sizes is not None and hasattr(effect, "predict") and sizes[k] != 0.0:
-                there = effect.predict(read.twin, state, cell.load, sizes[k], place, cell.time)[read.order]
-                found[k, :, c] = (there - here) / sizes[k]
-            else:
-                change = read.twin.signatures(effect, (place,), state, cell.load, cell.time)[0][read.order]
-                found[k, :, c] = change * (real if in_chain(effect) and effect.load_power is None else 1.0)
+class _Asked:
+    """The means of a campaign (n,), their variance, and what twin and effects make of them."""
+
+    def __init__(self, campaign: Campaign, twin: CachedTwin, run: Campaign | None) -> None:
+        self.twin, self.cells = twin, campaign.cells
+        self.order = [twin.gauges.index(name) for name in campaign.gauges]
+        self.known, limits = np.array([cell.state for cell in self.cells]), state_limits_of(twin)
+        free = [(c.test, k) for c, s in zip(self.cells, self.known, strict=True) for k in np.flatnonzero(np.isnan(s))]
+        self.open = {one: 0.95 * limits[one[1]] for one in free if limits[one[1]] > 0.0}
+        self.of_load = {} if run is None else _differences(run, twin, campaign.gauges)
+        mean, count = (np.array([getattr(cell, what) for cell in self.cells]) for what in ("mean", "count"))
+        typical = np.sqrt(np.mean(self.reading((), np.zeros(len(self.open))) ** 2, axis=0))
+        self.typical = np.maximum(typical, 0.01 * typical.max())
+        is_run = np.array([cell.load in self.of_load for cell in self.cells])[:, None]
+        variance = _noise([campaign, *([run] if run else [])]) * (1.0 + is_run) / np.maximum(count, 1)
+        variance = variance + (np.where(is_run, LEFT, BARE) * self.typical) ** 2
+        self.variance = np.where(count > 0, variance, 1e12 * self.typical**2)
+        self.mean = np.where(count > 0, np.nan_to_num(mean), 0.0)
+
+    def reading(self, members: Sequence[Member], at: Sequence[float] | FloatArray) -> FloatArray:
+        """Return the readings (n_cells, n_gauges) with open states and sizes `at`."""
+        n, states = len(self.open), np.nan_to_num(self.known)
+        for (test, k), value in zip(self.open, at, strict=False):
+            states[[cell.test == test for cell in self.cells], k] = value
+        parts = [Addition(e, place, float(size)) for (e, place), size in zip(members, at[n:], strict=True)]
+        parts.sort(key=lambda part: in_chain(part.effect))  # the structure first, the chain last
+        whole = AugmentedTwin(self.twin, tuple(parts), self._difference)
+        named = [dict(zip(self.twin.parameters, state.tolist(), strict=True)) for state in states]
+        rows = [whole.predict(s, cell.load, cell.time) for s, cell in zip(named, self.cells, strict=True)]
+        return np.array(rows)[:, self.order]
+
+    def _difference(self, state: State, load: Load) -> FloatArray:
+        return self.of_load.get(load, np.zeros(len(self.twin.gauges)))
+
+    def fitted(self, members: tuple[Member, ...], start: Sequence[float] | FloatArray = ()) -> _Fit:
+        """Return the most probable states and sizes, and the evidence; the first of them begin where they are told."""
+        n, effects = len(self.open), [effect for effect, _ in members]
+        low, high = np.array([*((0.0, most) for most in self.open.values()), *map(bounds_of, effects)]).reshape(-1, 2).T
+        mean = np.array([0.5 * most for most in self.open.values()] + [e.prior_mean for e in effects])
+        sd = np.array([STATE_SD] * n + [e.prior_sd for e in effects])
+        share = np.array([0.0] * n + [0.0 if in_chain(e) else SHARE for e in effects])
+        scaled = np.array([False] * n + [e.prior_mean == 0.0 for e in effects], dtype=bool)
+        at = np.array([*start, *np.clip(mean, low, high)[len(start) :]])
+        for _ in range(STEPS):
+            here = self.reading(members, at)
+            ahead = np.where(np.abs(at) > STEP * sd, -at, np.where(at + STEP * sd <= high, STEP, -STEP) * sd)
+            moved = [(self.reading(members, at + step) - here).ravel() for step in np.diag(ahead)]
+            slopes = (np.array(moved).reshape(len(sd), here.size) / ahead[:, None]).T
+            weight = (self.variance.ravel() + np.sum((share * slopes * at) ** 2, axis=1)) ** -0.5
+            white, left = slopes * weight[:, None], ((self.mean - here).ravel() + slopes @ at) * weight
+            at = np.clip(_posterior(white, left, mean, np.where(scaled, SCALES[-1] * sd, sd))[0], low, high)
+        logs, spread = [], np.zeros(len(sd))
+        for scale in SCALES:
+            own = np.where(scaled, scale * sd, sd)
+            middle, covariance, log = _posterior(white, left, mean, own)
+            spread = np.sqrt(np.diag(covariance))
+            inside = [ndtr((high - m) / s) - ndtr((low - m) / s) for m, s in ((middle, spread), (mean, own))]
+            logs.append(log + np.log(weight).sum() + np.log(np.maximum(inside[0], 1e-300) / inside[1]).sum())
+        change = (self.reading(members, at) - self.reading((), at[:n])) / np.sqrt(self.variance)
+        return _Fit(members, float(logsumexp(logs) - np.log(len(logs))), at, spread, slopes, change)
+
+    def log_of_two(self, none: _Fit, one: _Fit, two: _Fit) -> float:
+        """Return about what two effects have for evidence, by their slopes where they are alone."""
+        weight, n = self.variance.ravel() ** -0.5, len(self.open)
+        columns = np.column_stack([none.slopes, one.slopes[:, n:], two.slopes[:, n:]])
+        effects = [one.members[0][0], two.members[0][0]]
+        mean = np.array([*none.at, *(e.prior_mean for e in effects)])
+        sd = np.array([STATE_SD] * n + [SCALES[-1] * e.prior_sd for e in effects])
+        left = (self.mean - self.reading((), none.at)).ravel() + none.slopes @ none.at
+        return _posterior(columns * weight[:, None], left * weight, mean, sd)[2]
+
+    def unknown(self, none: _Fit) -> float:
+        """Return the log evidence of courses over the cells, of a size of their own at every gauge."""
+        here, n = self.reading((), none.at), len(self.cells)
+        tests = np.array([[a.test == b.test for a in self.cells] for b in self.cells], dtype=float)
+        logs = []
+        for size, kind in product(UNKNOWN_SIZES, range(4)):
+            total = 0.0
+            for of, rest, own, typical in zip(here.T, (self.mean - here).T, self.variance.T, self.typical, strict=True):
+                course = (np.ones((n, n)), np.outer(of, of) / typical**2, np.eye(n), tests)[kind]
+                covariance = np.diag(own) + (size * typical) ** 2 * course
+                total -= 0.5 * (rest @ np.linalg.solve(covariance, rest) + np.linalg.slogdet(covariance)[1])
+            logs.append(total)
+        return float(logsumexp(logs) - np.log(len(logs)))
+
+
+def _posterior(
+    white: FloatArray, left: FloatArray, mean: FloatArray, sd: FloatArray
+) -> tuple[FloatArray, FloatArray, float]:
+    """Return mean and covariance of what whitened columns (n, k) are multiplied by, and the log evidence of (n,)."""
+    inner = white.T @ white + np.diag(sd**-2.0)
+    covariance = np.asarray(np.linalg.inv(inner), dtype=np.float64)
+    middle = covariance @ (white.T @ left + mean / sd**2)
+    misfit = left @ left + np.sum((mean / sd) ** 2) - middle @ inner @ middle
+    return middle, covariance, float(-0.5 * (misfit + np.linalg.slogdet(inner)[1]) - np.log(sd).sum())
+
+
+def _differences(run: Campaign, twin: CachedTwin, gauges: Sequence[str]) -> dict[Load, FloatArray]:
+    """Return what the run reads more than the twin (n_gauges of the twin,), by load; 0 where it reads nothing."""
+    known = [(twin.gauges.index(name), run.gauges.index(name)) for name in gauges]
+    found = {}
+    for cell in run.cells:
+        state = dict(zip(run.parameters, np.nan_to_num(cell.state).tolist(), strict=True))
+        there, rest = twin.predict(state, cell.load), np.zeros(len(twin.gauges))
+        for k, own in known:
+            rest[k] = cell.mean[own] - there[k] if cell.count[own] else 0.0
+        found[cell.load] = rest
     return found
 
 
-class _Model:
-    """The linear model: evidence of sets of members, and which members the readings tell apart."""
-
-    def __init__(self, read: Readings, members: Sequence[tuple[Effect, str]], signatures: FloatArray) -> None:
-        self.read, self.members, self.signatures = read, members, signatures
-        effects = [effect for effect, _ in members]
-        self.names = np.array([effect.name for effect in effects])
-        self.mean, self.sd = (np.array([getattr(e, what) for e in effects]) for what in ("prior_mean", "prior_sd"))
-        bounds = [getattr(e, "bounds", (0.0 if e.is_one_sided else -np.inf, np.inf)) for e in effects]
-        self.bounds = np.array(bounds).reshape(-1, 2)
-        errors = [SHARES[0] if in_chain(e) else max(SHARES[1], getattr(e, "signature_error", 0.0)) for e in effects]
-        self.share = np.array(errors)
-
-    def white(self, columns: FloatArray, more: FloatArray | float = 0.0) -> tuple[FloatArray, float]:
-        """Return columns (n, n_gauges, n_cells) of unit noise, covariance added or not, and minus half its log det."""
-        root = np.linalg.cholesky(self.read.covariance + more)
-        log = -float(np.log(np.diagonal(root, axis1=1, axis2=2)).sum())
-        return np.linalg.solve(root, columns[..., None])[..., 0], log
-
-    def bent(self) -> list[FloatArray]:
-        """Return the signatures times each load that varies, between -1 and 1: their error may grow with it."""
-        applied = np.array([amounts_of(cell.load) for cell in self.read.campaign.cells]).reshape(
-            len(self.read.states), -1
-        )
-        width = np.maximum(np.ptp(applied, axis=0), 1e-300)
-        return [
-            self.signatures * (2.0 * load - load.max() - load.min()) / w
-            for load, w in zip(applied.T, width, strict=True)
-            if w > 1e-300
-        ]
-
-    def evidence(self, sets: IntArray) -> Fit:
-        """Return log evidence (n_sets,), sizes and their sds (n_sets, n_members) of sets of members."""
-        columns = [self.read.residual[None], self.read.nuisances, self.signatures, *self.bent()]
-        told, log_det = self.white(np.concatenate(columns))
-        parts = [self._evidence(sets[k : k + AT_ONCE], told, log_det) for k in range(0, len(sets), AT_ONCE)]
-        log, size, spread = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return log, size, spread
-
-    def _evidence(self, sets: IntArray, told: FloatArray, log_det: float) -> Fit:
-        """Return the evidence of some sets, given the whitened columns and minus half their log det."""
-        n, nuisances = sets.shape[1], self.read.nuisances
-        first, every = 1 + len(nuisances), len(self.names) * np.arange(len(told) // len(self.names))
-        shared = np.broadcast_to(told[:first], (len(sets), *told[:first].shape))
-        columns = np.concatenate([shared, *(told[first + sets + k] for k in every)], axis=1)
-        products, found = np.einsum("hagc,hbgc->hgab", columns, columns), []
-        for scale in product(SCALES, repeat=n):
-            sd = np.where(self.mean[sets] == 0.0, scale, 1.0) * self.sd[sets]
-            size = np.zeros_like(sd)
-            for _ in range(2):  # the error of a signature goes with the size
-                gram, log = products, np.full(len(sets), log_det)
-                for m in range(n * len(every) if size.any() else 0):
-                    wrong, own = (self.share[sets[:, m % n]] * size[:, m % n]) ** 2, gram[..., first + m]
-                    grown = 1.0 + wrong[:, None] * own[..., first + m]
-                    log -= 0.5 * np.log(grown).sum(axis=1)
-                    gram = gram - (wrong[:, None] / grown)[..., None, None] * own[..., :, None] * own[..., None, :]
-                log, size, spread = self._sized(gram[..., : first + n, : first + n].sum(axis=1), log, sets, sd)
-            found.append((log - n * np.log(len(SCALES)), size, spread))
-        logs, sizes, spreads = (np.array([part[k] for part in found]) for k in range(3))
-        best = np.argmax(logs, axis=0), np.arange(len(sets))
-        return logsumexp(logs, axis=0), sizes[best], spreads[best]
-
-    def _sized(self, gram: FloatArray, log: FloatArray, sets: IntArray, sd: FloatArray) -> Fit:
-        """Return log evidence, sizes and sds, given the products of residual, nuisances and members."""
-        n = sets.shape[1]
-        free = np.ones((len(sets), gram.shape[1] - 1 - n))
-        precision, mean = np.concatenate([free, sd**-2], 1), np.concatenate([0.0 * free, self.mean[sets]], 1)
-        inner = gram[:, 1:, 1:] + precision[:, :, None] * np.eye(precision.shape[1])
-        right = gram[:, 1:, 0] + precision * mean
-        covariance = np.linalg.inv(inner)
-        at = np.einsum("hab,hb->ha", covariance, right)
-        log = log - 0.5 * (gram[:, 0, 0] + np.sum(precision * mean**2, 1) - np.sum(right * at, 1))
-        log += 0.5 * (np.log(precision).sum(axis=1) - np.linalg.slogdet(inner)[1])
-        low, high = np.moveaxis(self.bounds[sets], 2, 0)
-        size, spread = at[:, free.shape[1] :], np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))[:, free.shape[1] :]
-        inside = [ndtr((high - m) / s) - ndtr((low - m) / s) for m, s in ((size, spread), (self.mean[sets], sd))]
-        log += np.sum(np.log(np.maximum(inside[0], 1e-300)) - np.log(inside[1]), axis=1)
-        return log, np.clip(size, low, high), spread
-
-    def unknown(self) -> float:
-        """Return the log evidence of what no effect explains: courses over the cells, free at every gauge."""
-        read, cells = self.read, self.read.campaign.cells
-        of = read.expected / read.typical[:, None]
-        times = np.array([cell.time for cell in cells]) / max(1.0, *(cell.time for cell in cells))
-        tests = [np.array([cell.test == test for cell in cells]) for test in dict.fromkeys(cell.test for cell in cells)]
-        courses = [np.ones_like(of), of, of * np.abs(of), times + 0.0 * of, *(of * at for at in tests[1:])]
-        parts = [c[:, :, None] * c[:, None, :] for c in courses] + [np.ones_like(of)[:, :, None] * np.eye(len(cells))]
-        columns, none, logs = np.concatenate([read.residual[None], read.nuisances]), np.zeros((1, 0)), []
-        for part, size in product(parts, UNKNOWN_SIZES):
-            told, log = self.white(columns, (size * read.typical[:, None, None]) ** 2 * part)
-            flat = told.reshape(1, len(told), -1)
-            logs.append(self._sized(flat @ flat.transpose(0, 2, 1), np.array([log]), none.astype(int), none)[0][0])
-        return float(logsumexp(logs) - np.log(len(logs)))
-
-    def changes(self, sets: IntArray, sizes: FloatArray) -> FloatArray:
-        """Return what sets change (n_sets, n_readings) in noise sds, but for what nuisances imitate."""
-        white, _ = self.white(np.concatenate([self.read.nuisances, self.signatures]))
-        flat, n = white.reshape(len(white), -1), len(self.read.nuisances)
-        basis = np.linalg.qr(flat[:n].T)[0]
-        rest = flat[n:] - (flat[n:] @ basis) @ basis.T
-        return np.asarray(np.einsum("hm,hmr->hr", sizes, rest[sets]))
+def _noise(campaigns: Sequence[Campaign]) -> FloatArray:
+    """Return the variance (n_gauges,) of one reading, grown by how alike neighbours in time are."""
+    columns = [[one.gauges.index(name) for name in campaigns[0].gauges] for one in campaigns]
+    pairs = [(one, at, cell) for one, at in zip(campaigns, columns, strict=True) for cell in one.cells]
+    rests = [(one.readings[cell.rows] - cell.mean)[:, at] for one, at, cell in pairs if len(cell.rows) > 1]
+    free = np.sum([np.isfinite(rest).sum(axis=0) - 1 for rest in rests], axis=0)
+    variance = np.sum([np.nansum(rest**2, axis=0) for rest in rests], axis=0) / np.maximum(free, 1)
+    alike = float(np.sum([np.nansum(rest[1:] * rest[:-1]) for rest in rests]))
+    rho = float(np.clip(alike / max(float((variance * free).sum()), 1e-300), 0.0, 0.9))
+    grown = (1.0 + rho) / (1.0 - rho) if rho > 2.0 / np.sqrt(free.sum()) else 1.0
+    return np.asarray(grown * np.maximum(variance, 1e-12 * variance.max()))
 
 
-def _selection(model: _Model) -> Selection:
+def _selection(asked: _Asked, fits: Sequence[_Fit], probability: FloatArray) -> Selection:
     """Return the causes: hypotheses whose changes cannot be told apart are one, under the name of the simplest."""
-    names, n = model.names, len(model.names)
-    kinds, kind, count = np.unique(names, return_inverse=True, return_counts=True)
-    log_place = -np.log(len(kinds) * count[kind])
-    sets = [np.zeros((1, 0), dtype=int), np.arange(n)[:, None]]
-    fits = [model.evidence(s) for s in sets]
-    heads = np.argsort(-(fits[1][0] + log_place))[:N_HEADS]
-    pairs = {(min(i, j), max(i, j)) for i in heads for j in range(n) if names[i] != names[j]}
-    sets.append(np.array(sorted(pairs)).reshape(-1, 2))
-    fits.append(model.evidence(sets[2]))
-    priors = [np.log(PRIOR[kind] * (m or 1)) for m, kind in enumerate(("none", "single", "pair"))]
-    logs = [p + log_place[s].sum(axis=1) + fit[0] for p, s, fit in zip(priors, sets, fits, strict=True)]
-    log = np.concatenate([*logs, [np.log(PRIOR["unknown"]) + model.unknown()]])
-    probability = np.exp(log - logsumexp(log))
-    unknown = float(probability[-1])
-    told = [tuple(members) for s in sets for members in s.tolist()]
-    sizes, spreads = ([row for fit in fits for row in fit[k]] for k in (1, 2))
-    changes = np.concatenate([model.changes(s, fit[1]) for s, fit in zip(sets, fits, strict=True)])
+    n, unknown = len(asked.open), float(probability[-1])
     causes, left = [PlainCause((), np.zeros((0, 3)), unknown, (), is_unknown=True)], np.argsort(-probability[:-1])
     while len(left) and probability[left[0]] > IDLE:
-        is_same = np.linalg.norm(changes[left] - changes[left[0]], axis=1) < SEPARABLE
+        is_same = np.array([np.linalg.norm(fits[k].change - fits[left[0]].change) < SEPARABLE for k in left])
         same, left = left[is_same], left[~is_same]
-        head = min(same, key=lambda k: len(told[k]))  # the first of the fewest, which is the most probable of these
-        alike = [set(told[k]) for k in same if len(told[k]) == len(told[head])]
-        beside = [set(told[head]) - {member} for member in told[head]]
-        groups = [frozenset(str(names[k]) for s in alike if others < s for k in s - others) for others in beside]
-        bounds = [sizes[head] + z * spreads[head] for z in (0.0, -Z90, Z90)]
-        members = tuple(model.members[k] for k in told[head])
-        causes.append(PlainCause(members, np.stack(bounds, axis=1), float(probability[same].sum()), tuple(groups)))
+        head = fits[min(same, key=lambda k: len(fits[k].members))]
+        called = [{(e.name, place) for e, place in fits[k].members} for k in same]
+        alike = [own for own in called if len(own) == len(head.members)]
+        beside = [{(e.name, at) for e, at in head.members} - {(own.name, place)} for own, place in head.members]
+        names = tuple(frozenset(name for own in alike if rest < own for name, _ in own - rest) for rest in beside)
+        sizes = np.stack([head.at[n:] + z * head.spread[n:] for z in (0.0, -Z90, Z90)], axis=1)
+        causes.append(PlainCause(head.members, sizes, float(probability[same].sum()), names))
     causes.sort(key=lambda cause: -cause.probability)
     before = np.cumsum([0.0, *(cause.probability for cause in causes)])
     credible = tuple(cause for cause, sum_ in zip(causes, before, strict=False) if sum_ < CREDIBLE)
-    return Selection(tuple(causes), credible, unknown, model.read.states)
+    states = np.nan_to_num(asked.known)
+    for (test, k), value in zip(asked.open, fits[0].at.tolist(), strict=True):
+        states[[cell.test == test for cell in asked.cells], k] = value
+    return Selection(tuple(causes), credible, unknown, states)

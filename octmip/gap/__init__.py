@@ -4,6 +4,7 @@ from octmip.gap.campaign.blocks import Recorded, gathered
 from octmip.gap.campaign.campaign import Campaign, Cell
 from octmip.gap.campaign.reader import read_campaign
 from octmip.gap.diagnosis import Diagnosis, diagnose
+from octmip.gap.doors.budget import Budget
 from octmip.gap.doors.function import FunctionTwin, function_twin
 from octmip.gap.effects import CHAIN
 from octmip.gap.effects.simple import SimpleEffect
@@ -14,6 +15,7 @@ __all__ = [
     "CHAIN",
     "Addition",
     "AugmentedTwin",
+    "Budget",
     "CachedTwin",
     "Campaign",
     "Cell",

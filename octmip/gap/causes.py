@@ -287,7 +287,7 @@ def _is_same(head: Judged, parts: Sequence[set[int]], other: Judged) -> bool:
 def _cause(head: Judged, same: Sequence[Judged]) -> Cause:
     probability = float(sum(h.probability for h in same))
     d_prime = tuple(head.inference.visibilities(head.members).tolist())
-    seen = [j for j, d in zip(head.members, d_prime, strict=True) if d >= VISIBLE]
+    seen = [j for j, d in zip(head.members, head.inference.visible(head.members), strict=True) if d >= VISIBLE]
     is_identifiable = len(seen) == len(head.members)
     if head.has_unknown and (not is_identifiable or head.probability < 0.5 * probability):  # nothing else stands out
         return Cause((UNKNOWN,), probability, (), (), True, head)

@@ -1,14 +1,15 @@
 """Diagnosis of a campaign: where the gap lies, which effects explain it, how far it closes, what to test next."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise import Noise
 from octmip.gap.causes import (
     UNKNOWN,
@@ -19,25 +20,25 @@ from octmip.gap.causes import (
     with_identifiable,
     with_misfit,
 )
-from octmip.gap.doors.built import as_built, built_words
+from octmip.gap.constants import Constant, constants_of, constants_words
+from octmip.gap.doors.budget import Budget
 from octmip.gap.doors.function import FunctionTwin
-from octmip.gap.effects import chain_of, in_chain
-from octmip.gap.effects.families import History
+from octmip.gap.effects import in_chain
 from octmip.gap.inference.confounding import ABSURD, detectable, ties
 from octmip.gap.inference.inference import Judged
-from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
+from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs
 from octmip.gap.inference.linear_model import LinearModel, whole_difference
 from octmip.gap.inference.posterior import Posterior, attribute
-from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import joint_covariance, state_posterior
-from octmip.gap.inference.wrong_run import corrected, weigh_wrong_run
+from octmip.gap.inference.wrong_run import corrected, set_right, weigh_wrong_run
 from octmip.gap.location import Where, flips, localise
 from octmip.gap.next_test import Limits, Proposal, checked_limits, next_tests
 from octmip.gap.odds import Odds
+from octmip.gap.preparation import inputs_of, within_budget
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.twins import Addition, AugmentedTwin, CachedTwin
 from octmip.trees.tree import Node
-from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
+from octmip.twin import Effect, Twin
 
 CORRELATED = 0.9
 """Posterior correlation of a damage and an effect beyond which they are not told apart."""
@@ -45,8 +46,6 @@ INVISIBLE = 1e6
 """Detectable size over the prior's sd beyond which the signature is zero."""
 SOUND_ENOUGH, LIKELY, POSSIBLE = 0.5, 0.5, 0.1
 """Probability that nothing acts beyond which a run is not doubted; that a run was wrong from which it is, or may be."""
-WARMER = 1.0
-"""Range of the temperature [K] from which readings may go with it."""
 BASELINE = "a healthy commissioning run at zero and several other loads would separate them"
 
 
@@ -99,6 +98,8 @@ class Diagnosis:
         what the reader should know about the data.
     doubts
         what speaks against the commissioning run, as sentences; a run that is not usable was left out.
+    constants
+        what the readings say of the asset's own constants, where no run does.
     posterior
         all hypotheses.
     """
@@ -117,6 +118,7 @@ class Diagnosis:
     posterior: Posterior
     doubts: tuple[str, ...]
     ties: tuple[tuple[str, ...], ...]
+    constants: tuple[Constant, ...]
 
     @property
     def ambiguity(self) -> tuple[ConfoundedEffects, ...]:
@@ -150,8 +152,10 @@ class Diagnosis:
         own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin
         if isinstance(own, FunctionTwin) and isinstance(sound, FunctionTwin):
             built = {name: one.nominal for name, one in sound.card.ranges.items()}
+            built |= {one.name: one.sound for one in self.constants}
             own = own.at(built, sound.signature_error)
-        return AugmentedTwin(own, tuple(additions), partial(whole_difference, inputs, level))
+        difference = None if inputs.run is None else partial(whole_difference, inputs, level)
+        return AugmentedTwin(own, tuple(additions), difference)
 
 
 def diagnose(
@@ -165,6 +169,7 @@ def diagnose(
     odds: Odds = Odds(),  # noqa: B008  (frozen)
     load_limits: Limits | None = None,
     trust_run: bool | None = None,
+    budget: Budget | None = None,
 ) -> Diagnosis:
     """Return where campaign and twin differ, which effects explain it, how far the gap closes, and what to test next.
 
@@ -193,6 +198,8 @@ def diagnose(
     trust_run
         whether the run is right, whatever it says (True), or is to be left out (False); None: it was wrong with the
         probability `odds.wrong_run`.
+    budget
+        how often a model behind a door may be asked; None: as often as it takes, some hundred times.
 
     Raises
     ------
@@ -202,11 +209,18 @@ def diagnose(
     """
     checked_limits(load_limits)
     with threadpool_limits(1):  # the matrices are small: threads cost more than they save
-        inputs, notes = _inputs(campaign, twin, effects, commissioning, noise_sd, odds, trust_run)
-        posterior, doubts, remarks = _beside_doubt(inputs, attribute(inputs), trust_run)
+        (campaign, *of_run), of_loads = gathered_alike([one for one in (campaign, commissioning) if one is not None])
+        commissioning = of_run[0] if of_run else None
+        asked, of_budget = within_budget(twin, [one for one in (campaign, commissioning) if one is not None], budget)
+        beside = partial(inputs_of, campaign, asked, effects, noise_sd, odds)
+        inputs, notes = beside(commissioning if trust_run is not False else None)
+        if trust_run is False and commissioning is not None:
+            notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
+        posterior, doubts, remarks = _beside_doubt(attribute(inputs), asked, beside if trust_run is None else None)
         judged = with_identifiable(posterior.judged)
         which, closing, unknown_probability = _which(judged, posterior.unknown_probability)
         model, sizes = posterior.model, detectable(posterior.model)
+        constants = constants_of(judged)
         return Diagnosis(
             where=localise(model, flips(model, tree, feature_names) if tree is not None else ()),
             which=which,
@@ -218,90 +232,46 @@ def diagnose(
             detectable=sizes,
             refused=_refused(which, model, sizes),
             states=_states(which[0].judged) if which else (),
-            notes=(*doubts, *remarks, *campaign.notes, *notes),
+            notes=(
+                *doubts,
+                *remarks,
+                *constants_words(constants, odds.differences.constants),
+                *of_budget,
+                *of_loads,
+                *campaign.notes,
+                *notes,
+            ),
             posterior=posterior,
             doubts=doubts,
             ties=ties(model),
+            constants=constants,
         )
-
-
-def _inputs(
-    campaign: Campaign,
-    twin: Twin,
-    effects: Mapping[str, Effect] | None,
-    commissioning: Campaign | None,
-    noise_sd: float | Mapping[str, float] | None,
-    odds: Odds,
-    trust_run: bool | None,
-) -> tuple[Inputs, list[str]]:
-    """Return the inputs of the inference, the run left out where it is not trusted, and notes."""
-    run = commissioning if trust_run is not False else None
-    asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    sound = as_built(asked, run)
-    chosen = effects if effects is not None else library_of(sound, campaign)
-    own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
-    chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
-    inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
-    if run is not commissioning:
-        notes = [_NOT_TRUSTED, *(note for note in notes if note != WITHOUT_RUN)]
-    return inputs, [*built_words(asked, sound), *notes]
 
 
 _NOT_TRUSTED = "The commissioning run is left out, as it is not to be trusted (trust_run)."
 
 
 def _beside_doubt(
-    inputs: Inputs, posterior: Posterior, trust_run: bool | None
+    posterior: Posterior, drawn: CachedTwin, beside: Callable[[Campaign], tuple[Inputs, list[str]]] | None
 ) -> tuple[Posterior, tuple[str, ...], tuple[str, ...]]:
     """Return the posterior beside the run or, where that was probably wrong, beside what is left of it; and why."""
+    inputs = posterior.model.inputs
     sound = sum(h.probability for h in posterior.judged if not h.members and not h.has_unknown)
-    if inputs.run is None or trust_run is not None or sound > SOUND_ENOUGH:
+    if inputs.run is None or beside is None or sound > SOUND_ENOUGH:
         return posterior, (), ()
-    wrong = weigh_wrong_run(posterior.model)
+    wrong = weigh_wrong_run(posterior.model, drawn)
     probability = 1.0 / (1.0 + math.exp(min(700.0, posterior.log_total + wrong.log_usual - wrong.log_weight)))
     if probability > LIKELY:
         left = "that is taken off it" if wrong.correction is not None else "it is left out"
         sentence = f"The commissioning run is doubted (probability {probability:.2f}): {wrong.words}; {left}."
+        if wrong.correction is not None and inputs.twin is not drawn:  # it said wrong constants, too
+            inputs, _ = beside(set_right(inputs.run, wrong, inputs.campaign.gauges))
+            wrong = replace(wrong, correction=np.zeros_like(wrong.correction))
         return attribute(corrected(inputs, wrong)), (sentence,), ()
     if probability > POSSIBLE:
         sentence = f"The commissioning run may have been wrong (probability {probability:.2f}): {wrong.words}."
         return posterior, (), (sentence,)
     return posterior, (), ()
-
-
-def library_of(twin: Twin, campaign: Campaign) -> dict[str, Effect]:
-    """Return the effects that are looked for where none are given: the measuring chain's and the twin's own."""
-    extents = dict(zip(campaign.load_names, np.ptp(campaign.applied, axis=0).tolist(), strict=True))
-    chain = chain_of(twin, _typical(campaign, twin), _histories(campaign), extents)
-    return {**chain, **getattr(twin, "effects", {})}
-
-
-def _histories(campaign: Campaign) -> dict[str, History]:
-    """Return the courses of a campaign's own time: its temperature in 10 K, and which way the load went last."""
-    found: dict[str, History] = {}
-    if not campaign.has_time:
-        return found
-    start = float(campaign.time.min())
-    seen = np.flatnonzero(np.isfinite(campaign.temperature))
-    if len(seen) and np.ptp(campaign.temperature[seen]) > WARMER:
-        order = seen[np.argsort(campaign.time[seen], kind="stable")]
-        above = (campaign.temperature[order] - campaign.temperature[order[0]]) / 10.0
-        found["warming"] = tuple(zip((campaign.time[order] - start).tolist(), above.tolist(), strict=True))
-    signs = np.sign([change for change, _ in load_steps(campaign)])
-    if 1.0 in signs and -1.0 in signs:
-        times = [time for _, time in load_steps(campaign)]
-        found["direction"] = tuple(zip(times, signs.tolist(), strict=True))
-    return found
-
-
-def _typical(campaign: Campaign, twin: Twin) -> dict[str, float]:
-    """Return the root mean square of the campaign's readings of each unit."""
-    units = dict(zip(twin.gauges, units_of(twin), strict=True))
-    squares: dict[str, list[float]] = {}
-    for k, name in enumerate(campaign.gauges):
-        own = campaign.readings[:, k]
-        squares.setdefault(units.get(name, MICROSTRAIN), []).extend((own[np.isfinite(own)] ** 2).tolist())
-    return {unit: float(np.sqrt(np.mean(values))) if values else 1.0 for unit, values in squares.items()}
 
 
 def _which(judged: Sequence[Judged], unknown_probability: float) -> tuple[tuple[Cause, ...], Shrinkage | None, float]:

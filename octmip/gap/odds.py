@@ -35,6 +35,8 @@ class Differences:
     constant, bend, cell, course
         of each gauge at all loads alike, as the load squared, at each load by itself and, of several loads, as a smooth
         course over them, over the rms of its unit's readings.
+    constants
+        of the constants of a twin with a card, over those of its drawing: a run says them, without one they are open.
 
     Raises
     ------
@@ -51,6 +53,7 @@ class Differences:
     bend: float = 0.001
     cell: float = 0.001
     course: float = 0.01
+    constants: float = 0.08
 
     def __post_init__(self) -> None:
         for name in self.__slots__:

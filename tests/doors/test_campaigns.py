@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.doors.campaigns import DISPLAYS, FAULTS, answered, drawn
-from octmip.gap import CachedTwin, Campaign, Recorded, diagnose, gathered
+from octmip.gap import CachedTwin, Campaign, Differences, Odds, Recorded, diagnose, gathered
 from octmip.gap.campaign.noise_estimate import estimate_noise
 from tests.doors.campaigns import FORCES, TWIN, shown
 
@@ -54,7 +54,7 @@ def test_the_variance_of_few_repeats_leaves_room_for_what_they_cannot_tell() -> 
 def test_a_diagnosis_goes_to_another_process_and_back() -> None:
     blocks = shown(1e-4, FORCES, 6)
     campaign = gathered(TWIN, [Recorded(1.25 * rows, {"force": force}) for force, rows in blocks.items()])
-    found = diagnose(campaign, CachedTwin(TWIN))
+    found = diagnose(campaign, CachedTwin(TWIN), odds=Odds(differences=Differences(constants=0.01)))
     assert [part.effect for part in found.which[0].parameters] == ["stiffness"]
     copied = pickle.loads(pickle.dumps(found))
     assert copied.which[0].probability == found.which[0].probability

@@ -127,7 +127,9 @@ def test_the_wander_of_few_tests_is_their_covariance_less_that_of_the_noise_and_
     difference = prepared(measured(5)).difference
     gauge, none = np.repeat([0, 1], n), np.zeros(2 * n, int)
     ones = np.ones(2 * n)
-    rows = Rows(gauge, none, np.tile(np.arange(n), 2), none, ones, 0.0 * ones, ones, ones[:, None])
+    rows = Rows(
+        gauge, none, np.tile(np.arange(n), 2), none, ones, 0.0 * ones, ones, ones[:, None], np.zeros((2 * n, 0))
+    )
     offsets, scale = np.random.default_rng(n).normal(size=(2, n)), difference.frame.scale[gauge]
     found = wander_of(difference, rows, offsets.ravel() * scale, np.diag(0.02 * scale**2))[0]
     raw = np.cov(offsets)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import CachedTwin, Recorded, diagnose, function_twin, gathered
+from octmip.gap import CachedTwin, Differences, Odds, Recorded, diagnose, function_twin, gathered
 from octmip.gap.doors import Card, open_twin, read_card, table_twin
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.twin import Effect, Loads, Twin
@@ -48,7 +48,7 @@ def measured(seed=0, stiffness=100.0, gap=0.0, loads=(50.0, 100.0, 200.0), repea
 
 
 def found_in(twin, **truth):
-    return diagnose(measured(**truth), twin)
+    return diagnose(measured(**truth), twin, odds=Odds(differences=Differences(constants=0.01)))
 
 
 def test_every_parameter_with_a_range_is_an_effect():

@@ -195,7 +195,7 @@ def test_what_may_have_been_wrong_shares_one_probability(monkeypatch):
     for kind in ("_by_effect", "_by_state", "_by_asset"):
         monkeypatch.setattr(wrong_run, kind, lambda *_: WrongRun(-7.0, "", None, None, None))
     prior = inputs.odds.wrong_run * inputs.odds.count[0]
-    assert wrong_run.weigh_wrong_run(model).log_weight == pytest.approx(np.log(prior) - 7.0)
+    assert wrong_run.weigh_wrong_run(model, inputs.twin).log_weight == pytest.approx(np.log(prior) - 7.0)
 
 
 def test_the_odds_of_a_wrong_run_are_an_argument():

@@ -19,11 +19,11 @@ from octmip.gap import (
     function_twin,
     gathered,
 )
-from octmip.gap.diagnosis import library_of
 from octmip.gap.doors import table_twin
 from octmip.gap.effects import chain_of
 from octmip.gap.inference.candidates import candidates_of
 from octmip.gap.odds import Odds
+from octmip.gap.preparation import library_of
 from octmip.twin import MICROSTRAIN, Effect
 from tests.test_octmip.beam_twin import Beam, Field
 from tests.test_octmip.test_gap_doors import TWIN, measured

@@ -6,12 +6,12 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from octmip.gap import CHAIN, diagnose
-from octmip.gap.diagnosis import library_of
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.inference import LEVELS, Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.posterior import log_prior
+from octmip.gap.preparation import library_of
 from tests.test_octmip.beam_twin import ETA, Asset, Beam, Bumps, Field, measured
 
 COMMISSIONING = measured(1000)

@@ -224,9 +224,10 @@ class Campaign:
             keys.setdefault((test, self._load(row), state), []).append(row)
         moments = self.moments
         rows_of = [np.array(rows, dtype=np.int64) for rows in keys.values()]
-        return [self._cell(rows, number, moments) for number, rows in enumerate(rows_of)]
+        start = float(np.nanmin(self.time)) if np.isfinite(self.time).any() else 0.0
+        return [self._cell(rows, number, moments, start) for number, rows in enumerate(rows_of)]
 
-    def _cell(self, rows: NDArray[np.int64], number: int, moments: NDArray[np.float64]) -> Cell:
+    def _cell(self, rows: NDArray[np.int64], number: int, moments: NDArray[np.float64], start: float) -> Cell:
         readings, first = self.readings[rows], int(rows[0])
         count = np.isfinite(readings).sum(axis=0)
         time = self.time[rows][np.isfinite(self.time[rows])]
@@ -237,7 +238,7 @@ class Campaign:
             rows=rows,
             mean=np.where(count > 0, np.nansum(readings, axis=0) / np.maximum(count, 1), np.nan),
             count=count,
-            time=float(time.mean()) - float(np.nanmin(self.time)) if time.size else 0.0,
+            time=float(time.mean()) - start if time.size else 0.0,
             moments=moments[rows],
             number=number,
             load_names=self.load_names,
@@ -247,11 +248,11 @@ class Campaign:
         """Return the cells, or the earlier and later half of each where `split` and time was recorded."""
         if not split or not self.has_time:
             return self.cells
-        moments, found = self.moments, list[Cell]()
+        moments, start, found = self.moments, float(np.nanmin(self.time)), list[Cell]()
         for cell in self.cells:
             rows = cell.rows[np.argsort(self.time[cell.rows], kind="stable")]
             halves = (rows[: len(rows) // 2], rows[len(rows) // 2 :]) if len(rows) >= ENOUGH_FOR_HALVES else ()
-            found += [self._cell(half, cell.number, moments) for half in halves] or [cell]
+            found += [self._cell(half, cell.number, moments, start) for half in halves] or [cell]
         return tuple(found)
 
     @property

@@ -235,7 +235,7 @@ def _refuse_twin_columns(sheet: Sheet) -> None:
 
 def _scattered(sheet: Sheet) -> int:
     """Return how many readings of the one gauge differ from the median of their repeats."""
-    cells = (sheet.readings[cell.rows, 0] for cell in sheet.campaign.cells)
+    cells = (sheet.readings[cell.rows, 0] for cell in sheet.campaign.cells if len(cell.rows) > 1)
     recorded = (values[np.isfinite(values)] for values in cells)
     return sum(int((values != np.median(values)).sum()) for values in recorded if values.size)
 
@@ -258,7 +258,7 @@ def warnings_on(sheet: Sheet) -> list[str]:
 def _outliers(sheet: Sheet) -> list[str]:
     """Return a sentence on readings far from the other repeats, the first few by row and column."""
     left = np.full_like(sheet.readings, np.nan)
-    for cell in sheet.campaign.cells:
+    for cell in (cell for cell in sheet.campaign.cells if len(cell.rows) >= FEW):
         enough = np.flatnonzero(cell.count >= FEW)
         here = sheet.readings[np.ix_(cell.rows, enough)]
         left[np.ix_(cell.rows, enough)] = here - np.nanmedian(here, axis=0)

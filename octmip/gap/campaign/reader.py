@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from octmip.errors import DataError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.columns import CampaignColumns, read_columns
+from octmip.gap.campaign.metered import looked_at
 from octmip.gap.campaign.plausibility import Sheet, refuse_nonsense, warnings_on
 from octmip.gap.twins import CachedTwin
 from octmip.input.files import PathLike
@@ -66,8 +67,8 @@ def read_campaign(path: PathLike, twin: Twin) -> Campaign:
     )
     healthy = np.zeros_like(campaign.readings)
     asked = twin if isinstance(twin, CachedTwin) else CachedTwin(twin)
-    for cell in campaign.cells:
-        healthy[cell.rows] = asked.predict({}, cell.load)[order]
+    for load, rows in looked_at(campaign):
+        healthy[rows] = asked.predict({}, load)[order]
     sheet = Sheet(campaign, healthy, sign_of(twin), tuple(range(len(gauges))))
     refuse_nonsense(sheet)
     told = (*table.notes, *(note for _, notes in readings for note in notes), *how, *converted)
@@ -135,16 +136,16 @@ def _states(table: CampaignColumns, parameters: tuple[str, ...], tests: tuple[st
             "0 to below 1 (0.2 for 20 %); correct it"
         )
     first: dict[str, int] = {}
-    for row, test in enumerate(tests):
-        start = first.setdefault(test, row)
-        apart = np.flatnonzero(~np.isclose(states[row], states[start], rtol=0.0, atol=1e-12, equal_nan=True))
-        if apart.size:
-            name = parameters[int(apart[0])]
-            here, there = (_shown(states[k, int(apart[0])]) for k in (row, start))
-            raise DataError(
-                f"row {table.numbers[row]}, column {name} is {here} but row {table.numbers[start]} of the same test "
-                f"{test!r} has {there}; expected one state per test; give the tests two names, or both rows the same"
-            )
+    starts = np.array([first.setdefault(test, row) for row, test in enumerate(tests)])
+    apart = np.argwhere(~np.isclose(states, states[starts], rtol=0.0, atol=1e-12, equal_nan=True))
+    if apart.size:
+        row, column = (int(k) for k in apart[0])
+        here, there = (_shown(states[k, column]) for k in (row, starts[row]))
+        raise DataError(
+            f"row {table.numbers[row]}, column {parameters[column]} is {here} but row {table.numbers[starts[row]]} of "
+            f"the same test {tests[row]!r} has {there}; expected one state per test; give the tests two names, or both "
+            "rows the same"
+        )
     return states
 
 

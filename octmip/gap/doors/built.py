@@ -1,6 +1,6 @@
 """The asset as it was built: the parameters of its twin that the commissioning run says.
 
-No asset has the constants of its drawing. With values v of the parameters, nominal v0 and sd s = `SHARE` |v0|, the run
+No asset has the constants of its drawing. With values v of the parameters, nominal v0 and sd s = share |v0|, the run
 r is
 
     r = f(v) + e,      e ~ N(0, noise + (`MODEL` size)^2 of each reading),      v ~ N(v0, s^2) within its range,
@@ -11,21 +11,22 @@ What the campaign is asked for are changes from there.
 Source: Tarantola (2005), "Inverse Problem Theory", section 3.4.4; Broyden (1965), Math. Comp. 19.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.doors.card import INSIDE
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.twins import CachedTwin
+from octmip.twin import Load, State
 
 Floats = NDArray[np.float64]
 
-SHARE = 0.08
-"""Sd of a constant of an asset over that of its drawing."""
 MODEL = 0.01
 """What a twin with the right constants is off by, over the rms of each reading."""
 TOLD, MOST_TOLD = 0.02, 4
@@ -35,14 +36,14 @@ FAR = 0.5
 """Rms of what a reading is off by over its own, from which it does not count: that is no constant of an asset."""
 PER_MISFIT, ERRORS = 2.0, (0.02, 0.10)
 """Relative sd of a signature over that of the readings of the sound asset; its least and greatest."""
-INSIDE = 0.02
-"""Share of its range that a constant keeps from both ends."""
-SLOPE, CLOSE = 0.5, 0.02
-"""Step of the slope, and a step that is none, over the prior sd."""
+CLOSE = 0.02
+"""A step that is none, over the prior sd."""
 
 
-def as_built(twin: CachedTwin, run: Campaign | None) -> CachedTwin:
+def as_built(twin: CachedTwin, run: Campaign | None, share: float) -> CachedTwin:
     """Return the twin with the constants that a run says; the twin itself without a run, or where it has no card.
+
+    `share` is the prior sd of a constant over that of the drawing.
 
     Raises
     ------
@@ -51,12 +52,56 @@ def as_built(twin: CachedTwin, run: Campaign | None) -> CachedTwin:
     """
     if run is None or not isinstance(twin.twin, FunctionTwin):
         return twin
-    own = built_by(run, twin)
+    own = built_by(run, twin, share)
     if own is None:
         return twin
     found = CachedTwin(twin.twin.at(own.values, own.signature_error))
     found.units = twin.units
     return found
+
+
+def by_campaign(twin: CachedTwin, campaign: Campaign, share: float) -> CachedTwin:
+    """Return the twin with the constants that a campaign without a run makes likely, which stay open."""
+    own = built_by(campaign, twin, share) if isinstance(twin.twin, FunctionTwin) else None
+    if own is None or not isinstance(twin.twin, FunctionTwin):
+        return twin
+    drawn = twin.twin.constants
+    open_ = {k: (drawn[k].nominal - value, share * abs(drawn[k].nominal)) for k, value in own.values.items()}
+    found = CachedTwin(twin.twin.at(own.values, None, open_))
+    found.units = twin.units
+    return found
+
+
+def of_drawing(
+    drawn: CachedTwin, sound: CachedTwin, share: float, asked: Sequence[tuple[State, Load]]
+) -> tuple[Floats, Floats]:
+    """Return what the drawing reads more than the asset by its run (n, n_gauges), and slopes (k, n, n_gauges) there.
+
+    Parameters
+    ----------
+    drawn, sound
+        the model with the constants of its drawing, and with those of the run.
+    share
+        prior sd of a constant over that of the drawing.
+    asked
+        n states and loads.
+
+    The slopes are per prior sd of each of the k constants that the run said; without such constants there are none.
+    """
+    own = drawn.twin
+    if drawn is sound or not isinstance(own, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
+        return np.zeros((len(asked), len(sound.gauges))), np.zeros((0, len(asked), len(sound.gauges)))
+    sds = {name: share * abs(own.constants[name].nominal) for name in sound.twin.said}
+    slopes = np.array([own.slopes(state, load, sds) for state, load in asked]).transpose(1, 0, 2)
+    return np.array([own.predict(state, load) - sound.predict(state, load) for state, load in asked]), slopes
+
+
+def departures(drawn: CachedTwin, sound: CachedTwin, share: float) -> Floats:
+    """Return how many prior sds (k,) the drawing's constants are from those that the run said."""
+    if drawn is sound or not isinstance(drawn.twin, FunctionTwin) or not isinstance(sound.twin, FunctionTwin):
+        return np.zeros(0)
+    built, own = sound.twin.card.ranges, drawn.twin.constants
+    return np.array([(own[k].nominal - built[k].nominal) / (share * abs(own[k].nominal)) for k in sound.twin.said])
 
 
 def built_words(drawn: CachedTwin, sound: CachedTwin) -> list[str]:
@@ -90,7 +135,7 @@ class Built:
     signature_error: float
 
 
-def built_by(run: Campaign, cached: CachedTwin) -> Built | None:
+def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
     """Return what a run of the sound asset says of its parameters.
 
     None where none of them varies from asset to asset, or where the run is refused anyway: unknown states, or the loads
@@ -101,7 +146,7 @@ def built_by(run: Campaign, cached: CachedTwin) -> Built | None:
     ranges = twin.constants
     if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
-    read = _Read.of(run, cached, twin)
+    read = _Read.of(run, cached, twin, share)
     here = read.asked(np.zeros(len(ranges)))
     rows = read.rows_near(here)
     return _fitted(read, here, rows) if len(rows) else None
@@ -136,7 +181,7 @@ class _Read:
     spread: Floats
 
     @classmethod
-    def of(cls, run: Campaign, cached: CachedTwin, twin: FunctionTwin) -> "_Read":
+    def of(cls, run: Campaign, cached: CachedTwin, twin: FunctionTwin, share: float) -> "_Read":
         """Return those of the gauges that the model knows."""
         known = [k for k, name in enumerate(run.gauges) if name in cached.gauges]
         order = tuple(cached.gauges.index(run.gauges[k]) for k in known)
@@ -146,7 +191,7 @@ class _Read:
         seen = count > 0
         nominal = np.array([own.nominal for own in twin.constants.values()])
         variance = (squares / np.maximum(count, 1))[seen]
-        return cls(run, cached, twin, seen, mean[seen], variance, order, nominal, SHARE * np.abs(nominal))
+        return cls(run, cached, twin, seen, mean[seen], variance, order, nominal, share * np.abs(nominal))
 
     def values(self, shares: Floats) -> dict[str, float]:
         """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
@@ -180,8 +225,13 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
     size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
-    ahead = np.where(most >= SLOPE, SLOPE, -SLOPE)
-    slope = np.column_stack([(read.asked(step)[rows] - here) / step.sum() for step in np.diag(ahead)])
+    ahead = np.array([own.ahead(sd)[1] for own, sd in zip(read.twin.constants.values(), read.spread, strict=True)])
+    slope, told = np.zeros((len(rows), len(ahead))), np.ones(len(ahead), dtype=bool)
+    for k, step in enumerate(np.diag(ahead)):
+        try:
+            slope[:, k] = (read.asked(step)[rows] - here) / step.sum()
+        except TwinError:  # a constant at whose other values the model fails stays as drawn
+            told[k] = False
     at = np.zeros(len(ahead))
     for _ in range(STEPS):
         white, left = slope * weight[:, None], (measured - here + slope @ at) * weight
@@ -189,8 +239,12 @@ def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
         step = moved - at
         if np.abs(step).max() < CLOSE:
             break
-        there = read.asked(moved)[rows]
+        try:
+            there = read.asked(moved)[rows]
+        except TwinError:
+            break
         slope = slope + np.outer(there - here - slope @ step, step) / (step @ step)
         at, here = moved, there
     missed = np.maximum(0.0, (measured - here) ** 2 - read.variance[rows]) / size**2
-    return Built(read.values(at), float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))
+    values = {name: value for (name, value), has in zip(read.values(at).items(), told, strict=True) if has}
+    return Built(values, float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))

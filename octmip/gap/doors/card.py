@@ -39,6 +39,11 @@ ENTRIES: dict[str, Kind] = {
 }
 """Entries of a card's file."""
 
+INSIDE = 0.02
+"""Share of its range that a constant keeps from both ends."""
+SLOPE = 0.5
+"""Step of a slope over the prior sd."""
+
 
 @dataclass(frozen=True, slots=True)
 class Range:
@@ -68,6 +73,12 @@ class Range:
                 f"a range has nominal {self.nominal:g}, low {self.low:g} and high {self.high:g}; expected low <= "
                 "nominal <= high and low < high; order them so"
             )
+
+    def ahead(self, sd: float) -> tuple[float, float]:
+        """Return the value from which a slope is taken, inside the range, and how many sds it is from the nominal."""
+        inside = self.high - INSIDE * (self.high - self.low)
+        step = SLOPE if self.nominal + SLOPE * sd <= inside else -SLOPE
+        return self.nominal + step * sd, step
 
 
 RangeLike = Range | Sequence[Any]

@@ -16,6 +16,7 @@ Each question is put to the function once; its answer is kept.
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
 from octmip.gap.doors.card import Card, Range, RangeLike
-from octmip.gap.effects.simple import SimpleEffect
+from octmip.gap.effects.simple import SIGNATURE_ERROR, SimpleEffect
 from octmip.input.named_arrays import by_name
 from octmip.twin import ONE_LOAD, PURE, Effect, State
 
@@ -53,6 +54,14 @@ class FunctionTwin:
         one for every parameter, and others that are added: `with_effects`.
     signature_error
         relative sd of what an error of a load changes; 0 where no run says how good the model is.
+    answers
+        (n_readings,) of each question, by the values of all parameters, states and loads; shared by all twins of it.
+    watch
+        called with the number of answers after each new one; None: nothing is.
+    said
+        constants of which readings of the asset told the value.
+    open
+        by name of each constant that no run says: the drawing's value less the nominal one, and its prior sd.
 
     The others are the card's, under the names of `octmip.twin.Twin`.
     """
@@ -65,9 +74,12 @@ class FunctionTwin:
         self.loads, self.parameters = tuple(card.loads), tuple(card.states)
         self.state_limits, self.sign, self.is_linear_in_load = card.state_limits, card.sign, card.linear
         self.signature_error = 0.0
+        self.said: tuple[str, ...] = ()
+        self.open: Mapping[str, tuple[float, float]] = {}
         own: list[Effect] = [parameter_effect(name, values, self.ask) for name, values in card.ranges.items()]
         self.effects: Mapping[str, Effect] = {effect.name: effect for effect in (*own, *effects)}
-        self._answers: dict[tuple[float, ...], Floats] = {}
+        self.answers: dict[tuple[float, ...], Floats] = {}
+        self.watch: Callable[[int], None] | None = None
 
     @property
     def gauge_positions(self) -> Floats | None:
@@ -90,25 +102,52 @@ class FunctionTwin:
         twin.effects = {**self.effects, **{effect.name: effect for effect in effects}}
         return twin
 
-    def at(self, values: Mapping[str, float], signature_error: float) -> "FunctionTwin":
+    def at(
+        self,
+        values: Mapping[str, float],
+        signature_error: float | None,
+        open_: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+    ) -> "FunctionTwin":
         """Return the twin with other nominal values of some parameters, and of how well it knows what each does.
 
-        The answers are shared.
+        None: no run says that. The answers are shared.
         """
         twin = copy(self)
+        error, whose = (SIGNATURE_ERROR, OPEN) if signature_error is None else (signature_error, SOUND)
+        twin.said, twin.open = tuple(values), open_
         ranges = {name: replace(own, nominal=values.get(name, own.nominal)) for name, own in self.card.ranges.items()}
         twin.card = replace(self.card, parameters=ranges)
         own = {
             name: replace(
-                parameter_effect(name, ranges[name], twin.ask, SOUND if name in values else MODEL),
-                signature_error=signature_error,
+                parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
+                signature_error=error,
+                **self._along(twin, name),
             )
             for name, effect in self.effects.items()
             if isinstance(getattr(effect, "apply", None), _Moved)
         }
         twin.effects = {**self.effects, **own}
-        twin.signature_error = signature_error
+        twin.signature_error = signature_error or 0.0
         return twin
+
+    def _along(self, twin: "FunctionTwin", name: str) -> dict[str, Any]:
+        """Return what makes the change of a constant that is open go with that, in its range about the drawing."""
+        if name not in twin.open:
+            return {}
+        ranges, sd = twin.card.ranges, twin.open[name][1]
+        return {"apply": _Along(name, *ranges[name].ahead(sd), sd, twin.ask), "bounds": _bounds(self.card.ranges[name])}
+
+    def slopes(self, state: State, load: Applied, sds: Mapping[str, float]) -> Floats:
+        """Return what a standard deviation of each of k parameters changes in the readings (k, n_readings)."""
+        here, found = self.ask(state, load, {}), np.zeros((len(sds), len(self.gauges)))
+        for k, (name, sd) in enumerate(sds.items()):
+            there, step = self.card.ranges[name].ahead(sd)
+            found[k] = (self.ask(state, load, {name: there}) - here) / step
+        return found
+
+    def open_slopes(self, state: State, load: Applied) -> Floats:
+        """Return what a prior sd of each constant that is open changes in the readings (n_open, n_readings)."""
+        return self.slopes(state, load, {name: sd for name, (_, sd) in self.open.items()})
 
     def predict(self, state: State, load_factor: Applied) -> Floats:
         """Return the readings (n_readings,) at the parameters' nominal values."""
@@ -120,9 +159,11 @@ class FunctionTwin:
         parameters |= {name: float(state.get(name, 0.0)) for name in self.card.states}
         loads = self._by_name(load)
         key = (*parameters.values(), *loads.values())
-        if key not in self._answers:
-            self._answers[key] = self._readings(self.function(parameters, loads))
-        return self._answers[key]
+        if key not in self.answers:
+            self.answers[key] = self._readings(self.function(parameters, loads))
+            if self.watch is not None:
+                self.watch(len(self.answers))
+        return self.answers[key]
 
     def _by_name(self, load: Applied) -> dict[str, float]:
         """Return the loads in the order of the card.
@@ -209,7 +250,28 @@ class _Moved:
         return readings + moved - self.ask(state, load, {})
 
 
-MODEL, SOUND = "the model's", "the sound asset's"
+@dataclass(frozen=True, slots=True, eq=False)
+class _Along:
+    """The readings moved along the slope that ends at one value of a parameter, `step` standard deviations away."""
+
+    name: str
+    there: float
+    step: float
+    sd: float
+    ask: Ask
+
+    def __call__(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
+        rise = self.ask(state, load, {self.name: self.there}) - self.ask(state, load, {})
+        return readings + rise * (size / (self.step * self.sd))
+
+
+def _bounds(own: Range) -> tuple[float, float]:
+    """Return the least and the greatest change of a parameter."""
+    is_at_end = own.nominal in (own.low, own.high)
+    return (0.0, own.high - own.low) if is_at_end else (own.low - own.nominal, own.high - own.nominal)
+
+
+MODEL, SOUND, OPEN = "the model's", "the sound asset's", "the sound asset's own, which no run says"
 """Whose value of a parameter an effect is a change from."""
 
 
@@ -221,13 +283,14 @@ def parameter_effect(name: str, own: Range, ask: Ask, whose: str = MODEL) -> Sim
     called, width = name.replace("_", " "), own.high - own.low
     is_at_end, below = own.nominal in (own.low, own.high), own.nominal == own.high
     unit = "" if own.unit in PURE else f" {own.unit}"
-    of, way = f"{whose} {own.nominal:.4g}{unit}", "below" if below else "above"
+    of = whose if whose is OPEN else f"{whose} {own.nominal:.4g}{unit}"
+    way = "below" if below else "above"
     return SimpleEffect(
         name=name,
         unit=own.unit,
         prior_sd=(2 * SHARE if is_at_end else SHARE) * width,
         apply=_Moved(name, own.nominal, -1.0 if below else 1.0, ask),
-        bounds=(0.0, width) if is_at_end else (own.low - own.nominal, own.high - own.nominal),
+        bounds=_bounds(own),
         parameter=f"{called} {way} {of}",
         words=called,
         action=f"correct the {called}",

@@ -274,11 +274,20 @@ class Inference:
             self._identifiable[members] = self._without_idle(members)
         return self._identifiable[members]
 
+    def visible(self, members: Members) -> Floats:
+        """Return how far members are from their own absence; infinite of a constant that is open.
+
+        What a change of that stands out of is a prior, no noise.
+        """
+        inputs = self.model.inputs
+        is_open = [inputs.candidates[j].name in inputs.open for j in members]
+        return np.where(is_open, np.inf, self.visibilities(members))
+
     def _without_idle(self, members: Members) -> Members:
         while members:
-            if self.is_idle(members):
+            visible = self.visible(members)
+            if np.isfinite(visible).all() and self.is_idle(members):
                 return ()
-            visible = self.visibilities(members)
             faintest = int(np.argmin(visible))
             if visible[faintest] >= VISIBLE:
                 break

@@ -177,6 +177,11 @@ class Inputs:
         return self.frame.twin
 
     @property
+    def open(self) -> Mapping[str, tuple[float, float]]:
+        """Constants that no run says, by name: the drawing's less the twin's, and the prior sd."""
+        return getattr(self.twin.twin, "open", {})
+
+    @property
     def order(self) -> tuple[int, ...]:
         """(n_gauges,) position in the twin's gauges of each of the campaign's."""
         return self.frame.order

@@ -232,11 +232,20 @@ def linearise(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel
     means = inputs.frame.means(inputs.averages, states, 0)
     flat = means.average * len(inputs.order) + means.gauge
     usual = _given_run(inputs, 1.0, means.rows)
-    expected = means.expected.copy()
-    expected[means.average, means.gauge] += usual.mean
-    signatures, tangents = _fixed(signatures_of(inputs, states, expected)[:, flat].T), _tangents(inputs, states, flat)
+    signatures, tangents = (
+        _fixed(signatures_of(inputs, states, expected_of(means, usual))[:, flat].T),
+        _tangents(inputs, states, flat),
+    )
     given = usual if level == 1.0 else _given_run(inputs, level, means.rows)
     return LinearModel(inputs, _fixed(states), means, signatures, _fixed(tangents), given)
+
+
+def expected_of(means: Means, given: Given) -> Floats:
+    """Return what the asset reads before any effect (n_averages, n_gauges): the twin, and what a run says it misses."""
+    expected = means.expected.copy()
+    if given.of_run is not None:
+        expected[means.average, means.gauge] += given.mean
+    return expected
 
 
 def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
@@ -244,7 +253,8 @@ def _given_run(inputs: Inputs, level: float, rows: Rows) -> Given:
     difference, run = inputs.difference.at(level), inputs.run
     own = difference.covariance(rows, rows)
     if run is None:
-        return Given(level, np.zeros(len(own)), own)
+        departures = np.array([departure / sd for departure, sd in inputs.open.values()])
+        return Given(level, rows.constants @ departures, own + rows.constants @ rows.constants.T)
     whitening = Whitening.of(run.noise + difference.covariance(run.means.rows, run.means.rows))
     across = whitening.of_columns(difference.covariance(run.means.rows, rows))
     left = whitening.of_columns(run.residual)

@@ -12,8 +12,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.errors import TwinError
 from octmip.gap.inference.inputs import Inputs
-from octmip.gap.inference.linear_model import LinearModel, linearise
+from octmip.gap.inference.linear_model import LinearModel, expected_of, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
 
 Floats = NDArray[np.float64]
@@ -33,13 +34,12 @@ def about(inputs: Inputs, states: Floats, level: float = 1.0) -> LinearModel:
 def at_own_sizes(model: LinearModel) -> LinearModel:
     """Return the model with the chords of the effects that explain its readings best."""
     candidates, prior = model.inputs.candidates, model.inputs.priors
-    forward = np.array([candidate.forward is not None for candidate in candidates])
+    open_ = model.inputs.open  # a change of a constant that is open cannot be told from that constant, but by its size
+    forward = np.array([candidate.forward is not None and candidate.name not in open_ for candidate in candidates])
     if not forward.any():
         return model
     chords: dict[int, float] = {}
-    expected = model.means.expected.copy()
-    expected[model.average, model.gauge] += model.given.mean
-    ratio = ratios(model.inputs, model.states, expected)[model.average, model.gauge]
+    ratio = ratios(model.inputs, model.states, expected_of(model.means, model.given))[model.average, model.gauge]
     for _ in range(LAPS):
         wanted = {**_alone(model, forward), **_together(model)}
         new = {
@@ -53,7 +53,10 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
         chords |= new
         signatures = model.signatures.copy()
         for j, size in new.items():
-            rows = exact_change(model.inputs, model.states, candidates[j], size)
+            try:
+                rows = exact_change(model.inputs, model.states, candidates[j], size)
+            except TwinError:  # the model has no answer at that size: its slope stays
+                continue
             own = ratio if getattr(candidates[j].effect, "load_power", None) != 0 else 1.0
             signatures[:, j] = own * rows[model.average, model.gauge] / size
         signatures.flags.writeable = False

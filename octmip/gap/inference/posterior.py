@@ -40,7 +40,7 @@ OF_MODELS = {2.0: 0.85, 4.0: 0.15}
 With 1 as the most probable level 56 of 76 sound wings were called faulty without a run; clear effects are named as
 often."""
 STATED = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
-"""The same where `Odds` say themselves how far twin and asset lie apart."""
+"""The same where `Odds` say themselves how far twin and asset lie apart, or where the constants are open beside it."""
 OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
 """With a run, the levels of what damage changes. None is below 1: a gauge at which damage acts by a third more than
 elsewhere has no fault."""
@@ -181,7 +181,7 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
 
 def levels_without_run(inputs: Inputs) -> Mapping[float, float]:
     """Return the levels of the difference, with their probabilities, where no run measures it."""
-    return OF_MODELS if inputs.odds.differences == Differences() else STATED
+    return OF_MODELS if inputs.odds.differences == Differences() and not inputs.open else STATED
 
 
 def _best_single(model: LinearModel, among: Ints | None = None) -> float:

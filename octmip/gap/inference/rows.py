@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Cell
 from octmip.gap.twins import CachedTwin
-from octmip.twin import Load, amounts_of
+from octmip.twin import Load, State, amounts_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -32,6 +32,8 @@ class Rows:
         phi.
     applied
         (n, n_loads) loads over half of their range in run and campaign.
+    constants
+        (n, k) what a prior sd of each constant that is open changes.
     """
 
     gauge: Ints
@@ -42,11 +44,13 @@ class Rows:
     change: Floats
     share: Floats
     applied: Floats
+    constants: Floats
 
     def at(self, rows: Ints | NDArray[np.bool_]) -> "Rows":
         """Return some of the rows."""
         numbers = (self.gauge[rows], self.load[rows], self.test[rows], self.state[rows])
-        return Rows(*numbers, self.healthy[rows], self.change[rows], self.share[rows], self.applied[rows])
+        healthy, change, share = self.healthy[rows], self.change[rows], self.share[rows]
+        return Rows(*numbers, healthy, change, share, self.applied[rows], self.constants[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,6 +121,13 @@ class Frame:
         half = np.ptp(amounts, axis=0) / 2.0
         return np.asarray(np.array(amounts_of(load)) / np.where(half > 0.0, half, 1.0))
 
+    def constants(self, state: State, load: Load) -> Floats:
+        """Return what a prior sd of each constant that is open changes (n_gauges, k)."""
+        slopes = getattr(self.twin.twin, "open_slopes", None)
+        if slopes is None:
+            return np.zeros((len(self.order), 0))
+        return np.asarray(slopes(state, load)[:, list(self.order)].T)
+
     def along(self, length: float) -> Floats:
         """Return a correlation (n_gauges, n_gauges) that falls along the structure, over `length` of its extent."""
         positions, n = self.twin.gauge_positions, len(self.order)
@@ -140,7 +151,8 @@ class Frame:
         """Return the rows of averages of these gauges in states (n_cells, n_parameters); tests count from a number."""
         order = list(self.order)
         named = [dict(zip(self.twin.parameters, states[part.number].tolist(), strict=True)) for part in averages]
-        now = np.array([self.twin.predict(state, part.load) for state, part in zip(named, averages, strict=True)])
+        pairs = [(state, part.load) for state, part in zip(named, averages, strict=True)]
+        now = np.array([self.twin.predict(*asked) for asked in pairs])
         healthy = np.array([self.twin.predict({}, part.load) for part in averages])[:, order]
         now, (average, gauge) = now[:, order], recorded(averages)
         tests = {name: first_test + k for k, name in enumerate(dict.fromkeys(part.test for part in averages))}
@@ -153,6 +165,7 @@ class Frame:
             change=(now - healthy)[average, gauge],
             share=np.array([self.shares(row) for row in healthy])[average, gauge],
             applied=np.array([self.applied(part.load) for part in averages])[average],
+            constants=np.array([self.constants(*asked) for asked in pairs])[average, gauge],
         )
         measured = np.array([part.mean for part in averages])[average, gauge]
         return Means(average, gauge, measured, now[average, gauge], now, rows)
@@ -172,6 +185,7 @@ class Frame:
             change=now - healthy,
             share=self.shares(healthy),
             applied=np.tile(self.applied(load), (n, 1)),
+            constants=self.constants(state, load),
         )
 
 

@@ -5,6 +5,10 @@ been wrong: an effect of the library acted, the state was not as stated, or the 
 two are columns s over the run's rows; with X = L_r^-1 K_rc, a = L_r^-1 s and L_r, L_c the factors of the run's
 covariance and of the campaign's given the run, the column of the stack of both is [a, -L_c^-1 X' a], and its evidence
 that of any candidate. Another asset differs by `OTHER_LEVELS`, while the campaign is as the twin says.
+
+Constants that such a run says are wrong themselves. About the drawing they are open: with m what that reads more than
+the model by the run, and C the columns of a prior sd of each, the rows r of both have the evidence of N(m, I + C C') in
+place of N(0, I). A right run has the same factor over its own rows, about its own constants.
 """
 
 from collections.abc import Sequence
@@ -14,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from octmip.gap.campaign.campaign import Cell
+from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.doors.built import departures, of_drawing
 from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import ALL_GAUGES
@@ -24,7 +29,8 @@ from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import levels_without_run
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
-from octmip.gap.inference.whitening import log_normal
+from octmip.gap.inference.whitening import Whitening, log_normal
+from octmip.gap.twins import CachedTwin
 from octmip.twin import Effect
 
 Floats = NDArray[np.float64]
@@ -51,8 +57,8 @@ class WrongRun:
         (n,) what it added to the run's readings, and one standard deviation of it: of the whole, and beside that of
         each gauge by itself; None of another asset.
     log_usual
-        what a right run gains, too, where the difference is allowed to be the usual one: logs of evidences compared
-        must be under the same alternatives.
+        what a right run gains, too, where the difference is allowed to be the usual one and constants are open: logs
+        of evidences compared must be under the same alternatives.
     """
 
     log_weight: float
@@ -63,22 +69,37 @@ class WrongRun:
     log_usual: float = 0.0
 
 
-def weigh_wrong_run(model: LinearModel) -> WrongRun:
-    """Return the hypothesis that the run was wrong, about the model of a campaign beside it."""
+def weigh_wrong_run(model: LinearModel, drawn: CachedTwin) -> WrongRun:
+    """Return the hypothesis that the run was wrong, about the model of a campaign beside it and the twin as drawn."""
     inputs, run = model.inputs, model.inputs.run
     assert run is not None
     prior = float(np.log(max(inputs.odds.wrong_run, 1e-300))) + float(np.log(inputs.odds.count[0]))
     good = replace(inputs, difference=inputs.usual)  # beside a wrong run the twin may well be good
     models = [model, *(replace(model, inputs=good).under(level) for level in (1.0, 2.0))]
+    drawing = _of_drawing(model, run, drawn)
+    stacks = [
+        _Stack.of(one, *drawing, departures(drawn, inputs.twin, inputs.odds.differences.constants)) for one in models
+    ]
     columns = {_by_effect: _of_effects(inputs, run), _by_state: _of_states(inputs, run)}
-    found = [part(one, columns[part]) for part in columns for one in models]
+    found = [part(one, columns[part]) for part in columns for one in stacks]
     shares = [SHARES[k] / len(models) for k in ("effect", "state") for _ in models]
-    found.append(_by_asset(model, run))
+    found.append(_by_asset(stacks[0]))
     shares.append(SHARES["asset"])
     found = [replace(p, log_weight=p.log_weight + prior + float(np.log(s))) for p, s in zip(found, shares, strict=True)]
     best = max(found, key=lambda p: p.log_weight)
-    log_usual = float(logsumexp([one.log_none for one in models])) - float(np.log(len(models))) - model.log_none
-    return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])), log_usual=max(0.0, log_usual))
+    log_right = [one.model.log_none + one.log_of_run for one in stacks]
+    log_usual = max(log_right[0], float(logsumexp(log_right)) - float(np.log(len(models)))) - model.log_none
+    return replace(best, log_weight=float(logsumexp([p.log_weight for p in found])), log_usual=log_usual)
+
+
+def set_right(run: Run, wrong: WrongRun, gauges: Sequence[str]) -> Campaign:
+    """Return the readings of a run less what was wrong with them, whose rows are of these gauges."""
+    readings = run.campaign.readings.copy()
+    assert wrong.correction is not None
+    rows = zip(run.means.average.tolist(), run.means.gauge.tolist(), wrong.correction.tolist(), strict=True)
+    for average, gauge, amount in rows:
+        readings[run.averages[average].rows, run.campaign.gauges.index(gauges[gauge])] -= amount
+    return replace(run.campaign, readings=readings)
 
 
 def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
@@ -94,16 +115,84 @@ def corrected(inputs: Inputs, wrong: WrongRun) -> Inputs:
     return relearnt(inputs, replace(run, means=means, noises=noises))
 
 
-def _weighed(model: LinearModel, columns: Floats) -> tuple[Floats, Floats]:
-    """Return squared lengths and projections (k,) of columns (n_run, k) in run and campaign together."""
-    given, run = model.given, model.inputs.run
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stack:
+    """The whitened rows of run and campaign, over constants that are open.
+
+    Attributes
+    ----------
+    model
+        of the campaign beside the run.
+    constants
+        (n_rows, n_constants) columns of a prior sd.
+    left
+        (n_rows,) readings less what the drawing says.
+    log_of_both, log_of_run
+        what open constants add to the log evidence of no effect, where they follow all rows and the run's alone.
+    """
+
+    model: LinearModel
+    constants: Floats
+    left: Floats
+    log_of_both: float
+    log_of_run: float
+
+    @classmethod
+    def of(cls, model: LinearModel, in_run: Floats, in_campaign: Floats, departures: Floats) -> "_Stack":
+        """Return that of columns (n_run, 1 + k) and (n, 1 + k): what the drawing reads more, and its k constants."""
+        given, run = model.given, model.inputs.run
+        assert given.of_run is not None
+        assert run is not None
+        columns = _stacked(model, in_run, in_campaign)
+        more, constants = columns[:, 0], columns[:, 1:]
+        rest, n_run = np.concatenate([given.of_run.of_columns(run.residual), model.left]), len(run.residual)
+        by_run = rest[:n_run] - constants[:n_run] @ departures
+        log_of_both = _log_open(constants, rest - more) + 0.5 * float(rest @ rest)
+        log_of_run = _log_open(constants[:n_run], by_run) + 0.5 * float(rest[:n_run] @ rest[:n_run])
+        return cls(model, constants, rest - more, log_of_both, log_of_run)
+
+    @property
+    def run(self) -> Run:
+        """The run."""
+        assert self.model.inputs.run is not None
+        return self.model.inputs.run
+
+    def weighed(self, columns: Floats) -> tuple[Floats, Floats]:
+        """Return squared lengths and projections (k,) of columns (n_run, k) that the run alone has."""
+        own = _stacked(self.model, columns, np.zeros((self.model.n, columns.shape[1])))
+        both = np.column_stack([own, self.left])
+        beside = Whitening.of(np.eye(self.constants.shape[1]) + self.constants.T @ self.constants)
+        taken = beside.of_columns(self.constants.T @ both)
+        lengths = np.einsum("ij,ij->j", own, own) - np.einsum("ij,ij->j", taken[:, :-1], taken[:, :-1])
+        return lengths, own.T @ self.left - taken[:, :-1].T @ taken[:, -1]
+
+
+def _of_drawing(model: LinearModel, run: Run, drawn: CachedTwin) -> tuple[Floats, Floats]:
+    """Return the columns (n_run, 1 + k) and (n, 1 + k) of a stack: what the drawing reads more, and its constants."""
+    inputs, found = model.inputs, []
+    states = (_states(run, inputs), model.states)
+    for averages, means, own in zip((run.averages, inputs.averages), (run.means, model.means), states, strict=True):
+        asked = [(inputs.named(own[part.number]), part.load) for part in averages]
+        more, slopes = of_drawing(drawn, inputs.twin, inputs.odds.differences.constants, asked)
+        columns = np.concatenate([more[None], slopes])[:, :, list(inputs.order)]
+        found.append(columns[:, means.average, means.gauge].T)
+    return found[0], found[1]
+
+
+def _stacked(model: LinearModel, in_run: Floats, in_campaign: Floats) -> Floats:
+    """Return columns of run and campaign, whitened (n_run + n, k)."""
+    given = model.given
     assert given.of_run is not None
     assert given.across is not None
-    assert run is not None
-    a = given.of_run.of_columns(columns)
-    b = -model.whiten(given.across.T @ a)
-    lengths = np.einsum("ij,ij->j", a, a) + np.einsum("ij,ij->j", b, b)
-    return lengths, a.T @ given.of_run.of_columns(run.residual) + b.T @ model.left
+    of_run = given.of_run.of_columns(in_run)
+    return np.concatenate([of_run, model.whiten(in_campaign - given.across.T @ of_run)])
+
+
+def _log_open(constants: Floats, left: Floats) -> float:
+    """Return the log density of whitened rows (n,) over open constants (n, k), but for that of the whitening."""
+    beside = Whitening.of(np.eye(constants.shape[1]) + constants.T @ constants)
+    taken = beside.of_columns(constants.T @ left)
+    return float(0.5 * (taken @ taken - left @ left) - beside.log_volume)
 
 
 def _of_effects(inputs: Inputs, run: Run) -> Floats:
@@ -127,11 +216,10 @@ def _nodes(inputs: Inputs) -> Floats:
     return np.asarray(nodes[(nodes <= highest(inputs)).all(axis=1) & (nodes > 0.0).any(axis=1)])
 
 
-def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
+def _by_effect(stack: _Stack, columns: Floats) -> WrongRun:
     """Return the run with an effect of the library in it."""
-    inputs, run = model.inputs, model.inputs.run
-    assert run is not None
-    lengths, projection = _weighed(model, columns)
+    inputs, run = stack.model.inputs, stack.run
+    lengths, projection = stack.weighed(columns)
     logs = np.logaddexp.reduce(single_logs(inputs.priors, lengths, projection), axis=0) - np.log(len(SCALES))
     logs += inputs.priors.log_weight - np.log(max(inputs.priors.n_effects, 1))
     logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
@@ -147,26 +235,26 @@ def _by_effect(model: LinearModel, columns: Floats) -> WrongRun:
     chosen = inputs.candidates[best]
     effect: Effect = chosen.effect
     words = f"{words_at(effect, inputs.twin, chosen.place).name}, {size:.3g} {effect.unit}, acted while it was taken"
-    total = model.log_none + float(logsumexp(logs))
+    total = stack.model.log_none + stack.log_of_both + float(logsumexp(logs))
     gauges = [inputs.order[k] for k in run.means.gauge.tolist()]
     share = np.broadcast_to(chosen.signature_errors, len(inputs.twin.gauges))[gauges]
     correction = size * columns[:, best]
     return WrongRun(total, words, correction, precision**-0.5 * columns[:, best], share * correction)
 
 
-def _by_state(model: LinearModel, columns: Floats) -> WrongRun:
+def _by_state(stack: _Stack, columns: Floats) -> WrongRun:
     """Return the run with another state than it says, the same in all its cells."""
-    inputs, nodes = model.inputs, _nodes(model.inputs)
+    inputs, nodes = stack.model.inputs, _nodes(stack.model.inputs)
     if not len(nodes):
         return WrongRun(-np.inf, "", None, None, None)
-    lengths, projection = _weighed(model, columns)
+    lengths, projection = stack.weighed(columns)
     precision = lengths + NODE_SPREAD**-2
     sizes = (projection + NODE_SPREAD**-2) / precision  # between nodes: the column of one, somewhat longer or shorter
     logs = 0.5 * (sizes**2 * precision - NODE_SPREAD**-2 - np.log(precision * NODE_SPREAD**2)) - np.log(len(nodes))
     best = int(np.argmax(logs))
     there = sizes[best] * nodes[best]
     shown = ", ".join(f"{name} {value:.2f}" for name, value in zip(inputs.names, there, strict=True))
-    total = model.log_none + float(logsumexp(logs))
+    total = stack.model.log_none + stack.log_of_both + float(logsumexp(logs))
     correction = sizes[best] * columns[:, best]
     common, own = np.sqrt(ALL_GAUGES), np.sqrt(1.0 - ALL_GAUGES)
     spread = inputs.difference.usual.damage * correction
@@ -179,14 +267,15 @@ def _changed(inputs: Inputs, cells: Sequence[Cell], node: Floats) -> Floats:
     return np.array([inputs.twin.predict(named, cell.load)[list(inputs.order)] for cell in cells])
 
 
-def _by_asset(model: LinearModel, run: Run) -> WrongRun:
+def _by_asset(stack: _Stack) -> WrongRun:
     """Return the run of another asset, beside a campaign that is judged without it."""
+    model, run = stack.model, stack.run
     inputs, usual, rows = model.inputs, model.inputs.usual, run.means.rows
     logs = [log_normal(run.noise + usual.at(level).covariance(rows, rows), run.residual) for level in OTHER_LEVELS]
     log_run = float(logsumexp(logs)) - float(np.log(len(logs)))
     alone = replace(model, inputs=replace(inputs, run=None, difference=usual))
     of_levels = [alone.under(level).log_none + np.log(p) for level, p in levels_without_run(inputs).items()]
-    total = float(logsumexp(of_levels)) + log_run
+    total = float(logsumexp(of_levels)) + log_run + stack.log_of_run
     return WrongRun(total, "it differs from the asset of today as another asset would", None, None, None)
 
 

@@ -33,7 +33,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     from octmip.formats.tree_file import read_tree_file
-    from octmip.gap import diagnose, read_campaign  # scikit-learn's covariance behind it takes half a second
+    from octmip.gap import (  # scikit-learn's covariance behind it takes half a second
+        Budget,
+        Differences,
+        FunctionTwin,
+        Odds,
+        diagnose,
+        read_campaign,
+    )
     from octmip.gap.doors import open_twin
     from octmip.gap.twins import CachedTwin
 
@@ -48,7 +55,18 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
     if arguments.load_limits:
         settings["load_limits"] = tuple(arguments.load_limits)
+    if arguments.constants is not None:
+        settings["odds"] = Odds(differences=Differences(constants=arguments.constants / 100.0))
+    if arguments.calls is not None:
+        settings["budget"] = Budget(
+            arguments.calls,
+            arguments.jobs,
+            arguments.answers,
+            lambda done, total: line(f"asking the model: {done} of at most {total} answers"),
+        )
     line("diagnosing")
+    if isinstance(twin.twin, FunctionTwin):
+        twin.twin.watch = lambda n: line(f"diagnosing: {n} answers of the model")
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
 
 

@@ -36,6 +36,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="standard deviation of one reading in its unit, used where no load was read three times",
     )
     parser.add_argument(
+        "--constants",
+        metavar="PERCENT",
+        type=float,
+        help="how far constants of the asset are off the drawing, where no run says it (default 8)",
+    )
+    parser.add_argument("--calls", metavar="N", type=int, help="ask a slow model behind a door no more than N times")
+    parser.add_argument("--jobs", metavar="N", type=int, default=1, help="questions at the same time (with --calls)")
+    parser.add_argument(
+        "--answers",
+        metavar="FILE.jsonl",
+        help="keep each answer of the model there and take earlier ones (with --calls)",
+    )
+    parser.add_argument(
         "--load-limits",
         metavar=("LOW", "HIGH"),
         type=float,

@@ -40,6 +40,7 @@ def as_object(diagnosis: Diagnosis) -> dict[str, Any]:
         "shrinkage": None if diagnosis.shrinkage is None else _shrinkage(diagnosis.shrinkage),
         "next_test": [_taken(p, PROPOSAL, information_nats=p.information) for p in diagnosis.next_test],
         "states": [{"tests": list(e.tests), "mean": e.mean, "sd": e.sd} for e in diagnosis.states],
+        "constants": [_taken(one, CONSTANT, interval=list(one.interval)) for one in diagnosis.constants],
         "notes": list(diagnosis.notes),
         "doubts": list(diagnosis.doubts),
         "nothing_acts": diagnosis.nothing_acts,
@@ -53,6 +54,7 @@ PARAMETER = ("effect", "place", "size", "low", "high", "unit", "words")
 CONFOUNDED = ("effects", "places", "d_prime", "shares", "reason", "separated_by")
 CLOSING = ("before", "after", "floor", "unit", "closed", "low", "high", "chi2_before", "chi2_after", "p_after")
 HELD_OUT = ("name", "before", "after", "closed")
+CONSTANT = ("name", "unit", "drawn", "sound", "mean", "sd", "correlation")
 PROPOSAL = ("name", "words", "cost", "is_strain_test")
 """Attributes that are keys."""
 

@@ -35,6 +35,7 @@ from octmip.interfaces.report.diagnosis.pictures import (
 from octmip.interfaces.report.diagnosis.recommendation import Verdict, recommend, verdict_of
 from octmip.interfaces.report.diagnosis.words import (
     NO_SUCH_TEST,
+    constant_lines,
     detectable_sizes,
     doubt_lines,
     explained,
@@ -104,6 +105,7 @@ def report_page(
             *fit_lines(diagnosis),
             *noise_lines(diagnosis),
             *(f"State of {line}." for line in state_lines(diagnosis)),
+            *(f"Constant {line}" for line in constant_lines(diagnosis)),
         ],
         words=page_of_words(diagnosis),
     )

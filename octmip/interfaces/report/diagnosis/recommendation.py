@@ -30,6 +30,8 @@ from octmip.interfaces.report.diagnosis.phrases import (
 
 RIVAL = 0.05
 """Share of a cause's probability from which an effect that cannot be told from it is named beside it."""
+CLEARLY = 3.0
+"""Sds that a constant must be off the drawing to be told first."""
 FEW = 3
 """Names that a sentence lists."""
 MORE = "repeat the test with more readings"
@@ -78,7 +80,7 @@ def recommend(diagnosis: Diagnosis) -> str:
         Verdict.AMBIGUOUS: _cannot_be_told,
         Verdict.CAUSE: _act,
     }[verdict_of(diagnosis)](diagnosis)
-    return visible(_capital("; ".join([*_channels(diagnosis), sentence])) + ".")
+    return visible(_capital("; ".join([*_channels(diagnosis), sentence, *_constants(diagnosis)])) + ".")
 
 
 def _capital(sentence: str) -> str:
@@ -97,6 +99,18 @@ def _channels(diagnosis: Diagnosis) -> list[str]:
         more = f" (and {len(ends) - FEW} more)" if len(ends) > FEW else ""
         parts.append(f"widen the range of the {_channel(list(noise.clipped))}: {listed(ends[:FEW])}{more}")
     return parts
+
+
+def _constants(diagnosis: Diagnosis) -> list[str]:
+    """Return which constants the readings put clearly off the drawing, where no run says how the asset was built."""
+    far = [(abs(one.mean - one.drawn) / one.sd, one) for one in diagnosis.constants]
+    off = [one for z, one in sorted(far, key=lambda pair: -pair[0])[:FEW] if z > CLEARLY]
+    if not off:
+        return []
+    said = [
+        f"{one.name.replace('_', ' ')} is {with_unit(f'{one.mean:.4g}', one.unit)} for {one.drawn:g}" for one in off
+    ]
+    return [f"built so or changed since, {listed(said)} in the drawing"]
 
 
 def _channel(gauges: list[str]) -> str:

@@ -16,6 +16,7 @@ from octmip.interfaces.report.diagnosis.phrases import (
     amount,
     cause_words,
     closed_words,
+    decimals,
     digits_of,
     effect_called,
     likely,
@@ -48,9 +49,27 @@ def page_of_words(diagnosis: Diagnosis) -> str:
     ]
     if diagnosis.states:
         parts.append(_section("Unknown states of the asset", state_lines(diagnosis)))
+    if diagnosis.constants:
+        parts.append(_section("Constants of the asset", constant_lines(diagnosis)))
     if diagnosis.notes:
         parts.append(_section("Notes on the data", list(diagnosis.notes)))
     return visible_lines("\n\n".join(parts))
+
+
+def constant_lines(diagnosis: Diagnosis) -> list[str]:
+    """Return what the readings say of each constant that no run tells, beside the drawing's."""
+    lines = []
+    for one in diagnosis.constants:
+        low, high = one.interval
+        digits = decimals(low, high)
+        most = max(one.correlation, key=lambda name: abs(one.correlation[name]), default="")
+        beside = f"; correlation with {most} {one.correlation[most]:.2f}" if most else ""
+        value = with_unit(f"{one.mean:.{digits}f}", one.unit)
+        lines.append(
+            f"{one.name.replace('_', ' ')}: {value} (90 %: {low:.{digits}f} to {high:.{digits}f}), drawn as "
+            f"{one.drawn:g}{beside}."
+        )
+    return lines
 
 
 def _section(title: str, lines: Sequence[str]) -> str:
