@@ -41,7 +41,7 @@ SHOWN = (0.0, 0.4, 0.6, 0.8)
 TRIM_STATES = ((0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (0.0, 0.8), (0.8, 0.8))
 MESHES = (
     *((refinement, 0.0) for refinement in (0.5, 1.0, 2.0)),
-    *((k * 0.5, CARBON_LENGTH / k) for k in (1.0, 2.0, 3.0)),
+    *((k * 0.5, CARBON_LENGTH / k) for k in (1.0, 2.0)),
 )
 """Refinements, and distances of the first lines beside edges [m]."""
 DENSITY, MOST_LIFT, FASTEST = 1.225, 1.4, 40.0

@@ -118,7 +118,7 @@ class Judge:
             return estimated
         places = [whole[: len(moved)].reshape(-1, DOFS_PER_NODE)[:, :3] for whole in (moved, fine)]
         least = growth * shells.mesh.size * np.sqrt(len(places[0]))
-        return Quality(estimated.mesh, relative_distance(*places, finer.share, least))
+        return Quality(estimated.mesh, relative_distance(places[0], places[1], finer.share, least))
 
     def finer_solution(
         self, load: FloatArray, factor: FloatArray | None = None, warmth: FloatArray | None = None

@@ -153,8 +153,9 @@ class Refined:
         """
         coarse, fine = self.coarse, np.zeros(self.shells.mesh.n_dofs)
         is_loaded = load.reshape(-1, DOFS_PER_NODE)[:, :3].any(axis=1)
-        inside = np.concatenate([is_loaded[coarse.quads].all(axis=1), is_loaded[coarse.trias].all(axis=1)])
-        for held in (np.zeros_like(inside), inside):
+        inside: BoolArray = np.concatenate([is_loaded[coarse.quads].all(axis=1), is_loaded[coarse.trias].all(axis=1)])
+        nothing: BoolArray = np.zeros(len(inside), dtype=np.bool_)
+        for held in (nothing, inside):
             ends = _loaded_edges(coarse, is_loaded, held)
             on = sparse.hstack([_in_space(surface_shares(coarse)[:, held]), edge_shares(coarse, ends)], "csc")
             if not on.shape[1]:
@@ -199,7 +200,7 @@ def _pieces(between: sparse.csr_array, ends: IntArray) -> tuple[IntArray, sparse
     for number, (first, last) in enumerate(ends.tolist()):
         near = [columns.indices[columns.indptr[k] : columns.indptr[k + 1]] for k in (first, last)]
         share = [columns.data[columns.indptr[k] : columns.indptr[k + 1]] for k in (first, last)]
-        both, one, other = np.intersect1d(*near, return_indices=True)
+        both, one, other = np.intersect1d(near[0], near[1], return_indices=True)
         along = share[0][one] + share[1][other] > 1.0 - 1e-9
         inner = both[along][np.argsort(-share[0][one][along])]
         path = np.concatenate([[first], inner, [last]])
