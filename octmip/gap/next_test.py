@@ -13,17 +13,20 @@ reliability.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
 from octmip.gap.campaign.campaign import Campaign
+from octmip.gap.effects import in_chain
+from octmip.gap.inference.candidates import Candidate, gauges_of
 from octmip.gap.inference.evidence import Fit
 from octmip.gap.inference.inference import Judged
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, difference_at
-from octmip.twin import Load, amounts_of
+from octmip.twin import MICROSTRAIN, Load, amounts_of, load_of
 
 Floats = NDArray[np.float64]
 
@@ -33,6 +36,8 @@ REPEATS = 50
 """Repeats of a proposed strain test."""
 MOST_REPEATED = 6
 """Of several loads, about so many settings are looked at for a test that repeats them."""
+MOST_OF_CORNERS = 3
+"""Loads whose corners are looked at."""
 RELIABLE = 0.9
 """Share of a perfect answer's information that a test outside the strain gauges gives."""
 SETTLED = 0.15
@@ -92,6 +97,8 @@ class Proposal:
         relative to one strain test at a load that was flown before.
     is_strain_test
         whether the strain gauges alone answer it.
+    load, gauge
+        at which it reads, and of which a second instrument is needed; None and "" otherwise.
     """
 
     name: str
@@ -99,6 +106,8 @@ class Proposal:
     information: float
     cost: float
     is_strain_test: bool
+    load: Load | None = None
+    gauge: str = ""
 
     @property
     def value(self) -> float:
@@ -151,7 +160,7 @@ def _strain_tests(model: LinearModel, fits: Sequence[Fit], weight: Floats, limit
             information = _strain_information(model, fits, weight, load)
         except TwinError:
             continue
-        found.append(Proposal(f"load_{load:g}", words, information, cost, True))
+        found.append(Proposal(f"load_{load:g}", words, information, cost, True, load))
     return found
 
 
@@ -159,9 +168,10 @@ def _loads_to_test(campaign: Campaign, limits: Limits | None) -> list[tuple[Load
     """Return loads worth a test, with what to do and what it costs; of several loads those that were applied."""
     if len(campaign.load_names) != 1:
         every = campaign.loads[:: max(1, len(campaign.loads) // MOST_REPEATED)]
-        return [
+        repeated = [
             (load, f"repeat {campaign.load_words(load) or 'the test'} with {REPEATS} readings", 1.0) for load in every
         ]
+        return [*repeated, *((load, f"set {campaign.load_words(load)}", 2.0) for load in _new_settings(campaign))]
     top = max(abs(amounts_of(load)[0]) for load in campaign.loads) or 1.0
     words = campaign.load_words
     low, high = limits or (-1.0, 1.5 * top)
@@ -180,14 +190,54 @@ def _loads_to_test(campaign: Campaign, limits: Limits | None) -> list[tuple[Load
     return tests
 
 
+def _new_settings(campaign: Campaign) -> list[Load]:
+    """Return settings of several loads that were not read: corners of what was, and half of the least of all."""
+    if not campaign.load_names:
+        return []
+    applied = np.array([amounts_of(load) for load in campaign.loads])
+    least, most = applied.min(axis=0), applied.max(axis=0)
+    corners = [*product(*zip(least.tolist(), most.tolist(), strict=True))] if len(least) <= MOST_OF_CORNERS else []
+    wanted = [*corners, *([tuple((0.5 * least).tolist())] if (least > 0.0).all() else [])]
+    known = {tuple(row) for row in applied.tolist()}
+    return [load_of(campaign.load_names, point) for point in dict.fromkeys(wanted) if point not in known]
+
+
 def _other_tests(inputs: Inputs, fits: Sequence[Fit], weight: Floats) -> list[Proposal]:
+    """Return tests that other instruments answer: a bridge is shunted, what reads no strain has a second beside it."""
     candidates = inputs.candidates
-    effects = [[candidates[j].effect for j in f.members] for f in fits]
     found = []
     for test in OTHER_TESTS:
-        answers = [frozenset(e.name for e in of if test.quantity in getattr(e, "seen_by", ())) for of in effects]
+        answers = [
+            frozenset(candidates[j].name for j in fit.members if _is_seen(inputs, candidates[j], test.quantity))
+            for fit in fits
+        ]
         found.append(Proposal(test.name, test.words, RELIABLE * _answer_entropy(answers, weight), test.cost, False))
+    for gauge, unit in zip(inputs.campaign.gauges, inputs.units, strict=True):
+        if unit != MICROSTRAIN:
+            answers = [
+                frozenset([gauge] if any(gauge in _instruments(inputs, candidates[j]) for j in fit.members) else [])
+                for fit in fits
+            ]
+            words = f"read {gauge} with a second instrument"
+            information = RELIABLE * _answer_entropy(answers, weight)
+            found.append(Proposal("second_instrument", words, information, 1.0, False, gauge=gauge))
     return found
+
+
+def _is_seen(inputs: Inputs, candidate: Candidate, quantity: str) -> bool:
+    """Return whether a test shows an effect: one of bridges where it acts on a strain gauge."""
+    if quantity not in getattr(candidate.effect, "seen_by", ()):
+        return False
+    units = dict(zip(inputs.campaign.gauges, inputs.units, strict=True))
+    own = [units[name] for name in _instruments(inputs, candidate) if name in units]
+    return not own or MICROSTRAIN in own
+
+
+def _instruments(inputs: Inputs, candidate: Candidate) -> Sequence[str]:
+    """Return the gauges whose instrument an effect acts on; none of what the structure or a load does."""
+    if not in_chain(candidate.effect) or getattr(candidate.effect, "seen_by", ()) == ("applied_load",):
+        return ()
+    return gauges_of(candidate.effect, inputs.twin, candidate.place)
 
 
 def _answer_entropy(answers: Sequence[frozenset[str]], weight: Floats) -> float:
@@ -206,8 +256,9 @@ def _strain_information(model: LinearModel, fits: Sequence[Fit], weight: Floats,
     repeats = np.full(len(inputs.order), REPEATS)
     difference = difference_at(inputs, load, inputs.named(model.states[0]), model.level)[1]
     noise = inputs.noise.of_mean(repeats, load) + difference
-    means = [rows[list(f.members)].T @ f.size for f in fits]
-    spreads = [noise + rows[list(f.members)].T @ f.covariance @ rows[list(f.members)] for f in fits]
+    columns = [_at_own_sizes(model, rows, f, load) for f in fits]
+    means = [own.T @ f.size for own, f in zip(columns, fits, strict=True)]
+    spreads = [noise + own.T @ f.covariance @ own for own, f in zip(columns, fits, strict=True)]
     logs = [np.linalg.slogdet(s)[1] for s in spreads]
     near = np.array([[_overlap(means, spreads, logs, i, j) for j in range(len(fits))] for i in range(len(fits))])
     return float(-np.sum(weight * np.log(near @ weight)))
@@ -220,6 +271,21 @@ def _signatures_at(model: LinearModel, load: Load) -> Floats:
     order = list(inputs.order)
     asked = inputs.effects()
     return np.concatenate([inputs.twin.signatures(e, places, state, load, time)[:, order] for e, places in asked])
+
+
+def _at_own_sizes(model: LinearModel, rows: Floats, fit: Fit, load: Load) -> Floats:
+    """Return the members' signatures (n_members, n_gauges) at a load: chords to their sizes where they are not linear.
+
+    Two effects that change all readings alike at their sizes would seem to differ by their slopes.
+    """
+    inputs, found = model.inputs, rows[list(fit.members)]
+    state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
+    for k, (j, size) in enumerate(zip(fit.members, fit.size.tolist(), strict=True)):
+        forward = inputs.candidates[j].forward
+        if forward is not None and size and inputs.candidates[j].name not in inputs.open:
+            there = forward(inputs.twin, state, load, size, inputs.candidates[j].place, time)
+            found[k] = ((np.asarray(there) - inputs.twin.predict(state, load)) / size)[list(inputs.order)]
+    return found
 
 
 def _overlap(means: list[Floats], spreads: list[Floats], logs: list[float], i: int, j: int) -> float:

@@ -168,7 +168,7 @@ def candidates_of(
     for effect in (effect for effect in effects.values() if factors[effect.name] > 0.0):
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
-        places = [place for place in effect.places(twin) if absent.isdisjoint(_gauges_of(effect, twin, place))]
+        places = [place for place in effect.places(twin) if absent.isdisjoint(gauges_of(effect, twin, place))]
         found += [Candidate(effect, place, factors[effect.name] / len(places)) for place in places]
     return tuple(found)
 
@@ -201,7 +201,7 @@ def _factors(effects: Mapping[str, Effect], odds: Odds) -> dict[str, float]:
     return {name: factor / max(mean, 1e-300) for name, factor in factors.items()}
 
 
-def _gauges_of(effect: Effect, twin: Twin, place: str) -> Sequence[str]:
+def gauges_of(effect: Effect, twin: Twin, place: str) -> Sequence[str]:
     """Return the gauges of a place as the effect says, or those that the place can be read as."""
     own = getattr(effect, "gauges_of", None)
     if own is not None:

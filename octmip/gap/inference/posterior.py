@@ -84,8 +84,11 @@ def log_count(inputs: Inputs, k: int) -> float:
 
 
 def log_prior(inputs: Inputs, members: Members) -> float:
-    """Return the log prior probability of a set of candidates; -inf of two cells without names: a field is unknown."""
-    if sum(inputs.candidates[j].is_nameless for j in members) > 1:
+    """Return the log prior probability of a set of candidates; -inf of one without a name beside others.
+
+    What takes a course without a name and something else is not explained.
+    """
+    if len(members) > 1 and any(inputs.candidates[j].is_nameless for j in members):
         return -inf
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
@@ -200,7 +203,8 @@ def likely_sets(inference: Inference) -> dict[Members, float]:
         longer: dict[Members, float] = {}
         inference.fits(heads)
         for members in heads:
-            longer |= _extended(inference, members)
+            if not any(inputs.candidates[j].is_nameless for j in members):
+                longer |= _extended(inference, members)
         ordered = sorted(longer.items(), key=lambda item: -item[1])
         found |= dict(ordered if size == 1 else ordered[:N_LONGER])
         if not ordered or (size > 1 and ordered[0][1] < best + TRIPLES) or size == most:
@@ -222,7 +226,7 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
         keep = keep[_best((logs + prior.log_weight)[keep], N_LONGER)]
-    if any(inputs.candidates[j].is_nameless for j in members):  # two such are no explanation (`log_prior`)
+    if members:  # one without a name is alone (`log_prior`)
         keep = np.array([j for j in keep.tolist() if not inputs.candidates[j].is_nameless], dtype=np.int64)
     weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
     weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))
