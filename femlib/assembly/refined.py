@@ -152,7 +152,7 @@ class Refined:
         edges between others.
         """
         coarse, fine = self.coarse, np.zeros(self.shells.mesh.n_dofs)
-        is_loaded: BoolArray = load.reshape(-1, DOFS_PER_NODE)[:, :3].any(axis=1)
+        is_loaded = np.asarray(load.reshape(-1, DOFS_PER_NODE)[:, :3].any(axis=1))
         inside: BoolArray = np.concatenate([is_loaded[coarse.quads].all(axis=1), is_loaded[coarse.trias].all(axis=1)])
         nothing: BoolArray = np.zeros(len(inside), dtype=np.bool_)
         for held in (nothing, inside):
