@@ -38,6 +38,7 @@ FAMILIES = {
     "exports": "benchmarks.cases.fuzz.exports",
     "sql_engines": "benchmarks.cases.doors.sql_engines",
     "limits": "benchmarks.cases.doors.limits",
+    "recordings": "benchmarks.cases.doors.recordings",
     "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",

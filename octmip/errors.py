@@ -9,6 +9,8 @@ EXTRA_OF = {
     "pyarrow": "parquet",
     "onnx": "onnx",
     "pyomo": "model",
+    **dict.fromkeys(("nptdms", "asammdf", "pyulog", "pymavlink", "mcap", "rosbags", "obspy"), "recordings"),
+    **dict.fromkeys(("pyuff", "pymatreader", "pint"), "recordings"),
 }
 """The extra of octmip that installs an optional package."""
 

@@ -6,7 +6,11 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 PACKAGES = ("octmip", "femlib", "benchmarks", "tests")
-TOO_LONG = ("test_blind", "test_uav_study", "test_fuzz_everything", "test_kills_and_soak", "test_pictures")
+TOO_LONG = (
+    *("test_blind", "test_uav_study", "test_fuzz_everything", "test_kills_and_soak", "test_pictures"),
+    *("test_cli_signals", "test_cluster"),
+)
+"""Run where they have the source's name alone."""
 AROUND = 12
 """The words of so many lines before and behind a line count twice."""
 IMPORT = re.compile(r"^ *from ([\w.]+) import (\([^)]*\)|.*)", re.MULTILINE)
@@ -51,7 +55,9 @@ class NearestTests:
                 -self._alike(sought, test),
             )
             for test in (self.texts if is_rust else found)
-            if (name := Path(test).stem).startswith("test_") and test.count("/") > 1 and name not in TOO_LONG
+            if (name := Path(test).stem).startswith("test_")
+            and test.count("/") > 1
+            and (name not in TOO_LONG or stem in name)
         }
         return sorted(far, key=far.__getitem__)
 

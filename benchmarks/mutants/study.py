@@ -19,7 +19,6 @@ import resource
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -32,6 +31,7 @@ import numpy as np
 
 from benchmarks.mutants.draws import NATIVE, Mutant, python_mutant, rust_mutant
 from benchmarks.mutants.nearest import NearestTests
+from benchmarks.mutants.pytest_runs import PytestRuns
 from benchmarks.tables import Line, markdown
 
 ROOT = Path(__file__).parents[2]
@@ -39,13 +39,7 @@ PYTHON = ("octmip/trees", "octmip/gap", "octmip/formats", "femlib/strength.py", 
 CORE = "octmip/trees/_native*.so"
 NOT_COPIED = shutil.ignore_patterns(".*", "target", "results", "site", "dist")
 STREAM = 97
-BATCHES = (
-    0,
-    2,
-    7,
-    12,
-    13,
-)  # ends of tests' files: most mutants are killed by the first; 99 lines of 100 are run by one
+BATCHES = (0, 1, 3, 7, 19)  # ends of tests' files: most mutants are killed by the first
 COMMON = "tests/test_octmip/test_defaults.py"
 SLOWER = 3.0
 BUILD = 600.0  # CPU seconds
@@ -57,19 +51,22 @@ def results(limit: float, threads: Sequence[int], only: str = "", seed: int = 0,
     """Yield a line for each mutant."""
     rng = np.random.default_rng([STREAM, seed := seed or int(time.time())])
     with tempfile.TemporaryDirectory() as folder:
-        runs = _Runs(shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED), limit)
-        if only == NATIVE:
-            runs.build()
-        for _ in range(draws):
-            mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, (only,) if only else PYTHON)
-            yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
+        tree = shutil.copytree(ROOT, Path(folder) / "tree", ignore=NOT_COPIED)
+        with PytestRuns(tree) as asked:
+            runs, parts = _Runs(tree, limit, asked), (only,) if only else PYTHON
+            if only == NATIVE:
+                runs.build()
+            for _ in range(draws):
+                mutant = rust_mutant(rng, ROOT) if only == NATIVE else python_mutant(rng, ROOT, parts)
+                yield {"size": str(mutant), "seed": seed, "file": mutant.file} | runs.line(mutant)
 
 
 class _Runs:
     """Runs of tests in a copy of the tree."""
 
-    def __init__(self, tree: Path, limit: float) -> None:
-        self.tree, self.limit, self.nearest = tree, limit, NearestTests(tree)
+    def __init__(self, tree: Path, limit: float, asked: PytestRuns) -> None:
+        self.tree, self.limit, self.pytest = tree, limit, asked
+        self.nearest, self.n_kills = NearestTests(tree), Counter[tuple[str, str]]()
         target = os.environ.get("CARGO_TARGET_DIR", tree / NATIVE / "target")
         self.core, self.made = next(tree.glob(CORE), tree), Path(target, "checks/lib_native.so")
 
@@ -82,7 +79,8 @@ class _Runs:
 
     def line(self, mutant: Mutant) -> Line:
         """Return the outcome of a mutant; the copy is then as it was."""
-        tests = self.nearest.of(mutant.file, mutant.line)[: BATCHES[-2]]
+        nearest = self.nearest.of(mutant.file, mutant.line)[: BATCHES[-1] - 1]
+        tests = sorted(nearest, key=lambda test: -self.n_kills[mutant.file, test])
         tests += [COMMON] * (self.tree / COMMON).exists()
         with _replaced(self.tree / mutant.file, mutant.after.encode()), ExitStack() as built:
             found = self._refused(built) if mutant.file.endswith(".rs") else None
@@ -90,6 +88,7 @@ class _Runs:
         if outcome == "time":
             without, _, usual = self._pytest([said])
             outcome = "time" if without == "survived" and usual < self.limit / SLOWER else "survived"
+        self.n_kills[mutant.file, f"tests/{said.partition('::')[0]}"] += outcome == "killed"
         line = {"operator": mutant.operator, "outcome": outcome, "by": said, "seconds": round(seconds, 1)}
         return line | {"tests": " ".join(tests)}
 
@@ -118,8 +117,7 @@ class _Runs:
         return self._run(command, self.tree / NATIVE, BUILD)
 
     def _pytest(self, tests: Sequence[str]) -> Outcome:
-        command = [sys.executable, "-u", "-m", "pytest", "-x", "-vv", "-p", "no:cacheprovider", *tests]
-        code, said, seconds = self._run(command, self.tree, self.limit)
+        code, said, seconds = self.pytest.run(tests, self.limit)
         if code < 0:
             return "time", said.splitlines()[-1].strip(), seconds
         failed = re.search(r"^(?:FAILED|ERROR) tests/(.+?)(?: - |$)", said, re.MULTILINE)

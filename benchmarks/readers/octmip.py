@@ -17,6 +17,7 @@ from benchmarks.readers.mangled_arrays import mangled_parquet
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_csv, mangled_json, mangled_tokens, pick
 from benchmarks.readers.monitoring import make_campaign, make_selector, read_gap, read_selector
 from benchmarks.readers.regression import make_regression, regression_command
+from benchmarks.recordings import make_recording, read_recording
 from octmip.errors import OctmipError
 from octmip.formats.table import read_costs, read_sensors, read_table
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
@@ -311,6 +312,7 @@ OCTMIP = {
     "sensors": Reader(make_words, "sensors.csv", mangled_csv, words_command("sensors.csv", "--sensor-cost")),
     "proof log": Reader(make_log, "proof.log", mangled_tokens, read_log),
     "selector": Reader(make_selector, "selector.json", mangled_json, read_selector),
+    "recording": Reader(make_recording, "run", mangled_bytes, read_recording),
     "campaign": Reader(make_campaign, "campaign.csv", mangled_csv, read_gap),
     "regression tree": Reader(make_regression, "tree.json", mangled_json, read_tree),
     "regression tree, commands": Reader(make_regression, "tree.json", mangled_json, regression_command),

@@ -82,6 +82,7 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
         "monitor": 11,
         "sensing": 12,
         "gap": 12,
+        "recordings": 13,
         "interfaces.plot": 14,
         "interfaces.report": 13,
         "interfaces.estimator": 15,

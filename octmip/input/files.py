@@ -194,6 +194,17 @@ def read_bytes(path: PathLike) -> bytes:
     return content
 
 
+def read_head(path: PathLike, n_bytes: int) -> bytes:
+    """Return the first bytes of a regular file, which tell its format.
+
+    Raises
+    ------
+    DataError
+        as `read_bytes`.
+    """
+    return _opened(path, lambda descriptor: os.read(descriptor, n_bytes))
+
+
 def _everything(descriptor: int) -> bytes:
     with os.fdopen(descriptor, "rb", closefd=False) as file:
         return file.read()

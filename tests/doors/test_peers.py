@@ -1,8 +1,11 @@
 """What docs/howto/conventions.md says of other programs for trees, seen on inputs of a few rows."""
 
+import inspect
+
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.sparse import csr_array
 from sklearn.tree import DecisionTreeClassifier
 
 from octmip import OptimalTreeClassifier
@@ -65,3 +68,74 @@ def test_scikit_learn_sends_missing_values_to_the_side_of_more_rows_whatever_the
     model = DecisionTreeClassifier(max_depth=1)
     model.fit([[0.0]] * 3 + [[1.0]] * 2, [0, 0, 0, 1, 1], sample_weight=[1, 1, 1, 100, 100])
     assert model.predict([[np.nan]]).tolist() == [0]
+
+
+def parameters(of: type) -> dict[str, object]:
+    return {name: one.default for name, one in inspect.signature(of).parameters.items()}
+
+
+def test_the_peers_have_the_parameters_that_the_page_names():
+    greedy, peer, other = parameters(DecisionTreeClassifier), parameters(type(contree())), parameters(type(streed()))
+    assert greedy["max_depth"] is None
+    assert {"min_samples_leaf", "min_weight_fraction_leaf", "max_leaf_nodes", "monotonic_cst", "ccp_alpha"} < set(
+        greedy
+    )
+    assert (peer["max_depth"], peer["time_limit"]) == (other["max_depth"], other["time_limit"]) == (3, 600)
+    assert {"complexity_cost", "max_gap"} < set(peer)
+    assert {"min_leaf_node_size", "max_num_nodes", "cost_complexity"} < set(other)
+    assert parameters(pytest.importorskip("pystreed").STreeDCostSensitiveClassifier)
+
+
+ROWS = np.array([[0.0], [1.0], [2.0], [3.0]])
+INPUTS = {
+    "missing": (np.where(ROWS == 1.0, np.nan, ROWS), "octmip scikit-learn"),
+    "infinite": (np.where(ROWS == 1.0, np.inf, ROWS), ""),
+    "texts": (pd.DataFrame({"t": list("aabb")}), "octmip pystreed"),
+    "sparse": (csr_array(ROWS), "scikit-learn"),
+    "21 levels": (ROWS, "octmip scikit-learn"),
+}
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_the_four_take_and_refuse_the_inputs_that_the_page_says(name):
+    depth = 21 if name == "21 levels" else 1
+    models = {
+        "octmip": OptimalTreeClassifier(max_depth=depth),
+        "scikit-learn": DecisionTreeClassifier(max_depth=depth),
+        "pycontree": contree().set_params(max_depth=depth),
+        "pystreed": streed().set_params(max_depth=depth),
+    }
+    given, takers = INPUTS[name]
+    for peer, model in models.items():
+        if peer in takers:
+            assert errors(model, given, np.array([0, 0, 1, 1])) == 0
+        else:
+            with pytest.raises((ValueError, TypeError)):
+                model.fit(given, np.array([0, 0, 1, 1]))
+
+
+@pytest.mark.parametrize("peer", [contree, streed])
+def test_shares_of_two_peers_need_classes_from_0_and_only_streed_says_whether_it_proved(peer):
+    model = peer().fit(ROWS, np.array([0, 0, 1, 1]))
+    assert model.predict_proba(ROWS)[:, 1].tolist() == [0, 0, 1, 1]
+    assert hasattr(model, "fit_result") == (peer is streed)
+    assert peer is contree or model.fit_result.is_optimal()
+    with pytest.raises(IndexError):
+        peer().fit(ROWS, np.array([2, 2, 5, 5])).predict_proba(ROWS)
+
+
+def test_balanced_weights_of_scikit_learn_count_rows_and_those_of_octmip_weights():
+    same, labels, weights = np.zeros((4, 1)), np.array([0, 0, 0, 1]), np.array([1, 1, 1, 3])
+    words = {"max_depth": 1, "class_weight": "balanced"}
+    greedy = DecisionTreeClassifier(**words).fit(same, labels, sample_weight=weights)
+    ours = OptimalTreeClassifier(**words, smoothing=0).fit(same, labels, sample_weight=weights)
+    assert greedy.predict_proba(same[:1]).tolist() == [[0.25, 0.75]]
+    assert ours.predict_proba(same[:1]).tolist() == [[0.5, 0.5]]
+
+
+def test_scikit_learn_compares_readings_in_float32_and_octmip_as_they_are():
+    reading = np.array([[0.15]])
+    greedy, ours = (model.fit([[0.1], [0.2]], [0, 1]) for model in (DecisionTreeClassifier(), OptimalTreeClassifier(1)))
+    assert greedy.tree_.threshold[0] > 0.15
+    assert greedy.predict(reading).tolist() == [1]
+    assert ours.predict(reading).tolist() == [int(ours.tree_.threshold < 0.15)]

@@ -1,6 +1,5 @@
 """The wing's benchmark cases at sizes that take a second each: their lines and their tables."""
 
-from benchmarks.cases.fem import dataset as fem_dataset
 from benchmarks.cases.fem import mesh as fem_mesh
 from benchmarks.cases.fem import shells as fem_shells
 from benchmarks.shells.case import DIAGONALS
@@ -23,10 +22,3 @@ def test_shell_lines_make_tables():
     assert f"| {hook} | 9 x 1 | 0.906 | " in table
     assert "| rectangular, in plane | 0.993 |" in table
     assert "2 random panels, first diagonal, 8 a side: " in table
-
-
-def test_dataset_lines_count_rows_and_memory():
-    lines = [fem_dataset.streamed(model, 20, 3, 1, 0.25) for model in ("full wing", "reduced wing")]
-    assert [line["rows"] for line in lines] == [60, 60]
-    assert lines[0]["peak_megabytes"] > 50
-    assert "| reduced wing, 20 states x 3 readings | 60 | 1 |" in fem_dataset.summary(lines)

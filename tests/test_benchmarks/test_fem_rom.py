@@ -1,8 +1,5 @@
 """The comparison of reduced models runs, on a small mesh, and its table says what its lines say."""
 
-import numpy as np
-import pytest
-
 from benchmarks.cases.fem.rom import compared, summary
 from femlib.rom import ReductionSettings
 
@@ -18,17 +15,3 @@ def test_the_reduced_model_is_within_its_aim_and_its_bound():
     assert all(line["worst_error"] < 0.01 and line["bound_below_error"] == 0 for line in reduced)
     assert "| femlib reduced | " in summary(lines)
     assert "0 of 10" in summary(lines)
-
-
-def test_pymor_answers_the_same_question():
-    pytest.importorskip("pymor", reason="pymor is an extra of the benchmarks")
-    from benchmarks.wing.pymor_basis import pymor_basis
-    from femlib.wing import uav_wing
-
-    wing = uav_wing(refinement=0.15)
-    basis = pymor_basis(wing, 0.8, n_train=4, n_greedy=3)
-    state = np.array([0.5, 0.7])
-    full = wing.strains_microstrain(state[None, :], 1.0)[0]
-    assert basis.query(state) == pytest.approx(full, abs=30.0)  # of 1,000, by three modes
-    assert basis.estimate is not None
-    assert basis.estimate(state) > 0.0

@@ -14,7 +14,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import cost_of, least_cost
 from benchmarks.oracles.strategies import random_problem, with_missing
 from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
-from octmip import Leaf, Limits, Problem, Stop, solve
+from octmip import Leaf, Problem, Stop, solve
 from octmip.trees.tree import n_splits
 
 FIRST, N_SEEDS, BLOCK = 1_000_060, 120, 40
@@ -144,10 +144,3 @@ def test_a_proof_that_ends_early_without_a_limit_is_found(monkeypatch):
     stopped = dataclasses.replace(solve(problem, "exact"), stop=Stop.NUMERICS, bound=-math.inf)
     monkeypatch.setattr(type(KINDS["ties"]), "ask", lambda *_: stopped)
     assert answer(question, problem, truth)["wrong"].startswith("unproven")
-
-
-def test_limits_are_drawn_for_every_solver():
-    limits = [question.limits for seed in range(30) for question, _, _ in questions(seed, ("axis", "hyperplane"))]
-    assert {limit.seconds < 1 for limit in limits} == {True, False}
-    assert any(limit.nodes < math.inf for limit in limits)
-    assert Limits(seconds=0.0) in limits

@@ -6,9 +6,10 @@ import shutil
 import numpy as np
 import pytest
 
-from benchmarks.mutants import study
+from benchmarks.mutants import pytest_runs, study
 from benchmarks.mutants.draws import Mutant, python_mutant
 from benchmarks.mutants.nearest import NearestTests
+from benchmarks.mutants.pytest_runs import PytestRuns
 
 SUMS = "BIG = 1e99\n\n\ndef double(x: int | None) -> int:\n    return min(x + x, 100)\n"
 LOOPS = "def down(x):\n    while x > 0:\n        x -= 1\n    return x\n"
@@ -28,6 +29,7 @@ def tree(tmp_path, monkeypatch):
         (tmp_path / name).write_text(text)
         os.utime(tmp_path / name, (0, 0))  # older than any mutant of it
     monkeypatch.setattr(study, "ROOT", tmp_path)
+    monkeypatch.setattr(pytest_runs, "IMPORTED", ())
     return tmp_path
 
 
@@ -53,8 +55,9 @@ def test_lines_are_drawn_alike_and_what_is_no_behaviour_stays(tree):
 def test_a_mutant_is_killed_or_lives(file, before, after, outcome, tree):
     mutants = (python_mutant(np.random.default_rng(seed), tree, [file]) for seed in range(200))
     mutant = next(one for one in mutants if one.after == FILES[file].replace(before, after))
-    runs = study._Runs(shutil.copytree(tree, tree / "copy"), 4.0)
-    found = runs.line(mutant)
+    shutil.copytree(tree, tree / "copy")
+    with PytestRuns(tree / "copy") as asked:
+        found = study._Runs(tree / "copy", 4.0, asked).line(mutant)
     assert found["outcome"] == outcome
     assert found["by"].endswith("test_double" if outcome == "killed" else "")
     assert (tree / "copy" / file).read_text() == FILES[file]
@@ -96,9 +99,10 @@ def test_a_mutant_of_the_core_is_compiled_and_asked_by_both_kinds_of_tests(after
     (tree / "bin/cargo").chmod(0o755)
     monkeypatch.setenv("PATH", f"{tree / 'bin'}:{os.environ['PATH']}")
     monkeypatch.delenv("CARGO_TARGET_DIR", raising=False)
-    runs = study._Runs(tree, 3.0)
-    runs.build()
-    found = runs.line(Mutant("octmip/trees/native/src/lib.rs", 1, "FnValue", "sound", after))
+    with PytestRuns(tree) as asked:
+        runs = study._Runs(tree, 3.0, asked)
+        runs.build()
+        found = runs.line(Mutant("octmip/trees/native/src/lib.rs", 1, "FnValue", "sound", after))
     assert (found["outcome"], found["by"].rpartition(":")[2]) == (outcome, by)
     assert runs.core.read_text() == "sound"
 

@@ -5,17 +5,15 @@ import statistics
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
-from benchmarks.cases.exact import boundaries, large, option_prices
+from benchmarks.cases.exact import large, option_prices
 from benchmarks.data import SHARED, numeric_sets
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
 from benchmarks.tables import Line, race_table
-from octmip import Problem
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "docs" / "results" / "data" / "benchmarks"
@@ -46,13 +44,6 @@ def test_large_tables_are_measured_with_memory_and_predictions(way):
     assert line["predictions_per_second"] > 0
     assert 0 <= line["objective"] < 200
     assert line["outcome"] in {"proven", "greedy", "finished", "optimal", "time"}
-
-
-def test_boundaries_have_an_exponent_of_their_proven_sizes():
-    lines = list(boundaries.results(5.0, [1], [400, 1600]))
-    assert [line["size"] for line in lines[::2]] == [f"{boundary}, 400 rows" for boundary in boundaries.BOUNDARIES]
-    lines = [line | {"cpu_seconds": line["n"] ** 1.5, "objective": 7.0} for line in lines]
-    assert boundaries.summary(lines).splitlines()[2] == "| a tree | 8e+03 | 6.4e+04 | 1.50 |"
 
 
 def test_an_unknown_family_is_refused_with_the_known_ones():
@@ -117,18 +108,6 @@ def test_pages_say_how_much_faster_depth_3_is_as_the_data_have_it():
     for page in ("README.md", "docs/index.md"):
         assert f"depth 3 proven {mean} times as fast as pycontree" in (ROOT / page).read_text()
     assert f"At depth 3 the mean is {mean}." in (ROOT / "docs/benchmarks.md").read_text()
-
-
-@pytest.mark.parametrize("solver", ["treefarms"])
-def test_a_peer_is_asked_for_the_same_optimum(solver):
-    pytest.importorskip(solver)
-    rng = np.random.default_rng(0)
-    values = rng.integers(1, 5, (130, 3))
-    balance = (values == 1).sum(axis=1) - (values == 2).sum(axis=1)
-    labels = np.where(balance != 0, balance > 0, rng.integers(0, 2, 130))
-    problem = Problem(values.astype(float), labels.astype(int), depth=9, leaf_penalty=0.02 * 130)
-    answer = RIVALS[solver].prepare(problem)(60.0, 1)  # the first tree of its default set costs 35.2
-    assert (answer.objective, answer.bound) == pytest.approx((33.4, 33.4))
 
 
 @pytest.mark.parametrize(("arguments", "message"), [

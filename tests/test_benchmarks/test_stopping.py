@@ -11,7 +11,6 @@ import pytest
 
 from benchmarks.blind.__main__ import unfinished
 from benchmarks.blind.run import Plan, _settled, begun_seed
-from benchmarks.main_program import run_main
 from benchmarks.tables import whole_lines
 
 SLEEPER = """
@@ -36,13 +35,6 @@ def test_a_main_program_ends_with_the_code_of_its_signal():
             running.send_signal(number)
             assert running.wait(timeout=20) == code
             assert "stopped; what was written stands" in running.stderr.read()
-
-
-def test_a_main_program_that_ends_by_itself_has_its_own_code():
-    for returned, code in ((None, None), (3, 3)):
-        with pytest.raises(SystemExit) as ended:
-            run_main(lambda returned=returned: returned)
-        assert ended.value.code == code
 
 
 def test_a_last_line_that_was_cut_off_is_removed(tmp_path):

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from femlib.arrays import FloatArray
-from femlib.assembly import Shells, Supports, buckling_modes, geometric_stiffness, matrix_buckling
+from femlib.assembly import Shells, Supports, buckling_modes
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
-from femlib.rom.buckling import ReducedBuckling
 from femlib.wing import Wing, buckle, vibrate
 from tests.test_femlib.plates import grid_mesh
 
@@ -66,52 +65,6 @@ def test_a_square_plate_buckles_at_timoshenkos_load(
     n: int, xx: float, xy: float, triangles: bool, exact: list[float], within: float
 ) -> None:
     np.testing.assert_allclose(coefficients(n, xx, xy, triangles), exact, rtol=within)
-
-
-def test_a_plate_that_is_pulled_does_not_buckle() -> None:
-    shells, supports = plate(6, triangles=False)
-    moved = np.zeros((len(shells.mesh.nodes), 6))
-    moved[:, :2] = 1e-4 * shells.mesh.nodes[:, :2]
-    stretched = geometric_stiffness(shells, moved.ravel())
-    assert matrix_buckling(shells.stiffness(), stretched, supports) == []
-    assert buckling_modes(shells, supports, edge_forces(shells.mesh, 0.0, 0.0)) == []
-    # a translation does no work on a stress in equilibrium with itself
-    np.testing.assert_allclose(stretched @ np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0], len(moved)), 0.0, atol=1e-6)
-
-
-@pytest.mark.parametrize(("n", "sign", "factor"), [(0, 1.0, np.inf), (1, 1.0, np.inf), (1, -1.0, 0.5)])
-def test_reduced_equations_that_nothing_presses_have_no_factor(n: int, sign: float, factor: float) -> None:
-    reduced = ReducedBuckling(np.zeros((1, n, n)), sign * np.full((1, n, n), 2.0), np.array([[[1.0]], [[0.0]]])[:, :n])
-    assert reduced.factor(np.zeros(1), np.ones(1)) == factor
-
-
-@pytest.mark.parametrize(("n", "triangles"), [(12, False), (24, True)])
-def test_a_warm_plate_buckles_at_its_critical_temperature(n: int, triangles: bool) -> None:
-    """N = E alpha T t / (1 - nu) both ways is 2 pi^2 D / b^2 there.
-
-    Source: S. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells (1959), section 92 (in-plane forces).
-    """
-    shells, supports = plate(n, triangles)
-    own, edge = isotropic_plate(YOUNG, POISSON, THICKNESS, expansion=23e-6), shells.mesh.nodes[:, :2] % 1.0 == 0.0
-    shells = Shells(shells.mesh, (own,), shells.section, shells.scale, shells.axis)
-    nodes = np.flatnonzero(edge.any(axis=1))
-    supports = Supports.holding(shells.mesh, np.concatenate([6 * nodes + k for k in range(3)]))
-    warmth = np.tile([1.0, 0.0], (shells.mesh.n_elements, 1))
-    nothing = np.zeros(shells.mesh.n_dofs)
-    (mode,) = buckling_modes(shells, supports, nothing, limit=1.0, is_refined=False, warmth=warmth)
-    critical = np.pi**2 * THICKNESS**2 / (6.0 * 23e-6 * (1.0 + POISSON))
-    assert mode.factor == pytest.approx(critical, rel=0.011)
-    half = np.full(shells.mesh.n_elements, 0.5)  # pushes half as much
-    (softer,) = buckling_modes(shells, supports, nothing, 1, half, 1.0, is_refined=False, warmth=warmth)
-    assert softer.factor == pytest.approx(mode.factor, rel=1e-6)
-
-
-def test_half_the_stiffness_buckles_at_half_the_load() -> None:
-    shells, supports = plate(6, triangles=False)
-    half = np.full(shells.mesh.n_elements, 0.5)
-    load = edge_forces(shells.mesh, -1.0, 0.0)
-    factors = [buckling_modes(shells, supports, load, factor=own)[0].factor for own in (None, half)]
-    assert factors[1] == pytest.approx(0.5 * factors[0], rel=1e-8)
 
 
 def test_the_wing_buckles_and_vibrates_with_its_damage_load_and_masses(tiny: Wing) -> None:

@@ -8,13 +8,11 @@ from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.modes import blade, cylinder_frequency
 from benchmarks.shells.plates import razzaque_skew_plate, square_plate
 from benchmarks.shells.strips import curved_beam, raasch_hook, straight_beam
-from femlib import sensors
 from femlib.assembly.quality import MOST_ERROR
 from femlib.errors import FemlibError, SolveError
 from femlib.material import isotropic_plate
 from femlib.sensors import StrainGauge
 from femlib.structure import Structure, read, reduce
-from femlib.structure.calculix import read_gauges, weights_of
 from tests.test_femlib.own_meshes import ALUMINIUM, plate_mesh, plate_with_mast
 
 GAUGE = StrainGauge("m", (0.3, 0.2, 0.0), (1, 0, 0), ("skin",))
@@ -67,24 +65,6 @@ def test_a_coarse_cylinders_frequency_has_an_estimate() -> None:
     error, estimate = cylinder_frequency(4, 4)
     assert abs(error) > 0.03
     assert estimate > max(MOST_ERROR, 0.5 * abs(error))
-
-
-@pytest.mark.parametrize("diagonal", DIAGONALS)
-def test_gauges_on_triangles_are_as_good_as_on_quadrilaterals(diagonal) -> None:
-    rng = np.random.default_rng(0)
-    places, turns = rng.uniform(0.02, 0.48, (12, 2)), rng.uniform(0.0, np.pi, 12)
-    gauges = [
-        StrainGauge(f"g{k}", (*place, 0.0), (np.cos(turn), np.sin(turn), 0.0), ("shell",))
-        for k, (place, turn) in enumerate(zip(places, turns, strict=True))
-    ]
-
-    def strains(case):
-        thickness = np.full(case.shells.mesh.n_elements, 1e-3)
-        return sensors.strain_rows(case.shells.mesh, thickness, gauges) @ case.displacements()
-
-    exact = strains(square_plate(32, False))
-    off = strains(square_plate(8, False).in_triangles(diagonal)) - exact
-    assert np.linalg.norm(off) < 0.04 * np.linalg.norm(exact)  # one element's strain: 10 %
 
 
 def test_a_solution_carries_its_estimate_and_what_is_computed_from_it_none() -> None:
@@ -153,35 +133,3 @@ def test_what_was_answered_without_a_word_is_refused_in_one_sentence(name) -> No
     with pytest.raises(FemlibError, match=sentence) as told:
         make()
     assert "\n" not in str(told.value)
-
-
-def test_a_load_below_the_buckling_load_is_answered() -> None:
-    plate = skin()
-    assert plate.solve({}, plate.line_load("right", (-100.0, 0.0, 0.0)), limit=1.0)[:, 0].min() < 0.0
-
-
-def test_a_line_load_runs_along_lines_that_branch() -> None:
-    mesh = plate_mesh(6, 4)
-    x, y, z = mesh.points.T
-    mesh.point_sets["cross"] = np.flatnonzero((z == 0.0) & ((np.abs(x - 0.3) < 1e-9) | (np.abs(y - 0.2) < 1e-9)))
-    plate = plate_with_mast()
-    structure = Structure(read(mesh), plate.sections, {"left": "clamped"})
-    total = structure.line_load("cross", (0.0, 0.0, 2.0)).reshape(-1, 6)[:, 2].sum()
-    assert total == pytest.approx(2.0 * (0.6 + 0.4))
-
-
-def test_gauges_on_triangles_are_read_from_nine_points(tmp_path) -> None:
-    """Strain grows from 100 microstrain at the middle to 160 at the top; S6 prints three layers of three points."""
-    mesh = plate_mesh()
-    a, b, c, d = mesh.cells[0].data.T
-    trias = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
-    cut = meshio.Mesh(mesh.points[:-2], [("triangle", trias)], cell_sets={"skin": [np.arange(len(trias))]})
-    cut.point_sets = {"left": mesh.point_sets["left"]}
-    plate = Structure(read(cut), {"skin": ALUMINIUM}, {"left": "clamped"})
-    lines = ["strains", ""]
-    for element in sorted({e for own in weights_of(plate, [GAUGE]) for e in own}):
-        for k, height in enumerate(np.repeat([-1.0, 0.0, 1.0], 3)):
-            value = 1e-6 * (100.0 + 60.0 * np.sqrt(0.6) * height)
-            lines.append(f" {element + 1} {k + 1} {value:.9e} 0. 0. 0. 0. 0.")
-    (tmp_path / "own.dat").write_text("\n".join(lines) + "\n")
-    assert read_gauges(plate, tmp_path / "own.dat", [GAUGE])[0] == pytest.approx(160.0)

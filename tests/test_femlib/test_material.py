@@ -34,12 +34,6 @@ def test_symmetric_laminate_has_no_coupling_and_quasi_isotropic_has_isotropic_me
     assert np.abs(stack.thermal_moment).max() < 1e-9
 
 
-def test_a_ply_turned_by_ninety_degrees_swaps_its_axes() -> None:
-    q, r = CARBON.plane_stress(), turned(90).plane_stress()
-    assert r == pytest.approx(q[[1, 0, 2]][:, [1, 0, 2]], rel=1e-12, abs=1e-3)
-    assert turned(90).free_strain() == pytest.approx([30e-6, -0.5e-6, 0.0], abs=1e-18)
-
-
 def test_free_expansion_of_an_isotropic_plate_is_its_coefficient() -> None:
     plate = isotropic_plate(3e9, 0.3, 4e-3, expansion=5e-6)
     assert np.linalg.solve(plate.membrane, plate.thermal_force) == pytest.approx([5e-6, 5e-6, 0.0])

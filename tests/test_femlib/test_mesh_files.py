@@ -158,16 +158,6 @@ def test_whole_numbers_of_vtk_are_sets(ending, tmp_path):
     assert found.nodes_of("edge:1").tolist() == [0, 7, 14, 21, 28]
 
 
-def test_millimetres_become_metres_and_middles_are_left_out():
-    mesh = plate_mesh(n_x=1, n_y=1)
-    corners = mesh.points[mesh.cells[0].data[0]]
-    middles = 0.5 * (corners + np.roll(corners, -1, axis=0))
-    quadratic = meshio.Mesh(1e3 * np.concatenate([corners, middles]), [("quad8", np.arange(8)[None])])
-    found = read(quadratic, unit="mm", corners_only=True)
-    np.testing.assert_allclose(found.nodes, corners)
-    assert len(found.quads) == 1
-
-
 def test_shells_are_turned_to_face_away_from_a_point():
     mesh = plate_mesh()
     mesh.cells[0].data[3] = mesh.cells[0].data[3][::-1].copy()

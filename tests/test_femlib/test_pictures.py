@@ -6,18 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from femlib.wing import Wing, bend, uav_wing
-from femlib.wing.damage import damage_library
-from femlib.wing.export.pictures import deformed_picture, main, region_picture, render, strain_picture
-from femlib.wing.export.vtu import far_shape, near_shape, write_vtu
-
-
-def test_every_region_and_gauge_is_drawn() -> None:
-    wing = uav_wing(refinement=0.25, regions=damage_library(), candidates=True)
-    axes = region_picture(wing).axes
-    texts = {text.get_text() for axis in axes for text in axis.texts}
-    assert texts == set(wing.parameters)
-    assert sum(len(line.get_xdata()) for line in axes[0].lines) == 82
+from femlib.wing import Wing
+from femlib.wing.export.pictures import main, render, strain_picture
+from femlib.wing.export.vtu import near_shape, write_vtu
 
 
 def test_the_strain_of_both_skins_is_coloured(tiny: Wing) -> None:
@@ -26,17 +17,6 @@ def test_the_strain_of_both_skins_is_coloured(tiny: Wing) -> None:
     top, bottom = (np.asarray(axis.collections[0].get_array()) for axis in figure.axes[:2])
     assert len(top) + len(bottom) == 2 * len(tiny.grid.upper[:-1]) * (len(tiny.grid.chord) - 1)
     assert np.median(top) > 0 > np.median(bottom)
-
-
-def test_the_deformed_wing_is_to_scale(tiny: Wing) -> None:
-    moved, strains = far_shape(tiny, bend(tiny, {}, 3.0).deflection)
-    axis = deformed_picture(tiny, moved, strains, "load factor 3").axes[0]
-    height = axis.collections[0].get_datalim(axis.transData).y1
-    top = tiny.structure.shells.mesh.nodes[tiny.grid.upper[-1], 2] + moved[tiny.grid.upper[-1], 2]
-    assert height == pytest.approx(top.max(), rel=0.02)
-    assert axis.get_aspect() == 1.0
-    tip = moved[tiny.grid.upper[-1, tiny.grid.spar_column]]
-    assert axis.texts[0].get_text() == f"tip {1e3 * tip[2]:.0f} mm up, {-1e3 * tip[1]:.1f} mm inboard"
 
 
 def test_a_large_deflection_and_other_loads_reach_the_vtu_file(tiny: Wing, tmp_path: Path) -> None:

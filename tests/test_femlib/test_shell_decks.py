@@ -11,7 +11,7 @@ from benchmarks.shells.curved import scordelis_lo_roof
 from femlib.arrays import FloatArray
 from femlib.assembly import Shells, Supports, factorise, surface_load
 from femlib.errors import InputError
-from femlib.export.calculix import Deck, edges, write_deck
+from femlib.export.calculix import Deck, write_deck
 from femlib.export.calculix_results import read_buckling_factors, read_displacements, read_frequencies
 from femlib.material import Laminate, Ply, isotropic_plate, laminate
 from femlib.mesh import DOFS_PER_NODE
@@ -44,40 +44,6 @@ def run(deck: Deck, folder: Path) -> None:
     run_deck(folder / "a.inp")
 
 
-@pytest.mark.parametrize(("shape", "is_quadratic"), [("quad4", True), ("tria3", True), ("quad4", False)])
-def test_a_deck_has_every_node_element_and_force_once(shape: str, is_quadratic: bool) -> None:
-    shells = patch(PLATE, shape)
-    mesh = shells.mesh
-    load = np.zeros(mesh.n_dofs)
-    load[[14, 20]] = 3.0, -1.0
-    lines = Deck(shells, Supports.clamping(mesh, np.array([0, 1])), load, is_quadratic).lines()
-    extra = len(edges(mesh)[0]) if is_quadratic else 0
-    first = lines.index("*NODE, NSET=ALL") + 1
-    cards = [k for k, line in enumerate(lines) if line.startswith("*")]
-    assert next(k for k in cards if k > first) - first == len(mesh.nodes) + extra
-    kind = {"quad4": "S8R" if is_quadratic else "S4", "tria3": "S6"}[shape]
-    assert [line for line in lines if line.startswith("*ELEMENT")] == [f"*ELEMENT, TYPE={kind}"]
-    assert lines[lines.index("*CLOAD") + 1 :][:3] == [
-        "3, 3, 3.000000000e+00",
-        "4, 3, -1.000000000e+00",
-        "*NODE FILE, OUTPUT=2D",
-    ]
-    held = lines[lines.index("*BOUNDARY") + 1 :][: 6 * (2 + is_quadratic)]
-    assert held[:7] == ["1, 1, 1", "1, 2, 2", "1, 3, 3", "1, 4, 4", "1, 5, 5", "1, 6, 6", "2, 1, 1"]
-    assert is_quadratic == (int(held[-1].split(",")[0]) > len(mesh.nodes))  # the middle of the edge between them
-
-
-def test_a_ply_goes_out_with_its_own_direction() -> None:
-    deck = cantilever(CROSSED)
-    lines = deck.lines()
-    assert sum(line.startswith("*ORIENTATION") for line in lines) == 3
-    first = lines[lines.index("*ORIENTATION, NAME=O0P0, SYSTEM=RECTANGULAR") + 1]
-    assert np.array(first.split(","), dtype=float) == pytest.approx(
-        [np.cos(0.3), np.sin(0.3), 0, -np.sin(0.3), np.cos(0.3), 0], abs=1e-9
-    )
-    assert lines[lines.index("*SHELL SECTION, ELSET=E0, COMPOSITE") + 1] == "0.001, , M0, O0P0"
-
-
 @needs_calculix
 @pytest.mark.parametrize(
     ("section", "close"),
@@ -89,21 +55,6 @@ def test_calculix_bends_the_same_strip(section: Laminate, close: float, tmp_path
     run(deck, tmp_path)
     theirs, ours = read_displacements(tmp_path / "a.frd", len(deck.shells.mesh.nodes)), solved(deck)
     assert np.abs(ours - theirs).max() < close * np.abs(theirs).max()
-
-
-@needs_calculix
-def test_calculix_has_frequencies_and_buckling_factors(tmp_path: Path) -> None:
-    deck = cantilever(isotropic_plate(70e9, 0.0, 5e-3, density=2700.0), 12)
-    run(replace(deck, analysis="frequencies", n_modes=2), tmp_path)
-    bending = 70e9 * 5e-3**3 / 12.0
-    exact = 1.8751**2 / (2.0 * np.pi) * np.sqrt(bending / (2700.0 * 5e-3))
-    assert read_frequencies(tmp_path / "a.dat")[0] == pytest.approx(exact, rel=0.01)
-    mesh = deck.shells.mesh
-    push = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
-    push[mesh.nodes[:, 0] == 1.0, 0] = [-1 / 6, -1 / 3, -1 / 3, -1 / 6]
-    run(replace(deck, load=push.ravel(), analysis="buckling", n_modes=1), tmp_path)
-    euler = 0.25 * np.pi**2 * bending * 0.3
-    assert read_buckling_factors(tmp_path / "a.dat")[0] == pytest.approx(euler, rel=0.01)
 
 
 @needs_calculix

@@ -84,16 +84,6 @@ def test_rows_are_the_models_strains_divided_by_the_load(tmp_path: Path) -> None
     assert rows["state"].value_counts().tolist() == [4, 4, 4, 4]
 
 
-def test_one_seed_is_one_file_and_another_seed_another(tmp_path: Path) -> None:
-    one, same, other = (
-        stream_dataset(tmp_path / f"{k}.parquet", Slope(), library(), noisy(seed=seed))
-        for k, seed in enumerate([1, 1, 2])
-    )
-    assert one.read().equals(same.read())
-    assert one.about["sha256"] == same.about["sha256"]
-    assert not np.array_equal(one.read()["g01"], other.read()["g01"])
-
-
 def wing_rows(tiny: Wing, path: Path, n_jobs: int | None = None) -> StoredDataset:
     return stream_dataset(path, tiny, library(), noisy(), n_jobs=n_jobs)
 
@@ -140,16 +130,6 @@ def test_rows_do_not_depend_on_the_size_of_the_groups(tmp_path: Path, monkeypatc
     assert data.read().astype({"load": str}).equals(whole.astype({"load": str}))
     assert max(len(piece) for piece in data.pieces(20)) == 20
     assert next(data.pieces(20, ["g02"])).shape == (20, 1)
-
-
-def test_more_readings_of_a_state_than_are_drawn_at_once(tmp_path: Path) -> None:
-    sampling = Sampling(recipe=Recipe(20_000))
-    data = stream_dataset(tmp_path / "a.parquet", Slope(), grid_states({"mu1": [0.0]}), sampling)
-    noise = data.read()[["g01", "g02"]].to_numpy() - 1000.0
-    assert len(noise) == 20_000
-    assert noise.std(axis=0) == pytest.approx(np.sqrt(1000.0) / 3.0, rel=0.02)
-    assert np.abs(np.corrcoef(np.column_stack([noise[:-1], noise[1:]]).T) - np.eye(4)).max() < 0.03  # white
-    assert data.read()["is_train"].mean() == pytest.approx(0.7, abs=0.02)
 
 
 def test_the_side_file_says_seed_noise_model_units_states_and_loads(tmp_path: Path) -> None:
@@ -200,9 +180,3 @@ def test_a_random_library_is_the_same_in_any_pieces() -> None:
     assert np.array_equal(
         random_states(["a", "b", "c"], 10, seed=2, n_damaged=2, largest=0.5).between(0, 10), whole[:10]
     )
-
-
-def test_a_grid_has_every_combination_in_order() -> None:
-    states = grid_states({"a": [0.0, 0.5], "b": [0.1, 0.2, 0.3]})
-    expected = [[0.0, 0.1], [0.0, 0.2], [0.0, 0.3], [0.5, 0.1], [0.5, 0.2], [0.5, 0.3]]
-    assert np.array_equal((states + listed_states(["a", "b"], [[0.9, 0.0]])).between(0, 7), [*expected, [0.9, 0.0]])

@@ -13,7 +13,7 @@ from femlib.wing import FlightPoint, Wing, uav_wing
 from femlib.wing.model import reshaped
 from femlib.wing.strength import wing_capability, wing_limits
 from femlib.wing.structure import WingMaterials
-from femlib.wing.trim import TrimmedWing, divergence_pressure, harmonic_lift, lifting_line, trim_wing, twist_rows
+from femlib.wing.trim import TrimmedWing, harmonic_lift, lifting_line, trim_wing, twist_rows
 
 STATES = np.array([[0.0, 0.0], [0.8, 0.3]])
 FAST = FlightPoint(airspeed=60.0)
@@ -44,12 +44,6 @@ def test_a_uniform_wing_of_lone_strips_diverges_at_the_pressure_of_a_uniform_bea
     found = trim_wing(wing, is_induced=False).divergence_pressures(STATES[:1])[0]
     assert rate > 0.0
     assert found == pytest.approx(expected, rel=0.015)
-
-
-def test_a_wing_that_twists_nose_down_never_diverges() -> None:
-    assert divergence_pressure(np.diag([-2.0, -1.0])) == np.inf
-    assert divergence_pressure(np.array([[0.5, 0.0], [0.0, -4.0]])) == 2.0
-    assert divergence_pressure(np.array([[1.0, 4.0], [-4.0, 1.0]])) == np.inf
 
 
 def test_the_lift_slope_of_a_rectangle_is_that_of_the_lifting_line() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from femlib.errors import InputError
-from femlib.wing import ReducedWing, Wing, WingTwin, reduced_twin, saved_twin, uav_wing
+from femlib.wing import ReducedWing, Wing, WingTwin, saved_twin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import Campaign, Diagnosis, Recorded, diagnose, gathered
 from octmip.twin import Effect, Twin, predict_states
@@ -107,13 +107,6 @@ def test_a_saved_twin_answers_at_once_and_makes_the_full_wing_when_it_must(
         other.wing.outline()
     with pytest.raises(InputError, match="this twin knows only the reduced wing; expected make_wing"):
         WingTwin(tiny_reduced).wing.outline()
-
-
-def test_a_twin_is_reduced_from_any_wing(tiny: Wing) -> None:
-    twin = reduced_twin(tiny)
-    assert isinstance(twin.model, ReducedWing)
-    assert twin.wing is tiny
-    assert set(twin.effects) == set(wing_effects(tiny))
 
 
 def _causes(found: Diagnosis) -> list[tuple[str, ...]]:

@@ -1,8 +1,4 @@
-"""The wing behind every door: one verdict, one size.
-
-The door that starts a program for each question is given the wing's answers as coefficients: at a known damage its
-readings are linear in the load factor and in the sizes of these effects, so that nothing is lost.
-"""
+"""The wing behind a function and behind a table: one verdict, one size."""
 
 import itertools
 import json
@@ -25,18 +21,6 @@ RANGES = {
 TRUTH, SIZE = "temperature_uniform", 12.0
 DAMAGES, MEASURED = (0.0, 0.3), 0.3
 LOADS = (1.0, 3.0)
-
-MODEL = """
-import json
-with open({path!r}) as file:
-    PARTS = json.load(file)
-
-def wing(parameters, loads):
-    at = PARTS[f"{{parameters['mu1']:g}}"]
-    sizes = [1.0] + [parameters[name] for name in {names!r}]
-    load = loads["load_factor"]
-    return [sum(s * (a + load * b) for s, a, b in zip(sizes, *gauge)) for gauge in at]
-"""
 
 
 @pytest.fixture(scope="module")
@@ -75,24 +59,6 @@ def card(twin: FunctionTwin, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("doors") / "card.json"
     path.write_text(json.dumps(content))
     return path
-
-
-@pytest.fixture(scope="module")
-def model(native: WingTwin, card: Path) -> str:
-    """The wing's answers as coefficients (load^0 and load^1, of strain and effects), and what reads them."""
-    parts = {}
-    for damage in DAMAGES:
-        state = {"mu1": damage}
-        effects = native.effects.values()
-        ends = [
-            np.array([native.predict(state, load), *(effect.signature(native, state, load) for effect in effects)])
-            for load in (0.0, 1.0)
-        ]
-        still, grows = ends[0], ends[1] - ends[0]
-        parts[f"{damage:g}"] = [[still[:, k].tolist(), grows[:, k].tolist()] for k in range(still.shape[1])]
-    path = card.parent / "wing.json"
-    path.write_text(json.dumps(parts))
-    return MODEL.format(path=str(path), names=list(RANGES))
 
 
 def found(campaign: Campaign, twin: FunctionTwin) -> tuple[Parameter, str]:

@@ -1,6 +1,5 @@
 """What a stranger may try: each wrong input gets one sentence of what, where, got, expected, cure."""
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -281,11 +280,3 @@ def assert_one_sentence(error: FemlibError) -> None:
     text = str(error)
     assert "\n" not in text
     assert "expected" in text or "; " in text
-
-
-def test_parquet_without_pyarrow_gets_a_sentence(tiny: Wing, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(
-        InputError, match=r"needs the package pyarrow, which is not installed; install octmip\[parquet\]"
-    ):
-        stream(tiny, tmp_path)

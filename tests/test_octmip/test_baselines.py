@@ -8,7 +8,9 @@ import pytest
 from sklearn.datasets import load_iris
 
 from octmip import Problem, SquaredError
+from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.tradeoff import baselines_of, score_of
+from octmip.trees.tree import leaf_index
 
 X, Y = load_iris(return_X_y=True)
 IRIS = Problem(X, Y, depth=1)
@@ -38,6 +40,18 @@ def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
     for name, train in baselines_of(numbers).items():
         assert score_of(numbers, train(0)).measures["rmse"] < 0.25, name
     assert "discriminant" not in baselines_of(replace(IRIS, weights=1 + Y))
+
+
+@pytest.mark.parametrize(("offset", "unit"), [(1e9, 1.0), (0.0, 1e-12), (0.0, 1e30), (-1e-3, 1e-12)])
+def test_offset_and_unit_of_the_numbers_change_no_baseline_and_not_cart(offset, unit):
+    rows = np.arange(40.0)[:, None]
+    steps = np.repeat([0.0, 1.0, 3.0, 4.0], 10)
+    plain, moved = (Problem(rows, numbers, depth=2, loss=SquaredError()) for numbers in (steps, offset + unit * steps))
+    leaves = [leaf_index(greedy_tree(problem).tree, rows).tolist() for problem in (plain, moved)]
+    assert leaves[0] == leaves[1] == np.repeat(range(4), 10).tolist()
+    for name, train in baselines_of(moved).items():
+        found = (train(0)(rows) - offset) / unit
+        assert found == pytest.approx(baselines_of(plain)[name](0)(rows), abs=1e-3), name
 
 
 def test_weights_count():

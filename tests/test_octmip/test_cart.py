@@ -1,6 +1,8 @@
 """CART as a Solution: scikit-learn's tree, judged by the objective of the Problem."""
 
+import math
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from octmip import (
     predict,
     solve,
 )
+from octmip.trees.methods import cart
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tree import depth, features_used, leaf_index, n_splits
@@ -136,3 +139,14 @@ def test_a_limit_of_nodes_is_the_most_splits_and_changes_no_smaller_tree():
     certify(problem, limited)
     assert 0 < n_splits(limited.tree) <= size // 2
     assert limited.objective >= whole.objective
+
+
+@pytest.mark.parametrize(("seconds", "levels"), [(0.5, 1), (3.9, 1), (4.5, 2), (99.0, 5), (math.inf, 5)])
+def test_a_deadline_leaves_the_levels_that_the_first_one_lets_expect(monkeypatch, seconds, levels):
+    rng = np.random.default_rng(0)
+    problem = Problem(rng.normal(size=(60, 3)), rng.integers(0, 3, 60), depth=5)
+    clock = count()  # each look at it is a second later
+    monkeypatch.setattr(cart, "MEASURED_WORK", 0)
+    monkeypatch.setattr(cart.time, "perf_counter", lambda: next(clock))
+    found = greedy_tree(problem, limits=Limits(seconds=seconds))
+    assert (depth(found.tree), found.stop) == (levels, Stop.FINISHED if levels == 5 else Stop.TIME)

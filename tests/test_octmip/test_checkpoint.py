@@ -2,12 +2,7 @@
 
 import base64
 import json
-import random
-import signal
 import struct
-import subprocess
-import sys
-import time
 import zlib
 from dataclasses import replace
 from fractions import Fraction
@@ -157,34 +152,6 @@ def test_a_smaller_gap_and_a_log_are_still_worked_for(tmp_path):
     assert found.is_optimal
     logged = solve(hard(), "exact", options=replace(options, proof=tmp_path / "log"))
     assert check_proof(hard(), tmp_path / "log", bound=logged.bound).bound == found.bound
-
-
-CHILD = """
-import sys
-from octmip import ExactOptions, solve
-from tests.test_octmip.test_checkpoint import RUNS
-print("ready", flush=True)
-solution = solve(RUNS[int(sys.argv[1])], "exact", options=ExactOptions(checkpoint=sys.argv[2], every=0.02))
-print(solution.objective, solution.bound, solution.stop, not {"resumed_from", "kept"}.isdisjoint(solution.details))
-"""
-RUNS = (Problem(np.random.default_rng(3).normal(size=(200, 6)), hard().targets, depth=3), lines(70))
-
-
-@pytest.mark.parametrize("number", range(len(RUNS)))
-def test_a_proof_killed_at_any_moment_goes_on_to_the_same_optimum(number, tmp_path):
-    """SIGKILL gives no time to clean up: the file is the last whole one."""
-    kept, moments = tmp_path / "kept", random.Random(0)
-    command = [sys.executable, "-c", CHILD, str(number), str(kept)]
-    for _ in range(3):
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as running:
-            running.stdout.readline()
-            while not kept.exists() and running.poll() is None:
-                time.sleep(0.01)
-            time.sleep(moments.uniform(0.03, 0.15))
-            running.send_signal(signal.SIGKILL)
-    last = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()[1:]
-    whole = solve(RUNS[number], "exact")
-    assert last == [str(whole.objective), str(whole.bound), "optimal", "True"]
 
 
 def found_in(path):

@@ -1,8 +1,10 @@
 """Claims that are wrong by little, or on the side that looks harmless, are refused as well as gross ones."""
 
 import dataclasses
+from contextlib import nullcontext
 from fractions import Fraction
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -156,3 +158,21 @@ def test_scores_at_a_threshold_are_in_the_set_and_by_chance_only_as_often_as_is_
     assert sets.sets([[0.5, 0.5]]).all()
     drawn = sets.sets(np.full((4000, 2), 0.5), np.random.default_rng(0))
     assert abs(drawn.mean() - 0.25) < 0.03
+
+
+@pytest.mark.parametrize(
+    ("options", "off", "is_refused"),
+    [
+        ({"loss": SquaredError()}, 2.0**-51, True),
+        ({"loss": SquaredError()}, 0.0, False),
+        ({"weights": [0.1, 0.7, 0.3, 0.9]}, 1e-13, False),
+        ({"weights": [0.1, 0.7, 0.3, 0.9]}, 1e-11, True),
+        ({}, 2.0**-51, True),
+    ],
+)
+def test_only_sums_of_real_weights_may_be_off_by_a_few_digits(options: Any, off: float, is_refused: bool) -> None:
+    problem = Problem(np.zeros((4, 1)), [0, 1, 1, 4] if "loss" in options else [0, 1, 1, 0], depth=1, **options)
+    found = solve(problem, "cart")
+    claimed = dataclasses.replace(found, objective=found.objective * (1 + off))
+    with pytest.raises(CertificateError, match="claims objective") if is_refused else nullcontext():
+        certify(problem, claimed)

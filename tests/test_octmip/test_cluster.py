@@ -1,14 +1,14 @@
 """A proof shared over processes: the tree, bound and evaluated cuts of one machine, also when a worker is killed."""
 
-import asyncio
 import json
 import os
 import signal
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import replace
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import dask
 import numpy as np
@@ -16,12 +16,13 @@ import pandas as pd
 import pytest
 from distributed import Client, LocalCluster
 
-from octmip import Limits, Problem, Progress, Solution, Stop
+from octmip import Limits, Problem, Progress, Stop
 from octmip.errors import DataError, SolverError
 from octmip.interfaces.cli import main
 from octmip.trees import _native
 from octmip.trees.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.losses import ClassCosts
+from octmip.trees.methods import shared_work
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
 from octmip.trees.methods.search import local_search
@@ -86,21 +87,6 @@ def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path, opti
     branch_and_bound(problem, options=ExactOptions(cluster=Cluster(asked), proof=shared))
     assert alone.read_bytes() == threads.read_bytes() == shared.read_bytes()
     assert check_proof(problem, shared).bound == found.objective
-
-
-def test_a_worker_that_is_killed_while_a_log_is_written(client: Client, tmp_path) -> None:
-    problem = hard(1200, 3)
-    alone = branch_and_bound(problem)
-    done: list[object] = []
-    options = ExactOptions(cluster=Cluster(client), proof=tmp_path / "log")
-    written = lambda: done.append(branch_and_bound(problem, incumbent=alone, options=options))  # noqa: E731
-    worker = threading.Thread(target=written)
-    worker.start()
-    time.sleep(1.2 * alone.seconds)
-    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
-    worker.join()
-    assert [solution.bound for solution in done] == [alone.objective]
-    assert check_proof(problem, tmp_path / "log").bound == alone.objective
 
 
 def test_a_worker_that_is_killed_costs_no_result(client: Client) -> None:
@@ -168,20 +154,6 @@ def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machi
         assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
 
 
-def test_a_worker_that_is_killed_in_a_search_costs_no_result(client: Client) -> None:
-    problem = hard(900, 4)
-    alone = local_search(problem)
-    shared: list[Solution] = []
-    worker = threading.Thread(
-        target=lambda: shared.append(local_search(problem, options=SearchOptions(cluster=Cluster(client))))
-    )
-    worker.start()
-    time.sleep(0.3 * alone.seconds)
-    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
-    worker.join()
-    assert [(found.tree, found.n_nodes) for found in shared] == [(alone.tree, alone.n_nodes)]
-
-
 def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> None:
     problem = hard(4000, 5)
     reports: list[Progress] = []
@@ -235,51 +207,6 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
         branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
 
 
-def test_a_problem_is_sent_as_one_value_whose_loss_is_seen(client: Client) -> None:
-    shared = Cluster(client).share(shared_problem((1, 2), []))
-    assert shared.held.status == "finished"
-
-
-def test_a_problem_whose_holder_ends_before_dask_has_made_its_future_is_sent_again(
-    client: Client, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The future stays "finished": before, each task was lost until it was given up."""
-    scheduler = client.cluster.scheduler
-    scatter, n_sent = scheduler.handlers["scatter"], 0
-
-    async def end_after(**options: object) -> list[str]:
-        nonlocal n_sent
-        n_sent += 1
-        if n_sent == 2:
-            raise KeyError("tcp://the-worker-has-ended")
-        keys = await scatter(**options)
-        if n_sent == 1:
-            scheduler.transitions(dict.fromkeys(keys, "forgotten"), stimulus_id="the worker has ended")
-            await asyncio.sleep(0.3)  # the client hears of it, and knows of no such future yet
-        return keys
-
-    monkeypatch.setitem(scheduler.handlers, "scatter", end_after)
-    cluster = Cluster(client)
-    shared = cluster.share("shared")
-    assert shared.held.status == "finished"
-    tasks = [cluster.submit(len, shared) for _ in range(3)]
-    for task in tasks:
-        while not task.wait(0.1):
-            pass
-    assert [task.result() for task in tasks] == [6, 6, 6]
-    assert (n_sent, cluster.n_lost) == (3, 3)
-
-
-def test_a_problem_that_never_arrives_is_one_sentence(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    async def lose(**_: object) -> None:
-        raise OSError("the worker has ended")
-
-    monkeypatch.setattr("octmip.trees.cluster.PAUSE", 0)
-    monkeypatch.setitem(client.cluster.scheduler.handlers, "scatter", lose)
-    with pytest.raises(SolverError, match="lost on its way to the workers 20 times"):
-        Cluster(client).share("shared")
-
-
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
@@ -289,24 +216,6 @@ def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPa
         pytest.raises(SolverError, match=r"no worker to send the problem to; expected one at least"),
     ):
         branch_and_bound(hard(30, 2), options=ExactOptions(cluster=Cluster(client)))
-
-
-def test_a_result_that_is_lost_before_it_is_fetched_is_worked_out_again_when_a_worker_is_there() -> None:
-    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
-    with LocalCluster(**options, silence_logs=50) as one, Client(one) as client:
-        cluster = Cluster(client)
-        task = cluster.submit(len, cluster.share("shared"))
-        while not task.future.done():  # and nobody fetches it
-            time.sleep(0.01)
-        one.scale(0)
-        while cluster.n_workers:
-            time.sleep(0.05)
-        with pytest.warns(UserWarning, match="no worker of the cluster is left"):
-            assert not task.done()
-        assert not task.done()  # and says so no more
-        assert cluster.n_lost == 0  # nobody to send it to
-        one.scale(1)
-        assert (task.result(), cluster.n_lost) == (6, 1)
 
 
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -327,6 +236,18 @@ def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: 
         task.n_lost = 1
     with pytest.raises(SolverError, match="lost with its worker 1 times"):
         task.result()
+
+
+def test_a_turn_that_is_cut_short_leaves_no_solver_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = shared_problem({}, [])
+    for is_whole in (None, False, True):
+        solver = Mock(
+            take=Mock(return_value={"is_whole": is_whole}) if is_whole is not None else Mock(side_effect=OSError)
+        )
+        monkeypatch.setitem(shared_work._kept, problem.digest, solver)
+        with pytest.raises(OSError) if is_whole is None else nullcontext():  # noqa: PT011
+            shared_work.take_turn(problem, "turn", {"seconds": 1.0, "gap": 0.0, "nodes": 9.0, "memory": 1e9})
+        assert (problem.digest in shared_work._kept) == bool(is_whole)
 
 
 def test_a_cut_of_another_problem_is_refused() -> None:

@@ -5,24 +5,18 @@ import math
 import os
 import subprocess
 import sys
-import warnings
 from dataclasses import replace
 
 import joblib
 import numpy as np
-import pandas as pd
 import pytest
 from sklearn.datasets import load_iris
 from sklearn.exceptions import ConvergenceWarning, NotFittedError
-from sklearn.model_selection import GridSearchCV
-from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import StandardScaler
 
 import octmip
-from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, certify, predict, solve
+from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
-from octmip.interfaces.estimator.progress import Told
 from octmip.interfaces.estimator.settings import seed_of, threads_of
 
 IRIS = load_iris(return_X_y=True)
@@ -65,18 +59,6 @@ def test_importing_octmip_imports_neither_scikit_learn_nor_pandas():
         _ = octmip.OptimalTree
 
 
-def test_predictions_are_those_of_the_tree():
-    features, labels = IRIS
-    names = np.array(["setosa", "versicolor", "virginica"])[labels]
-    fitted = OptimalTreeClassifier(max_depth=2).fit(features, names)
-    assert (fitted.predict(features) == fitted.classes_[predict(fitted.tree_, features)]).all()
-    assert (fitted.predict(features) != names).sum() == fitted.solution_.objective == 6
-    assert (fitted.objective_, fitted.bound_, fitted.gap_, fitted.is_optimal_) == (6, 6, 0, True)
-    assert fitted.certificate_ == certify(fitted.problem_, fitted.solution_)
-    assert fitted.sensors_ == fitted.problem_.sensors_used(fitted.tree_)
-    assert fitted.score(features, names) == 1 - 6 / 150
-
-
 def test_shares_are_those_of_the_training_weight_in_the_leaf():
     plain = OptimalTreeClassifier(max_depth=1, method="cart", smoothing=0)
     fitted = plain.fit([[0], [0], [1], [1]], [0, 0, 0, 1], [1, 1, 1, 3])
@@ -84,30 +66,11 @@ def test_shares_are_those_of_the_training_weight_in_the_leaf():
     assert fitted.predict_log_proba([[0], [1]]).tolist() == [[0, -math.inf], [math.log(0.25), math.log(0.75)]]
 
 
-def test_a_weight_of_zero_leaves_a_sample_out():
-    features, labels = [[0.0], [1.0], [2.0], [9.0]], [0, 0, 1, 1]
-    left_out = OptimalTreeClassifier(max_depth=1, method="cart").fit(features, labels, [1, 1, 0, 1])
-    assert left_out.tree_.threshold == 5.0
-
-
 def test_costs_weigh_the_errors():
     features, labels = [[0.0], [0.0], [0.0], [1.0]], ["a", "a", "b", "b"]
     for costs, told in ((None, "a"), ([[0, 1], [5, 0]], "b")):
         fitted = OptimalTreeClassifier(max_depth=1, method="cart", costs=costs).fit(features, labels)
         assert fitted.predict([[0]]) == [told]
-
-
-@pytest.mark.parametrize("class_weight", ["balanced", {"a": 1.0, "b": 3.0}])
-def test_class_weights_multiply_those_of_the_samples(class_weight):
-    features, labels = np.zeros((8, 1)), ["a"] * 6 + ["b"] * 2
-    weights = [1, 1, 1, 1, 1, 0, 2, 1]
-    fitted = OptimalTreeClassifier(max_depth=1, method="cart", class_weight=class_weight)
-    found = fitted.fit(features, labels, weights).problem_.weights
-    expected = [0.8] * 5 + [8 / 3, 4 / 3] if class_weight == "balanced" else [1] * 5 + [6, 3]
-    assert np.allclose(found, expected)
-    repeated = np.repeat(np.arange(8), weights)
-    same = fitted.fit(features[repeated], np.array(labels)[repeated])
-    assert np.isclose(same.problem_.weights.sum(), found.sum())
 
 
 def test_a_class_weight_that_is_none_is_refused():
@@ -124,30 +87,6 @@ def test_threads_and_seeds_are_what_scikit_learn_means_by_them():
     assert seed_of(np.random.RandomState(0)) == seed_of(np.random.RandomState(0)) != seed_of(None)
     fitted = OptimalTreeClassifier(max_depth=1, random_state=np.random.RandomState(3), n_jobs=-1).fit(*IRIS)
     assert fitted.solution_.seed == seed_of(np.random.RandomState(3))
-
-
-def test_a_fraction_of_the_samples_may_be_the_least_of_a_leaf():
-    fitted = OptimalTreeClassifier(max_depth=2, min_samples_leaf=0.1).fit(*IRIS)
-    assert fitted.problem_.leaf_size == 15
-    assert np.bincount(fitted.apply(IRIS[0]))[fitted.apply(IRIS[0])].min() >= 15
-
-
-def test_names_of_a_data_frame_are_the_names_of_the_features():
-    frame = pd.DataFrame(IRIS[0], columns=list("abcd"))
-    fitted = OptimalTreeClassifier(max_depth=2, method="cart").fit(frame, IRIS[1])
-    assert list(fitted.feature_names_in_) == list("abcd") == list(fitted.problem_.feature_names)
-    with pytest.raises(ValueError, match="feature names"):
-        fitted.predict(frame.rename(columns={"a": "z"}))
-
-
-def test_it_works_in_pipelines_and_grid_search():
-    search = GridSearchCV(
-        make_pipeline(StandardScaler(), OptimalTreeClassifier(method="cart")),
-        {"optimaltreeclassifier__max_depth": [1, 3]},
-        cv=3,
-    ).fit(*IRIS)
-    assert search.best_params_ == {"optimaltreeclassifier__max_depth": 3}
-    assert search.best_score_ > 0.9
 
 
 @pytest.mark.parametrize(
@@ -205,14 +144,6 @@ def test_a_proof_that_a_limit_ends_warns_with_the_gap():
     assert fitted.gap_ == 1
 
 
-@pytest.mark.parametrize("settings", [{"method": "search"}, {"method": "cart"}, {"split": "hyperplane"}])
-def test_methods_that_promise_no_proof_do_not_warn(settings):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        fitted = OptimalTreeClassifier(max_depth=1, seconds=0.0, **settings).fit(*IRIS)
-    assert not fitted.is_optimal_
-
-
 def stopped(monkeypatch, **changes):
     """Let every solve return what it finds with some fields changed."""
     found = fitted_tree.solve_run
@@ -248,12 +179,3 @@ def test_no_tree_at_all_is_an_error(monkeypatch):
     stopped(monkeypatch, tree=None, objective=math.inf, stop=Stop.TIME)
     with pytest.raises(SolverError, match="give it more seconds"):
         OptimalTreeClassifier(max_depth=2).fit(*IRIS)
-
-
-def test_a_long_fit_says_how_far_it_is_where_it_is_asked_to(monkeypatch, capsys):
-    monkeypatch.setattr("octmip.interfaces.estimator.progress.INTERVAL", -1.0)
-    for verbose in (0, 1):
-        OptimalTreeClassifier(seconds=0.0, verbose=verbose).fit(*IRIS)
-        assert ("cross-validating, 1 of 6 done" in capsys.readouterr().out) == bool(verbose)
-    Told()(octmip.Progress(3.0, 12.0, 9.0, 70))
-    assert capsys.readouterr().out == "octmip: 3.0 s  objective 12  bound 9  gap 25 %  nodes 70\n"

@@ -41,17 +41,6 @@ def test_a_high_quantile_lies_above_nine_tenths_of_the_targets_of_every_leaf():
         assert (own < fitted.predict(X)[fitted.apply(X) == leaf]).mean() <= 0.9
 
 
-def test_text_and_missing_readings_are_encoded_and_samples_without_weight_left_out():
-    X, y = samples()
-    frame = pd.DataFrame({"a": X[:, 0], "b": np.where(X[:, 1] > 0.5, "high", "low")})
-    frame.loc[3, "a"] = np.nan
-    fitted = OptimalTreeRegressor(max_depth=2).fit(frame, y)
-    assert np.abs(fitted.predict(frame) - y).mean() < 0.3
-    weights = np.where(np.arange(80) < 40, 1.0, 0.0)
-    half = OptimalTreeRegressor(max_depth=2).fit(X, y, weights)
-    assert half.objective_ == OptimalTreeRegressor(max_depth=2).fit(X[:40], y[:40]).objective_
-
-
 def test_a_proof_that_ends_early_warns_and_words_are_refused():
     X, y = samples()
     with pytest.warns(ConvergenceWarning, match="the proof ended"):
@@ -74,5 +63,5 @@ def test_a_regressor_has_the_picture_page_and_importances_that_a_classifier_has(
     assert "A decision tree for price" in page
     assert "measured on 20 samples" in page
     assert 'aria-label="the fitted tree"' in found._repr_html_()
-    assert found.plot() is not None
+    assert found.plot().axes
     assert "samples)" in found.export_text()

@@ -1,12 +1,13 @@
 """OptimalTreeClassifier on any table: text, categories, missing values, and what a column costs."""
 
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.sparse import csr_matrix
 
 from octmip import OptimalTreeClassifier, Problem, solve
-from octmip.errors import DataError, ProblemError
+from octmip.errors import DataError, MissingExtraError, ProblemError
 from octmip.formats.columns import Columns
 
 
@@ -43,16 +44,6 @@ def test_a_table_is_encoded_as_columns_encodes_it():
     assert model.n_features_in_ == 4 < model.problem_.n_features
 
 
-def test_an_array_of_objects_is_read_like_its_table():
-    plain = FRAME.assign(size=FRAME["size"].astype(str))
-    by_array, by_table = fitted(plain.to_numpy(dtype=object)), fitted(plain)
-    assert by_array.tree_ == by_table.tree_
-    assert by_array.columns_.names == ("x0", "x1", "x2", "x3")
-    assert (by_array.predict(plain.to_numpy(dtype=object)) == by_table.predict(plain)).all()
-    rows = [list(row) for row in plain[["age", "member", "colour"]].dropna().itertuples(index=False)]
-    assert fitted(rows, LABELS[plain[["age", "colour"]].notna().all(axis=1)]).score(rows[:3], ["no"] * 3) <= 1
-
-
 @pytest.mark.parametrize("kind", [np.float32, np.int16, np.bool_, object])
 def test_an_array_of_finite_numbers_is_its_own_features(kind):
     rng = np.random.default_rng(1)
@@ -62,19 +53,6 @@ def test_an_array_of_finite_numbers_is_its_own_features(kind):
     assert np.array_equal(model.problem_.features, array.astype(np.float64))
     assert model.problem_.feature_names == ("x0", "x1", "x2")
     assert (model.predict(array) == fitted(pd.DataFrame(array), labels).predict(pd.DataFrame(array))).all()
-
-
-def test_missing_numbers_go_to_the_better_side():
-    array = np.array([[1.0], [2.0], [3.0], [4.0], [np.nan], [np.nan]])
-    for side in (0, 1):
-        model = fitted(array, [0, 0, 1, 1, side, side], max_depth=1)
-        assert model.objective_ == 0
-        assert model.predict([[np.nan], [2.4], [2.6]]).tolist() == [side, 0, 1]
-
-
-def test_a_text_that_training_had_not_answers_no_to_every_question():
-    model = fitted()
-    assert (model.predict(FRAME.assign(colour="violet", age=60.0)) == "yes").all()
 
 
 def test_a_value_missing_only_later_is_refused_with_a_cure():
@@ -102,24 +80,6 @@ def test_what_cannot_be_read_is_refused(X, settings, message):
         fitted(X, **settings)
 
 
-def test_hyperplanes_take_text_and_missing_readings_in_it():
-    assert fitted(FRAME[["colour", "member"]], split="hyperplane", max_depth=1, seconds=1.0).n_features_in_ == 2
-
-
-def test_sparse_samples_are_refused_as_scikit_learn_does():
-    with pytest.raises(TypeError, match=r"Sparse data was passed.*toarray"):
-        fitted(csr_matrix(np.eye(60)))
-
-
-@pytest.mark.parametrize(
-    ("settings", "nan", "text"),
-    [({}, True, True), ({"split": "hyperplane"}, False, True), ({"missing": "refuse", "categories": "refuse"}, 0, 0)],
-)
-def test_its_tags_say_what_it_takes(settings, nan, text):
-    tags = OptimalTreeClassifier(**settings).__sklearn_tags__().input_tags
-    assert (tags.allow_nan, tags.string, tags.categorical) == (nan, text, text)
-
-
 def test_a_column_that_is_read_twice_costs_once():
     frame = pd.DataFrame({"colour": list("abcd") * 6, "dose": np.arange(24.0) % 5})
     labels = frame["colour"].isin(["a", "c"]).astype(int)
@@ -145,15 +105,8 @@ def test_columns_may_share_a_sensor():
         fitted(sensor_of_feature=["a", "b"])
 
 
-def test_the_rank_of_texts_can_be_asked_for():
-    model = fitted(FRAME[["colour"]].fillna("blue"), categories="order")
-    assert [feature.kind for feature in model.columns_.features] == ["order"]
-
-
-@pytest.mark.parametrize("dtype", ["Int64", "boolean", "category", "str"])
-def test_classes_keep_the_type_of_the_labels(dtype):
-    values = [0, 0, 1, 1] if dtype in ("Int64", "boolean") else list("uuvv")
-    labels = pd.Series(values).astype(dtype)
-    model = fitted(np.arange(4.0)[:, None], labels)
-    assert model.classes_.tolist() == sorted(set(labels))
-    assert type(model.classes_.tolist()[0]) is type(labels.tolist()[0])
+def test_a_table_of_another_package_without_pyarrow_names_the_extra(monkeypatch):
+    polars = pytest.importorskip("polars")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(MissingExtraError, match="a DataFrame as samples needs the package pyarrow"):
+        OptimalTreeClassifier(max_depth=1).fit(polars.DataFrame({"a": [0.0, 1.0]}), [0, 1])

@@ -1,22 +1,20 @@
 """The tree of a fitted OptimalTreeClassifier: its nodes, importances, words, pictures, and scikit-learn's own form."""
 
 import pickle
-import sys
 from html import escape
 from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
 import pytest
-import sklearn
 from matplotlib.text import Text
 from sklearn.datasets import load_iris
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
-from sklearn.tree import DecisionTreeClassifier, export_text
+from sklearn.tree import DecisionTreeClassifier
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split
-from octmip.errors import DataError, MissingExtraError, TreeError
+from octmip.errors import DataError, TreeError
 from octmip.interfaces.estimator import drawing
 from octmip.interfaces.estimator.importance import feature_savings
 from octmip.interfaces.estimator.paths import NodeTable, leaf_nodes, node_indicator
@@ -50,11 +48,6 @@ def test_nodes_are_numbered_in_preorder():
     assert paths == [[0, 1], [0, 2, 3, 4], [0, 2, 3, 5], [0, 2, 6]]
 
 
-def test_a_single_leaf_is_node_0():
-    assert NodeTable.of(Leaf(1)).leaf_nodes.tolist() == [0]
-    assert node_indicator(Leaf(1), np.zeros((2, 1))).toarray().tolist() == [[1], [1]]
-
-
 def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
     frame, model = load_iris(as_frame=True).data, iris.to_sklearn()
     assert isinstance(model, DecisionTreeClassifier)
@@ -67,19 +60,6 @@ def test_scikit_learns_tree_has_the_same_nodes_and_predicts_the_same(iris):
     assert model.tree_.weighted_n_node_samples[0] == iris.problem_.weights.sum()
     assert model.tree_.n_node_samples[0] == 150
     assert (model.predict(frame) == pickle.loads(pickle.dumps(model)).predict(frame)).all()
-
-
-def test_what_reads_scikit_learns_trees_reads_it(iris):
-    model = iris.to_sklearn()
-    words = export_text(model, feature_names=list(model.feature_names_in_), show_weights=True)
-    assert words.count("class:") == iris.get_n_leaves()
-    assert model.feature_importances_.sum() == pytest.approx(1)
-    assert len(model.cost_complexity_pruning_path(*IRIS).impurities) > 1  # fits itself anew, with its parameters
-    inner = model.tree_.children_left >= 0
-    totals = model.tree_.weighted_n_node_samples
-    sides = totals[model.tree_.children_left[inner]] + totals[model.tree_.children_right[inner]]
-    assert np.array_equal(totals[inner], sides)
-    assert (model.tree_.feature[~inner] == -2).all()
 
 
 def test_a_leaf_of_a_tree_without_splits_has_scikit_learns_form():
@@ -107,12 +87,6 @@ def test_what_scikit_learn_would_predict_otherwise_is_refused():
     )
 
 
-def test_the_cure_for_encoded_columns_works(encoded):
-    numbers = encoded.columns_.encode(FRAME)
-    again = OptimalTreeClassifier(max_depth=2).fit(numbers, ANSWERS)
-    assert (again.to_sklearn().predict(numbers) == encoded.predict(FRAME)).all()
-
-
 def test_importances_are_shares_of_the_cost_that_splits_save():
     features = np.array([[0, 0], [0, 0], [1, 0], [1, 0], [1, 0], [1, 1]], dtype=float)
     labels = [0, 0, 1, 1, 1, 0]
@@ -121,11 +95,6 @@ def test_importances_are_shares_of_the_cost_that_splits_save():
     assert model.feature_importances_.tolist() == pytest.approx([2 / 3, 1 / 3])
     leaf = OptimalTreeClassifier(3, leaf_penalty=9.0).fit(features, labels)
     assert leaf.feature_importances_.tolist() == [0, 0]
-
-
-def test_importances_of_a_table_are_those_of_its_columns(encoded):
-    assert encoded.feature_importances_.shape == (2,)
-    assert encoded.feature_importances_.sum() == pytest.approx(1)
 
 
 def test_the_saving_of_a_hyperplane_does_not_depend_on_units():
@@ -162,14 +131,6 @@ def test_the_page_judges_the_tree_by_samples_held_out(encoded, tmp_path):
         encoded.report(tmp_path / "page.html", FRAME.iloc[:3], ["no"])
 
 
-def test_a_plot_without_matplotlib_names_the_extra(encoded, monkeypatch):
-    for name in [name for name in sys.modules if name.startswith(("matplotlib", "octmip.interfaces.plot"))]:
-        monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(MissingExtraError, match=r"install octmip\[plot\]"):
-        encoded.plot()
-
-
 def picture(html):
     """Return the texts of the drawing that stands below scikit-learn's diagram."""
     drawing = ElementTree.fromstring(html[html.rindex("<svg") : html.rindex("</svg>") + len("</svg>")])
@@ -187,12 +148,6 @@ def test_a_notebook_shows_the_tree_below_scikit_learns_diagram(iris, encoded):
     assert "<b>kind</b>" not in encoded._repr_html_()
     assert 'aria-label="the fitted tree"' not in OptimalTreeClassifier()._repr_html_()
     assert "OptimalTreeClassifier" in make_pipeline(StandardScaler(), iris)._repr_html_()
-
-
-def test_a_notebook_that_wants_text_gets_text(iris):
-    with sklearn.config_context(display="text"):
-        assert not hasattr(iris, "_repr_html_")
-        assert list(iris._repr_mimebundle_()) == ["text/plain"]
 
 
 def test_a_tree_too_wide_for_a_picture_is_shown_as_text(iris, monkeypatch):

@@ -102,6 +102,20 @@ def test_threads_change_nothing_and_a_known_tree_or_a_limit_leaves_what_is_true(
     assert solve(asked, method, Limits(nodes=0), incumbent=poor).objective <= asked.objective(poor)
 
 
+def test_ctrl_c_ends_every_search_with_what_is_true(cell):
+    loss, split, method = cell
+    asked, told = problem(loss, split), []
+
+    def interrupt(state):
+        told.append(state)
+        raise KeyboardInterrupt
+
+    early = solve(asked, method, progress=interrupt)
+    assert certify(asked, early).bound <= early.objective
+    may_end = not told or REGISTRY[loss, split][method].is_mixed_integer  # HiGHS may have ended by then
+    assert early.stop in (Stop.INTERRUPTED, *((Stop.FINISHED, Stop.OPTIMAL) if may_end else ()))
+
+
 def test_a_tree_of_another_problem_is_no_incumbent(cell):
     loss, split, method = cell
     leaves = (Leaf(0), Leaf(1)) if loss == "classes" else (ValueLeaf(0.0), ValueLeaf(1.0))

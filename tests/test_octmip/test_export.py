@@ -18,20 +18,6 @@ from octmip.trees.tree import HyperplaneSplit, Leaf, Split, predict
 from tests.test_octmip.exported import EXPORTS
 
 NAMES = [name for _, name in hostile_names(60)]
-ATTACK = "**// FROM readings; DROP TABLE secret; --"
-
-
-def test_a_class_name_cannot_end_a_comment_and_drop_a_table():
-    text = sql_expression(Split(0, 0.5, Leaf(0), Leaf(1)), ["a"], ["yes", ATTACK])
-    with sqlite3.connect(":memory:") as base:
-        base.executescript("CREATE TABLE readings (a); CREATE TABLE secret (a)")
-        base.execute("INSERT INTO readings VALUES (0.25), (1)")
-        base.executescript(f"CREATE TABLE answer AS SELECT {text} AS label FROM readings")
-        assert base.execute("SELECT label FROM answer").fetchall() == [("yes",), (ATTACK,)]
-        assert base.execute("SELECT count(*) FROM secret").fetchall() == [(0,)]
-    base.close()
-
-
 # Hostile names: 500 of them go through `python -m benchmarks.run exports`
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from octmip.errors import DataError
-from octmip.sensing import FaultDetector, Imputation, power
+from octmip.sensing import FaultDetector, Imputation
 
 
 def gauges(n: int = 400, n_gauges: int = 8) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -39,13 +39,6 @@ def test_the_false_alarm_rate_is_the_stated_one(detector):
     assert detector.is_alarm(healthy).mean() == pytest.approx(0.01, abs=0.003)  # four standard errors
 
 
-def test_power_rises_with_the_fault_and_names_the_gauge(detector):
-    found, right = power(detector, [0.0, 20.0, 40.0, 80.0], 200, np.random.default_rng(6))
-    assert (np.diff(found.mean(axis=1)) > 0).all()
-    assert found[3].min() > 0.99
-    assert right[3].min() > 0.99
-
-
 def test_the_surprise_is_the_predictive_density(detector):
     reading = detector.draw(1, np.random.default_rng(7))[0]
     z = (reading - detector.means) / 8.0
@@ -64,13 +57,3 @@ def test_a_named_gauge_is_taken_out_and_a_missing_one_is_no_alarm(detector):
     assert detector.is_alarm(gap).mean() < 0.04
     with pytest.raises(DataError):
         detector.surprise(readings[:, :3])
-
-
-def test_more_readings_averaged_find_smaller_faults(detector):
-    many = replace_averaged(detector, 9)
-    few, more = (power(d, [25.0], 200, np.random.default_rng(1))[0].mean() for d in (detector, many))
-    assert more > few + 0.2
-
-
-def replace_averaged(detector: FaultDetector, n: int) -> FaultDetector:
-    return FaultDetector(detector.means, 8.0, detector.gauges, n_averaged=n)

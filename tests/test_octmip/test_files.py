@@ -1,6 +1,7 @@
 """Files appear whole or not at all, and what cannot be read says why in one sentence."""
 
 import os
+from pathlib import Path
 
 import pytest
 
@@ -37,6 +38,7 @@ def test_a_link_stays_and_its_target_is_replaced(tmp_path):
 def test_a_device_is_written_to_as_it_is():
     write_bytes("/dev/null", b"gone")
     check_writable("/dev/null")
+    assert Path("/dev/null").is_char_device()
 
 
 def test_a_file_gets_the_permissions_of_the_user(tmp_path):

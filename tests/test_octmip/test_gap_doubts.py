@@ -8,9 +8,8 @@ import pytest
 from octmip.errors import DataError
 from octmip.gap import diagnose
 from octmip.gap.inference import wrong_run
-from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.inputs import OF_MODELS, STATED, levels_without_run, prepare
 from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.posterior import OF_MODELS, STATED, levels_without_run
 from octmip.gap.inference.wrong_run import WrongRun, corrected
 from octmip.gap.odds import Differences, Odds
 from tests.test_octmip.beam_twin import Beam, measured, own_effects

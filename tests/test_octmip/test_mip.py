@@ -112,6 +112,16 @@ def test_the_printed_form_leaks_at_unsplit_nodes_and_the_closed_form_does_not():
     assert spread[True] > 0.005
 
 
+@pytest.mark.parametrize(("costs", "said"), [
+    ([[0, 1], [1, 0]], (2.0, 0.25, 1.5 / 2)),
+    ([[0, 0], [1, 0]], (0.0, None, None)),
+])  # fmt: skip
+def test_the_form_of_bertsimas_and_dunn_is_told(costs, said):
+    problem = Problem([[0.0], [1.0], [2.0], [2.0]], [0, 1, 0, 1], depth=1, loss=ClassCosts(costs), leaf_penalty=0.5)
+    details = solve_oct(problem).details
+    assert tuple(details[name] for name in ("baseline", "alpha", "normalised_objective")) == said
+
+
 def test_a_solution_that_routing_contradicts_is_refused():
     problem = blobs(depth=2)
     decoded = engine.Decoded(price=7.0, tree=Leaf(0))

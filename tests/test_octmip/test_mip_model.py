@@ -18,6 +18,7 @@ from octmip.errors import DataError, ProblemError, SolverError
 from octmip.trees.mip import rows_file
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.model_rows import Answer, model_of
+from octmip.trees.mip.pyomo_results import report_of
 
 pyo = pytest.importorskip("pyomo.environ")
 
@@ -221,3 +222,13 @@ def test_highs_takes_its_own_options_and_writes_its_own_log(tmp_path):
 def test_options_that_highs_does_not_have_or_octmip_sets_are_refused(highs, error):
     with pytest.raises(error, match=next(iter(highs))):
         octmip.solve(small(), "oct", options=octmip.MipOptions(highs=highs))
+
+
+def test_a_variable_that_is_freed_and_results_without_a_name_are_taken():
+    model = octmip.model(small(), "oct")
+    results = solved(model)
+    for variable in model.component_data_objects(pyo.Var):
+        variable.setlb(None)
+        variable.setub(None)
+    assert octmip.solution_of(model, results).is_optimal
+    assert report_of(None).solver == "another solver"

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import least_cost
-from octmip import Leaf, Limits, Problem, Stop, certify, solve
+from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
@@ -77,14 +77,6 @@ def test_a_bound_that_weights_leave_no_room_to_prove_ends_in_numerics():
     assert solution.stop is Stop.NUMERICS
     assert 0 < solution.bound < solution.objective
     assert solution.tolerance == 0
-
-
-def test_incumbents_hold_at_large_weights():
-    for seed in range(2):
-        drawn = wild(seed, "large")
-        problem = Problem(drawn.features, drawn.targets, depth=2, weights=drawn.weights)
-        best = optimum(problem)
-        holds(problem, solve(problem, "flow", incumbent=best.tree), best.objective)
 
 
 def test_prices_bound_the_true_objective_on_both_sides():
@@ -190,8 +182,7 @@ def test_features_of_extreme_size_make_no_wrong_claim_and_no_warning(seed):
         plane = Problem(features, labels, depth=1, split="hyperplane", integer_normals=normals)
         for solver in (solve_oct_h, solve_flow):
             solution = solver(plane, incumbent=Leaf(0), limits=Limits(seconds=20))
-            certify(plane, solution)
-            assert solution.bound <= optimum(axis).objective or "mu-separated" in solution.details["scope"]
+            assert "mu-separated" in certify(plane, solution).scope
 
 
 def test_scaled_features_lie_in_the_unit_range_at_any_size():

@@ -15,7 +15,7 @@ import pytest
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.errors import SolverError
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.highs import highs, process, worker
+from octmip.trees.mip.highs import highs, process
 from octmip.trees.mip.oct import encode, solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
@@ -181,18 +181,6 @@ def test_a_model_that_highs_refuses_is_an_error_with_its_name():
     rows.columns("x", (range(1),), lower=np.nan)
     with pytest.raises(SolverError, match="refused the model"):
         highs.run(rows, highs.Options())
-
-
-def test_frames_that_are_cut_short_end_a_conversation(tmp_path):
-    whole = tmp_path / "frames"
-    with whole.open("wb") as stream:
-        worker.write_frame(stream, ("state", {"bound": 1.0}))
-    for length in (0, 4, 12):
-        with whole.open("rb") as stream:
-            cut = tmp_path / "cut"
-            cut.write_bytes(stream.read(length))
-        with cut.open("rb") as stream:
-            assert worker.read_frame(stream) is None
 
 
 def test_no_solver_imports_pyomo_which_takes_longer_than_many_a_solution():

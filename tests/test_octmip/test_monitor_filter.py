@@ -76,17 +76,6 @@ def test_a_whole_reading_is_as_likely_as_its_normal_distribution_says(cells, mis
     assert got - got.max() == pytest.approx(np.array(expected) - max(expected), abs=1e-6)
 
 
-def test_damage_grows_by_the_rate_and_never_heals():
-    library = Library(("mu1",), [[0.1 * k] for k in range(9)], ("a",), [[float(k)] for k in range(9)], 1.0)
-    growth = steady_growth(library, 0.02)
-    start = np.zeros((1, 1, 9))
-    start[0, 0, 2] = 1.0
-    mean = Belief(library, growth.advance(growth.advance(start))).mean("mu1")
-    assert mean[0] == pytest.approx(0.24)
-    assert np.all(np.tril(growth.transitions[0], -1) == 0.0)
-    assert steady_growth(library, 0.0, sudden=0.1).transitions[0][0, 1:] == pytest.approx(np.full(8, 0.0125))
-
-
 def test_axes_grow_as_the_full_table_says(cells):
     growth = steady_growth(cells, (0.01, 0.05), sudden=0.01, change=0.1)
     assert [table.shape for table in growth.tables] == [(4, 8, 8)] * 2
@@ -131,12 +120,6 @@ def test_quantiles_of_a_belief_are_linear_within_cells():
     assert belief.probability.argmax(axis=1).tolist() == [1, 0]
     with pytest.raises(ProblemError, match="no parameter 'mu9'"):
         belief.mean("mu9")
-
-
-def test_thresholds_of_several_parameters_are_taken_together(cells):
-    belief = Belief(cells, np.full((1, 1, 64), 1 / 64))
-    assert belief.probability_above({"mu1": 0.4, "mu2": 0.4}) == pytest.approx(0.75)
-    assert belief.probability_above({"mu1": 0.45}) == pytest.approx(0.4375)
 
 
 def mu1_tree():

@@ -5,7 +5,6 @@ import pytest
 
 from octmip.errors import DataError, ProblemError, TwinError
 from octmip.gap import function_twin
-from octmip.gap.doors.card import card_from
 from octmip.monitor import (
     Filter,
     GaussianLikelihood,
@@ -106,17 +105,3 @@ def test_loads_by_name_are_refused_where_the_twin_has_one_load():
     known = library(twin_of(lambda p, loads: bent(p, AT | loads), ("force",)), 2.0)
     with pytest.raises(DataError, match="expected one number, the load factor"):
         known.checked_load({"force": 2.0})
-
-
-def test_a_selector_of_several_loads_comes_back_from_its_file(tmp_path):
-    selector = monitor_of(library()).selector
-    selector.write(tmp_path / "selector.json")
-    back = ModelSelector.read(tmp_path / "selector.json").library
-    assert back.reference == selector.library.reference
-    assert back.checked_load({"moment": 2.0, "force": 4.0}) == 2.0
-
-
-def test_a_card_says_that_a_model_is_linear_in_its_loads():
-    assert card_from("card.json", {"readings": {"u": "mm"}, "linear": True}).linear
-    with pytest.raises(DataError, match="linear is 1; expected true or false"):
-        card_from("card.json", {"readings": {"u": "mm"}, "linear": 1})

@@ -1,7 +1,5 @@
 """From a reading to a state: the compiled tree, its exports bit for bit, the library, and the appended selector."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -93,17 +91,6 @@ def test_a_reading_of_another_length_is_refused():
         CompiledTree(Split(5, 1.0, Leaf(0), Leaf(1)), NAMES)
 
 
-def test_the_path_leads_to_its_leaf(case):
-    tree, readings, _ = case
-    compiled = CompiledTree(tree, NAMES)
-    every = list(nodes(tree))
-    for row in readings[~np.isnan(readings).any(axis=1)][:50]:
-        path = compiled.path_to(compiled.node(row))
-        for one, other in pairwise(path):
-            assert every[other] in (every[one].left, every[one].right)
-        assert isinstance(every[path[-1]], Leaf)
-
-
 # The library and the selector
 
 LEVELS = (0.0, 0.2, 0.4, 0.6, 0.8)
@@ -157,15 +144,6 @@ def test_a_library_refuses_what_it_cannot_hold():
         Library(("mu1",), [[0.0]], ("a",), [[1.0]], 0.0)
     with pytest.raises(ProblemError, match="has no state"):
         small_library().index_of({"mu1": 0.1})
-
-
-def test_a_state_may_be_added_with_a_parameter_of_its_own():
-    library = small_library()
-    wider = library.with_state({"mu7": 0.4}, library.strains[0] + 5.0)
-    assert wider.parameters == ("mu1", "mu2", "mu7")
-    assert wider.n_states == 26
-    assert wider.index_of({"mu7": 0.4}) == 25
-    assert wider.index_of({"mu1": 0.8, "mu2": 0.8}) == 24
 
 
 def test_appended_trees_tell_what_each_tree_tells():

@@ -143,15 +143,6 @@ def test_missing_gauges_are_done_without(watch):
     assert not nothing.is_alarm[0]
 
 
-def test_a_horizon_later_the_test_starts_afresh_and_an_alarm_stays(watch, library):
-    monitor_state = watch.start(1)
-    far = 3.0 * library.strains[:1] + 3.0 * BUMP * 5
-    for _ in range(watch.horizon + 1):
-        monitor_state = watch.observe(monitor_state, far, 3.0)
-    assert monitor_state.n_seen == 1
-    assert monitor_state.is_alarm[0]
-
-
 def test_the_effects_of_a_twin_are_suspects(library):
     shape = Field("foreign damage", BUMP / LinearBeam().predict({}, 1.0), None, 10.0)
     both = effect_candidates(LinearBeam(), shape, library)

@@ -111,14 +111,6 @@ def test_half_of_a_surrogate_pair_ends_in_a_sentence(tmp_path, capsys):
         assert err.isascii()
 
 
-def test_a_terminal_shows_predictions_with_escapes(tmp_path, capsys, monkeypatch):
-    tree, table = hostile_file(tmp_path, "\x1b[2J")
-    capsys.readouterr()
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
-    assert main(["predict", tree, table]) == 0
-    assert capsys.readouterr().out.split("\n")[1] == "\\x1b[2J"
-
-
 def test_an_output_that_cannot_show_a_name_is_one_sentence(tmp_path, capsys, monkeypatch):
     tree, _ = hostile_file(tmp_path, "\u00e9")
     monkeypatch.setattr("sys.stdout", io.TextIOWrapper(io.BytesIO(), encoding="ascii"))

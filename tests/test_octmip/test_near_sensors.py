@@ -93,15 +93,6 @@ def test_a_sensor_that_the_optimal_tree_reads_is_not_useless() -> None:
     assert [role.role for role in found.roles] == [Role.REPLACEABLE, Role.REPLACEABLE]
 
 
-def test_the_optimum_without_a_sensor_is_never_that_without_another() -> None:
-    """A tree that is best without one sensor and does not read another is no best tree without the other alone."""
-    for seed in range(20):
-        problem = decimal(seed)
-        for role in sensor_roles(problem).roles:
-            wanted = optimum_without(problem, (role.sensor,))
-            assert math.isclose(role.without.objective, wanted), f"seed {seed}, {role.sensor}"
-
-
 def stairs(n: int = 12) -> Problem:
     """Return samples that the first feature parts, the second all but one, the third not at all."""
     rng = np.random.default_rng(0)
@@ -125,23 +116,6 @@ def test_roles_follow_from_the_objectives() -> None:
     assert noise.forced > 1
     wider = sensor_roles(stairs(), within=1.0)
     assert [role.role for role in wider.roles] == [Role.REPLACEABLE, Role.REPLACEABLE, Role.USELESS]
-
-
-def test_two_equal_sensors_replace_each_other_and_fail_together() -> None:
-    problem = stairs()
-    twice = Problem(problem.features[:, [0, 0, 1]], problem.targets, depth=1, feature_names=("a", "b", "c"))
-    found = sensor_roles(twice, pairs=True)
-    assert [role.role for role in found.roles[:2]] == [Role.REPLACEABLE, Role.REPLACEABLE]
-    losses = {loss.sensors: loss.objective for loss in found.pairs}
-    assert losses == {("a", "b"): 1.0, ("a", "c"): 0.0, ("b", "c"): 0.0}
-
-
-def test_a_sensor_that_no_tree_can_read_is_useless() -> None:
-    features = np.column_stack([np.arange(6.0), np.ones(6)])
-    found = sensor_roles(Problem(features, np.arange(6) // 3, depth=2))
-    assert found.roles[1].forced == math.inf
-    assert found.roles[1].role is Role.USELESS
-    assert found.is_proven
 
 
 def test_without_time_nothing_is_claimed_that_is_not_proven() -> None:

@@ -75,9 +75,3 @@ def test_the_check_of_pages_finds_each_kind_of_fault(browser, tmp_path: Path):
     found = " ".join(check_page(path, browser))
     for kind in ("width: 3", "px (small)", "px (drawn)", "(pale)", "without a name", "focus on DIV", "console x"):
         assert kind in found
-
-
-def test_a_page_of_the_template_keeps_all_that_is_checked(browser, tmp_path: Path):
-    path = tmp_path / "page.html"
-    path.write_text(render("try.html", name="y" * 300, value="ok", facts=page_facts("iris.csv", "ab" * 32)))
-    assert check_page(path, browser, presses=False) == []

@@ -2,7 +2,6 @@
 
 import datetime
 import re
-from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
@@ -125,32 +124,3 @@ RINGED = ('class="ring"', r'class="gauge"><title>g6:')
 def test_places_that_are_none_are_refused(places, told):
     with pytest.raises(DataError, match=told):
         function_twin(bent, {"w1": "mm", "w2": "mm"}, positions=places)
-
-
-def print_rules() -> dict[str, str]:
-    """Return what the stylesheet of every page says for print, by selector."""
-    style = files("octmip.interfaces.report").joinpath("templates", "style.css").read_text()
-    block = style.partition("@media print {")[2]
-    rules: dict[str, str] = {}
-    for selectors, rule in re.findall(r"^\s*([^{}@]+)\{([^{}]*)\}", block, re.MULTILINE):
-        for selector in map(str.strip, selectors.split(",")):
-            rules[selector] = rules.get(selector, "") + rule
-    return rules
-
-
-def test_a_printed_page_is_light_whole_and_without_buttons():
-    rules = print_rules()
-    assert "color-scheme: light" in rules[":root[data-theme]"]  # a reader's dark page too
-    for selector in ("button", ".tools", ".screen-only"):
-        assert "display: none !important" in rules[selector]
-    for selector in (".frame", ".scroll"):
-        assert "overflow: visible" in rules[selector]  # nothing is cut off by a scroll bar
-    for selector in ("section", ".card", "figure", "tr"):
-        assert "break-inside: avoid" in rules[selector]
-    assert "max-width: 100%" in rules["figure > svg"]
-    assert "break-after: avoid" in rules["h2"]
-
-
-def test_folded_parts_open_before_the_page_is_printed():
-    script = files("octmip.interfaces.report").joinpath("templates", "base.js").read_text()
-    assert re.search(r'addEventListener\("beforeprint".*?\.open = true', script, re.DOTALL)

@@ -15,6 +15,7 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.interfaces.report.tree.evidence import gather
+from octmip.trees.encoding.parts import with_given_thresholds
 from octmip.trees.losses import SquaredError
 from octmip.trees.part_check import n_changes
 from octmip.trees.parts import rules_of_columns
@@ -268,6 +269,17 @@ def test_a_kept_split_keeps_its_side_for_missing_readings():
         settings = {"depth": 1, "takes_missing": [True], "old_tree": old, "max_changes": 0}
         found = solve(Problem(features, np.arange(len(features)) % 2, **settings), "exact")
         assert found.tree.missing == "right"
+
+
+@pytest.mark.parametrize(("old", "new", "threshold"), [
+    ("left", "left", 2.25), ("left", "right", 2.5), (None, "right", 2.25), ("left", None, 2.25), (None, None, 2.25),
+])  # fmt: skip
+def test_a_threshold_of_the_old_tree_comes_back_unless_its_split_has_another_side_for_missing(old, new, threshold):
+    problem = asked(old_tree=Split(0, 2.25, Leaf(0), Leaf(1), missing=old), max_changes=3)
+    found = with_given_thresholds(problem, Split(0, 2.5, Leaf(0), Leaf(1), missing=new))
+    assert found == Split(0, threshold, Leaf(0), Leaf(1), missing=new)
+    assert with_given_thresholds(problem, Split(0, 3.5, Leaf(0), Leaf(1))).threshold == 3.5  # parts others
+    assert with_given_thresholds(problem, Split(1, 2.5, Leaf(0), Leaf(1))).threshold == 2.5
 
 
 def test_a_rule_of_one_column_is_refused():

@@ -9,13 +9,11 @@ import pytest
 
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
-from octmip import Problem, certify, solve
+from octmip import Problem, certify
 from octmip.errors import ProblemError
 from octmip.sensing import (
     by_chance,
     by_information,
-    by_reading,
-    by_tree,
     label_bound,
     place_sensors,
     placement_frontier,
@@ -104,37 +102,6 @@ def test_no_bound_lies_above_the_optimum(seed):
     least = optimum(problem).objective
     slack = 1e-9 * max(1.0, least)
     assert label_bound(problem) <= least + slack
-
-
-def test_bounds_are_met_where_they_can_be():
-    features = np.arange(6.0)[:, None]
-    three = Problem(features, [0, 0, 0, 1, 1, 2], depth=1)
-    assert label_bound(three) == 1.0 == solve(three).objective  # two leaves: the rarest class is lost
-    assert label_bound(replace(three, depth=2)) == 0.0
-
-
-def test_a_hyperplane_frontier_has_the_bounds_that_are_known():
-    problem = replace(readings(), split="hyperplane", split_size=2, depth=1, sensor_cost=None)
-    points = placement_frontier(problem, values=[1, 2], options=SearchOptions(restarts=1))
-    assert all(0 < label_bound(problem) <= p.solution.bound <= p.solution.objective for p in points)
-
-
-def test_the_highest_readings_and_chance_keep_the_budget():
-    problem = readings()
-    assert by_reading(problem, 1.0) == ("s0",)
-    assert by_reading(replace(problem, sensor_cost=[9.0, 2.0, 1.0, 4.0]), 5.0)[0] != "s0"
-    for seed in range(20):
-        sensors = by_chance(problem, 5.0, np.random.default_rng(seed))
-        assert sum({"s0": 1, "s1": 2, "s2": 1, "s3": 4}[name] for name in sensors) <= 5
-    assert len({by_chance(problem, 2.0, np.random.default_rng(seed)) for seed in range(20)}) > 1
-
-
-def test_forward_selection_takes_the_sensors_that_tell():
-    problem = replace(readings(), sensor_cost=None)
-    assert by_tree(problem, 2.0) == ("s1", "s3")
-    assert by_tree(problem, 2.0, rows=60) == ("s1", "s3")
-    with pytest.raises(ProblemError, match="rows is 1"):
-        by_tree(problem, 2.0, rows=1)
 
 
 def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation():

@@ -43,15 +43,6 @@ def test_every_point_of_the_plane_has_the_tint_of_its_prediction(tree):
         assert to_rgb(holding[0].get_facecolor()) == pytest.approx(colours[label])
 
 
-def test_split_lines_end_where_their_cell_ends():
-    lines = [line.get_xydata() for line in partition_figure(PROBLEM, AXIS).axes[0].lines]
-    assert len(lines) == 4
-    horizontal = [line for line in lines if line[0, 1] == line[1, 1]]
-    assert [line[0, 1] for line in horizontal] == [300.0, 700.0]
-    assert max(horizontal[0][:, 0]) == pytest.approx(4.0)
-    assert min(horizontal[1][:, 0]) == pytest.approx(8.0)
-
-
 def test_the_plane_of_a_tree_over_three_features_is_refused():
     problem = Problem(RNG.random((9, 3)), [0, 1, 0] * 3, depth=2)
     tree = Split(0, 0.5, Split(1, 0.5, Leaf(0), Leaf(1)), Split(2, 0.5, Leaf(0), Leaf(1)))
@@ -59,12 +50,6 @@ def test_the_plane_of_a_tree_over_three_features_is_refused():
         partition_figure(problem, tree)
     with pytest.raises(ProblemError, match="predicts class 5"):
         tree_figure(problem, Leaf(5))
-
-
-def test_the_plane_is_that_of_the_features_read():
-    problem = Problem(RNG.random((9, 3)), [0, 1, 0] * 3, depth=2)
-    axes = partition_figure(problem, Split(0, 0.5, Split(2, 0.5, Leaf(0), Leaf(1)), Leaf(0))).axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x0", "x2")
 
 
 def test_a_choice_is_drawn_with_one_line_a_depth_and_its_mark():

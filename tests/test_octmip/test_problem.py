@@ -186,14 +186,6 @@ def test_a_data_frame_gives_its_names_to_features_and_sensors():
     assert Problem(pd.DataFrame(FRAME.to_numpy()), [0, 1, 0, 1], depth=1).feature_names == ("x0", "x1")
 
 
-@pytest.mark.parametrize("dtype", ["Int64", "boolean", "category", "string", "float32"])
-def test_labels_of_pandas_types_are_taken(dtype):
-    values = ["0", "1", "0", "1"] if dtype == "string" else [0, 1, 0, 1]
-    asked = Problem(FRAME, pd.Series(values).astype(dtype), depth=1)
-    assert asked.codes.tolist() == [0, 1, 0, 1]
-    assert list(asked.class_names) == sorted(set(values))
-
-
 @pytest.mark.parametrize(
     "labels",
     [
@@ -213,16 +205,6 @@ def test_missing_labels_are_refused_with_their_number(labels):
 def test_columns_of_a_data_frame_that_are_no_numbers_are_all_named(column):
     with pytest.raises(ProblemError, match="infinite values in 'kind', 'other';"):
         Problem(FRAME.assign(kind=column, other=column), [0, 1, 0, 1], depth=1)
-
-
-@pytest.mark.parametrize("column", [[1.0, None, 2.0, 3.0], pd.Series([1, None, 2, 3], dtype="Int64")])
-def test_readings_that_are_missing_from_a_data_frame_are_nan(column):
-    found = Problem(pd.DataFrame({"a": [1, 2, 3, 4], "b": column}), [0, 1, 0, 1], depth=1)
-    np.testing.assert_array_equal(found.features[:, 1], [1, np.nan, 2, 3])
-    assert found.takes_missing
-    assert found.n_missing == 1
-    assert found.features_with_missing == (1,)
-    assert repr(found).endswith("split='axis', 1 readings missing)")
 
 
 def test_a_problem_of_some_samples_keeps_that_readings_may_be_missing():

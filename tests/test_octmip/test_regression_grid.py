@@ -17,6 +17,7 @@ from octmip.trees import _native
 from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
+from octmip.trees.regression import grid as grid_module
 from octmip.trees.regression.exact import exact_regression
 from octmip.trees.regression.far_targets import FARTHEST, closed_up, reach
 from octmip.trees.regression.grid import Grid
@@ -184,3 +185,22 @@ def test_a_log_that_closes_missing_readings_up_too_far_proves_less(tmp_path):
     log.write_text(log.read_text().replace(f"grid {grid}\n", f"grid {nearer}\n"))
     with pytest.raises(CertificateError, match="a tree costs"):
         check_proof(problem, log)
+
+
+@pytest.mark.parametrize("kind", ["whole", "halves", "far", "tenths", "weighed", "spread", "equal"])
+def test_targets_on_the_grid_are_as_near_as_is_said_and_their_sums_are_whole_where_weights_are(kind):
+    rng = np.random.default_rng(len(kind))
+    for _ in range(40):
+        n, weights = int(rng.integers(2, 30)), np.ones(30)
+        targets = rng.integers(-9, 9, n) * {"halves": 0.5, "tenths": 0.1, "far": 2.0**40}.get(kind, 1.0)
+        targets = targets + {"far": 1.0, "equal": 0.1}.get(kind, 0.0) - targets * (kind == "equal")
+        targets = targets * 10.0 ** rng.uniform(-9, 9, n) if kind == "spread" else targets
+        weights = (rng.random(n) if kind == "weighed" else weights[:n] * rng.integers(1, 4, n)) + 0.0
+        for steepest in (1, 9):
+            exponent, moved, distance = grid_module._scaled_targets(targets, weights, steepest)
+            off = [Fraction(y) * Fraction(2) ** exponent - Fraction(m) for y, m in zip(targets, moved, strict=True)]
+            assert max(off) - min(off) <= 2 * Fraction(distance)
+            assert (distance == 0) or kind not in ("whole", "halves", "equal")
+            if kind != "weighed":
+                assert (moved == np.rint(moved)).all() or kind == "equal"
+                assert math.fsum(weights) * steepest * np.abs(moved).max() <= grid_module.CAPACITY

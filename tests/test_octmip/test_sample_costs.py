@@ -1,5 +1,7 @@
 """Costs of single samples: one row of costs each, for exact, search, CART and the models."""
 
+import math
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -7,12 +9,14 @@ import pytest
 
 import octmip
 from benchmarks.kinds.sample_costs import sample_problem
+from benchmarks.outside import BY_PYOMO
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.trees.encoding.sample_costs import weighted_rows
 from octmip.trees.losses import loss_of
 from octmip.trees.problem_file import write_problem_file
+from octmip.trees.solution import Stop
 
 COSTS = [[0.0, 3.0, 1.0], [5.0, 0.0, 1.0], [2.0, 2.0, 1.0], [0.0, 9.0, 4.0]]
 
@@ -43,6 +47,21 @@ def test_weighted_rows_cost_every_tree_the_same_but_for_the_base():
             assert 0 <= more <= made.spread
 
 
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_a_bound_over_the_rows_is_one_of_the_problem_less_the_base(share):
+    for seed in range(40):
+        problem = sample_problem(np.random.default_rng(seed))
+        made = weighted_rows(problem)
+        found = replace(octmip.solve(made.rows, "exact"), stop=Stop.NODES)
+        back = made.back(replace(found, bound=share * found.bound))
+        true = max(Fraction(share * found.bound) + made.base, Fraction(0))
+        assert (
+            Fraction(back.bound) == min(math.ceil(true), back.objective)
+            if problem.has_integer_costs
+            else (true * (1 - Fraction(1, 10**14)) <= Fraction(back.bound) <= true)
+        )
+
+
 def test_costs_by_class_are_the_special_case_of_equal_rows():
     rng = np.random.default_rng(3)
     features, targets = rng.integers(0, 9, (40, 2)).astype(float), rng.integers(0, 3, 40)
@@ -52,6 +71,13 @@ def test_costs_by_class_are_the_special_case_of_equal_rows():
     found = [octmip.solve(problem, "exact") for problem in (by_class, by_sample)]
     assert found[0].objective == found[1].objective == found[1].bound
     assert by_class.least_saving == by_sample.least_saving
+
+
+@pytest.mark.parametrize(("leaf_size", "least"), [(1, 3), (2, 4)])
+def test_a_solved_model_of_them_is_read(leaf_size, least):
+    model = octmip.model(small(leaf_size=leaf_size), "oct")
+    solution = octmip.solution_of(model, BY_PYOMO["HiGHS"](model, 10.0))
+    assert (solution.objective, solution.bound) == (least, least)
 
 
 def test_a_decision_that_is_nobodys_best_is_no_error():

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
-from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
@@ -15,20 +13,6 @@ from octmip.trees.tree import leaf_index, predict
 
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
 BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)
-# Values that no unit serves together: products overflow at one end and vanish at the other.
-TEN_POINTS = [
-    [TINIEST, -TINIEST],
-    [1e-300, TINIEST],
-    [0.0, -TINIEST],
-    [NORMAL, BELOW_ONE],
-    [1e300, 1.0],
-    [TINIEST, BELOW_ONE],
-    [0.0, -0.0],
-    [BELOW_ONE, BELOW_ONE],
-    [-LARGEST, 1e300],
-    [-1e300, -0.0],
-]
-TEN_LABELS = [0, 1, 1, 0, 0, 0, 0, 1, 0, 0]
 VALUES = [
     TINIEST,
     -TINIEST,
@@ -45,14 +29,6 @@ VALUES = [
     BELOW_ONE,
     3.0,
 ]
-
-
-@pytest.mark.parametrize("split_size", [1, 2, None])
-@pytest.mark.parametrize("depth", [1, 2, 3, 4])
-def test_ten_points_over_the_whole_range_are_searched_to_the_end(depth, split_size):
-    problem = Problem(TEN_POINTS, TEN_LABELS, depth=depth, split="hyperplane", split_size=split_size)
-    solution = local_search(problem, limits=Limits(seconds=1))
-    assert certify(problem, solution).errors == [2, 1, 0, 0][depth - 1]
 
 
 def extreme_problem(rng):
@@ -103,32 +79,6 @@ def test_features_in_other_units_by_powers_of_two_get_the_same_tree():
         for values in (features, features * units)
     )
     assert np.array_equal(predict(plain.tree, features), predict(scaled.tree, features * units))
-
-
-def test_mixed_weights_of_24_orders_are_never_worse_than_the_incumbent():
-    rng = np.random.default_rng(23)
-    for seed in range(20):
-        n = int(rng.integers(5, 25))
-        weights, labels = 10.0 ** rng.uniform(-12, 12, n), rng.integers(0, 3, n)
-        labels[:2] = [0, 1]
-        costs = 10.0 ** rng.uniform(-12, 12, (3, 3)) * (1 - np.eye(3))
-        options = {"depth": 2, "weights": weights, "loss": ClassCosts(costs), "class_names": (0, 1, 2)}
-        problem = Problem(rng.normal(size=(n, 2)), labels, split="hyperplane", **options)
-        known = greedy_tree(problem)
-        solution = local_search(
-            problem, seed=seed, incumbent=known.tree, options=SearchOptions(restarts=1, perturbations=2)
-        )
-        certify(problem, solution)
-        assert solution.objective <= known.objective
-
-
-def test_a_penalty_beyond_all_costs_leaves_one_leaf():
-    rng = np.random.default_rng(24)
-    for penalty in (1e9, 1e18, 1e300):
-        problem = Problem(
-            rng.normal(size=(40, 4)), rng.integers(0, 2, 40), depth=8, split="hyperplane", leaf_penalty=penalty
-        )
-        assert isinstance(local_search(problem, options=SearchOptions(restarts=1, perturbations=3)).tree, Leaf)
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.05])

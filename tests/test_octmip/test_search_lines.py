@@ -3,7 +3,6 @@
 import dataclasses
 
 import numpy as np
-import pytest
 
 from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import ClassCosts, Problem, certify
@@ -46,12 +45,3 @@ def test_small_searches_are_never_better_than_the_proven_optimum_and_mostly_at_i
         assert found.objective >= best.bound - best.tolerance
         n_hits += found.objective <= best.objective + best.tolerance
     assert n_hits >= 22
-
-
-@pytest.mark.parametrize("seed", [3, 9])
-def test_lines_do_not_depend_on_the_number_of_threads(seed):
-    problem = clouds(seed, most_samples=130)
-    alone, together = (
-        local_search(problem, seed=1, options=SearchOptions(restarts=3, perturbations=3), n_jobs=n) for n in (1, 3)
-    )
-    assert alone.tree == together.tree

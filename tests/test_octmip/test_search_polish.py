@@ -109,3 +109,13 @@ def test_no_searched_tree_breaks_a_limit_or_has_another_objective_than_its_certi
         objective = problem.objective(again)
         assert objective <= solution.objective + 1e-9 * max(1.0, solution.objective)
         certify(problem, replace(solution, tree=again, objective=objective))
+
+
+@pytest.mark.parametrize("n_steps", range(6))
+def test_polishing_that_is_stopped_at_any_step_moves_no_sample(n_steps):
+    rng = np.random.default_rng(n_steps)
+    problem = Problem(rng.normal(size=(40, 3)), rng.integers(0, 2, 40), depth=1, split="hyperplane")
+    plane = HyperplaneSplit((0, 1, 2), (0.123456789, 1.0, -0.777), 0.1, Leaf(0), Leaf(1))
+    left = iter(range(n_steps))
+    stopped = polished(problem, plane, lambda: next(left, None) is not None)
+    assert np.array_equal(leaf_index(stopped, problem.features), leaf_index(plane, problem.features))

@@ -128,27 +128,6 @@ def gauges_for_two(n_each: int = 12) -> list[Problem]:
     return [Problem(features, labels, depth=1, feature_names=("g0", "a", "b", "c")) for labels in (first, second)]
 
 
-def test_a_gauge_that_serves_both_is_bought_where_no_split_by_hand_would():
-    problems = gauges_for_two()
-    joint = shared_budget(problems, 1.0)
-    assert joint.is_optimal
-    assert len(joint.sensors) == 1
-    assert joint.sensor_cost == 1.0
-    assert shared_budget(problems, 2.0).sensors == ("a", "b")
-    assert shared_budget(problems, 1.0, method="search").objective == joint.objective
-
-
-def test_hyperplanes_share_a_budget_by_search():
-    rng = np.random.default_rng(3)
-    features = rng.normal(size=(80, 5))
-    labels = [(features[:, 0] + features[:, 1] > 0).astype(int), (features[:, 1] > features[:, 2]).astype(int)]
-    problems = [Problem(features, y, depth=1, split="hyperplane", split_size=2) for y in labels]
-    joint = shared_budget(problems, 3.0, options=SearchOptions(restarts=1))
-    assert joint.objective == 0
-    assert joint.stop is Stop.OPTIMAL
-    assert set(joint.sensors) == {"x0", "x1", "x2"}
-
-
 @pytest.mark.parametrize("limits", [Limits(seconds=0.0), Limits(nodes=0), Limits(gap=0.5)])
 def test_a_limit_leaves_trees_and_a_true_bound(limits):
     rng = np.random.default_rng(7)

@@ -2,6 +2,7 @@
 
 import gzip
 import io
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -126,6 +127,20 @@ def test_lines_that_hold_no_row_are_left_out_and_named(tmp_path, lines, said):
     table = read_table(csv_file(tmp_path, "\n".join(["g,h", *lines, ""])))
     assert [note.startswith(f"no rows and left out: {said}") for note in table.notes] == [True]
     assert len(table.frame) == sum("," in line and line != "g,h" for line in lines)
+
+
+@pytest.mark.parametrize("tail", [*product(["", "  ", "-----", "End", "The end"], repeat=3)])
+def test_whatever_stands_below_the_last_row_no_row_is_lost(tmp_path, tail):
+    table = read_table(csv_file(tmp_path, "\n".join(["g,h", "1,a", "2,b", *tail, ""])))
+    assert table.frame["g"].tolist() == [1, 2]
+    words = [line for line in tail if line.strip()]
+    assert all(f"{word!r} after the last row" in table.notes[0] for word in words)
+    assert len(table.notes) == bool(words)
+
+
+def test_words_in_cells_above_a_header_are_no_table(tmp_path):
+    table = read_table(csv_file(tmp_path, "note,see,below\nnote,see,beside\nnote,or,ask\nx,y\n1,a\n2,b\n3,c\n"))
+    assert (table.columns, len(table.frame)) == (("x", "y"), 3)
 
 
 @pytest.mark.parametrize("name", ["iris.data", "iris.txt", "iris"])

@@ -16,7 +16,7 @@ from octmip.interfaces.estimator.paths import node_indicator
 from octmip.interfaces.plot import tree_figure
 from octmip.interfaces.plot.style import DARK
 from octmip.interfaces.report.tree.drawing import draw_tree
-from octmip.interfaces.report.tree.seen import BINS, Seen
+from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.tree import ValueLeaf
@@ -75,35 +75,6 @@ def test_bars_left_of_the_mark_are_the_samples_that_go_left():
     assert not any(box.bars for box in drawing_of(PROBLEM, TREE).boxes if box.label is None)
 
 
-@pytest.mark.parametrize("missing", ["left", "right"])
-def test_missing_values_have_a_bar_beyond_the_end_of_their_side(missing):
-    values = np.array([[1.0], [2.0], [3.0], [4.0], [np.nan], [np.nan]])
-    problem = Problem(values, [0, 0, 1, 1, 1, 1], depth=1)
-    tree = Split(0, 2.5, Leaf(0), Leaf(1), missing=missing)
-    found = Seen.of(problem, tree, histograms=True).histogram(tree, 0, 1, 2)
-    expected = [[1, 0], [1, 0], [0, 1], [0, 1]]
-    beyond = [[0, 0], [0, 2]]
-    assert found.counts.tolist() == (beyond[::-1] + expected if missing == "left" else expected + beyond)
-    assert (found.n_left, len(found.counts) - found.n_left) == ((4, 2) if missing == "left" else (2, 4))
-
-
-def test_a_histogram_of_extreme_numbers_is_finite_and_no_longer_than_its_bins():
-    values = np.array([[-1.7e308], [0.0], [5.0], [1.7e308]])
-    for cut in (1.0, 1e308, -1.7e308):
-        tree = Split(0, cut, Leaf(0), Leaf(1))
-        found = Seen.of(Problem(values, [0, 0, 1, 1], depth=1), tree, histograms=True).histogram(tree, 0, 1, 2)
-        assert found.counts.sum() == 4
-        assert len(found.counts) <= 2 * BINS
-
-
-@pytest.mark.parametrize(("cut", "n_left"), [(0.0, 0), (2.5, 2), (99.0, 4)])
-def test_whole_numbers_have_a_bin_each_wherever_the_threshold_is(cut, n_left):
-    tree = Split(0, cut, Leaf(0), Leaf(1))
-    problem = Problem([[1.0], [2.0], [3.0], [4.0]], [0, 0, 1, 1], depth=1)
-    found = Seen.of(problem, tree, histograms=True).histogram(tree, 0, 1, 2)
-    assert (found.counts.sum(axis=1).tolist(), found.n_left) == ([1, 1, 1, 1], n_left)
-
-
 def test_a_leaf_of_a_number_shows_how_far_its_samples_spread():
     values = np.array([[0.0], [0.0], [1.0], [1.0]])
     tree = Split(0, 0.5, ValueLeaf(2.0), ValueLeaf(10.0))
@@ -144,12 +115,3 @@ def test_yes_is_on_the_left_where_the_tree_has_it_on_the_right_and_the_histogram
     assert to_hex(shown.get_facecolor()) == DARK.paper
     with pytest.raises(ProblemError, match="sample has 2 rows; expected one of the columns 'colour'; give one row"):
         model.plot(sample=table.iloc[:2])
-
-
-def test_a_title_longer_than_its_tree_is_not_cut_off_and_is_no_formula():
-    problem = Problem(POINTS, PROBLEM.codes, depth=1)
-    figure = tree_figure(problem, Leaf(0), "A title of $5 or $6 WHICH IS LONGER THAN ITS TREE")
-    place = figure.axes[0].title.get_window_extent(FigureCanvasAgg(figure).get_renderer())
-    assert place.x0 >= 0.0
-    assert place.x1 <= figure.bbox.width
-    assert figure.axes[0].title.get_parse_math() is False

@@ -12,13 +12,11 @@ import pandas as pd
 import pytest
 
 from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.page_check import check_page, smallest_text
+from benchmarks.oracles.page_check import check_page
 from benchmarks.oracles.report_runs import tree_file
 from octmip import (
-    ClassCosts,
     HyperplaneSplit,
     Leaf,
-    Limits,
     Problem,
     Solution,
     Split,
@@ -31,14 +29,10 @@ from octmip.formats.tree_file import TreeFile, record_tree
 from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
-from octmip.interfaces.report.tree.curve import depth_curve
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
-from octmip.interfaces.report.tree.evidence import DepthPoint, gather, judged_by, with_share_held_out
+from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
-from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.registry import Run
-from octmip.trees.scope import within
-from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import leaf_index, leaves
 
 DAY = datetime.date(2026, 3, 1)
@@ -141,39 +135,6 @@ def test_a_tree_file_alone_makes_a_page_that_says_what_it_lacks():
     assert "<h1>A decision tree</h1>" in page
 
 
-def test_a_chosen_tree_says_what_is_expected_on_new_samples_and_not_that_it_was_not_measured():
-    problem, share = xor(), {"mean": 0.05, "low": 0.01, "high": 0.1}
-    choice = {"expected": {"tree": share, "cart": share, "difference": share}}
-    solution = dataclasses.replace(solve(problem), details={"choice": choice})
-    file = record_tree(problem, solution, "side")
-    page = tree_page(file, "t.json", gather(file, problem), masthead=Masthead(made=DAY))
-    assert "On new samples 5 % are expected to be wrong, of CART pruned by the same folds 5 %" in page
-    assert "The error that is expected on new samples stands above." in page
-    assert "was not measured for this page" not in page
-
-
-def test_a_tree_without_a_bound_and_a_narrow_bound_say_so():
-    problem = xor()
-    greedy = greedy_tree(problem)
-    assert "Whether a better tree exists is not known" in tree_page(record_tree(problem, greedy), "t.json")
-    scope = {"scope": within(problem, "small trees")}
-    claim = dataclasses.replace(greedy, bound=greedy.objective, stop=Stop.OPTIMAL, details=scope)
-    assert "Proven: among small trees, of depth 2 or less, no tree makes fewer errors" in tree_page(
-        record_tree(problem, claim), "t.json"
-    )
-
-
-def test_costs_weights_and_prices_are_called_cost():
-    base = xor()
-    problem = dataclasses.replace(base, loss=ClassCosts([[0, 5], [1, 0]]), leaf_penalty=0.5, weights=np.full(200, 2.0))
-    file = record_tree(problem, solve(problem), "side", "risk")
-    page = tree_page(file, "t.json", gather(file, problem, seconds=0))
-    assert "at a cost of 1.5" in page
-    assert "Each feature in a split is charged 0.5" in page
-    assert "Errors do not cost the same" in page
-    assert "risk weight, column risk, from 2 to 2" in page
-
-
 def test_the_confusion_has_the_true_class_in_rows():
     labels = ["yes", "no", "yes", "yes"]
     problem = Problem(np.array([[0.0], [1], [2], [3]]), labels, depth=1, feature_names=("a",))
@@ -194,16 +155,6 @@ def test_a_leaf_alone_is_a_tree_too():
     assert "0 instead of 1" in page  # the greedy tree is better, and the page says so
 
 
-def test_samples_of_another_table_judge_the_trees_of_the_page():
-    problem = xor()
-    file = record_tree(problem, solve(problem), "side")
-    samples = Samples(problem.features, problem.codes, problem.weights)
-    evidence = judged_by(gather(file, problem, seconds=0), file, samples, "test.csv")
-    page = tree_page(file, "t.json", evidence)
-    assert "The error on new samples was measured on 200 samples of test.csv." in page
-    assert "0 (0 %)" in page
-
-
 # What the page is made of
 
 
@@ -215,15 +166,6 @@ def test_depths_end_with_the_tree_of_the_file_and_never_rise():
     assert [point.objective for point in points] == sorted((point.objective for point in points), reverse=True)
     assert points[-1].objective == file.solution.objective
     assert all(point.bound <= point.objective for point in points)
-
-
-def test_a_chart_has_a_point_for_each_depth_and_marks_what_is_open():
-    points = [DepthPoint(1, 50.0, 50.0, 50.0), DepthPoint(2, 30.0, 10.0, None)]
-    curve = depth_curve(points, "errors")
-    assert len(curve.best) == 2
-    assert len(curve.greedy) == 1
-    assert len(curve.open) == 1
-    assert curve.rows[-1][1] == "60"
 
 
 def test_the_samples_in_a_page_are_those_of_their_leaf_and_no_more_than_there_is_room_for():
@@ -257,45 +199,6 @@ def test_a_page_of_hostile_names_keeps_all_that_is_checked(browser: Any, tmp_pat
     names = [name for _, name in hostile_names(20, 1)]
     path.write_text(tree_page(tree_file(names), names[3]))
     assert check_page(path, browser, presses=False) == []
-
-
-def test_a_deep_tree_zooms_and_its_text_is_never_too_small(browser: Any, tmp_path: Path):
-    problem = xor(400, depth=4)
-    shuffled = dataclasses.replace(problem, targets=np.random.default_rng(3).permutation(problem.targets))
-    path = tmp_path / "page.html"
-    path.write_text(tree_page(record_tree(shuffled, solve(shuffled, limits=Limits(nodes=2000))), "t.json"))
-    page = browser.new_page(viewport={"width": 400, "height": 900})
-    page.goto(path.as_uri())
-    frame, scale = page.locator(".frame").first, page.locator(".scale").first
-    frame.focus()
-    seen = []
-    for key in ("0", "1", "+", "-"):
-        frame.press(key)
-        seen.append(scale.inner_text())
-        assert smallest_text(page) >= 11
-    assert seen[0].endswith("text left out")
-    assert seen[1:] == ["100 %", "125 %", "100 %"]
-    page.close()
-
-
-def test_two_fingers_zoom_the_figure_and_one_taps_a_leaf(browser: Any, tmp_path: Path, xor_page: str):
-    path = tmp_path / "page.html"
-    path.write_text(xor_page)
-    context = browser.new_context(viewport={"width": 400, "height": 900}, has_touch=True, is_mobile=True)
-    page = context.new_page()
-    page.goto(path.as_uri())
-    frame = page.locator(".frame").first
-    frame.scroll_into_view_if_needed()
-    box, fingers = frame.bounding_box(), context.new_cdp_session(page)
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    for kind, apart in (("touchStart", 20), *(("touchMove", d) for d in range(25, 70, 5)), ("touchEnd", 0)):
-        points = [{"x": x - apart, "y": y, "id": 1}, {"x": x + apart, "y": y, "id": 2}] if apart else []
-        fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
-    page.wait_for_function("parseInt(document.querySelector('.scale').value) > 150")
-    assert page.evaluate("visualViewport.scale") == 1
-    page.locator("#tree .leaf").first.tap()
-    assert "Leaf: side is" in page.locator("#detail").inner_text()
-    context.close()
 
 
 def _walk_by_keyboard(page: Any, answers: list[str]) -> str:

@@ -74,15 +74,6 @@ def published_like(n: int, p: int) -> Problem:
     return Problem(features, level, depth=2, split="hyperplane", split_size=2)
 
 
-def test_tree_bound_and_counters_do_not_depend_on_the_number_of_threads() -> None:
-    problem = published_like(120, 3)
-    one, two, three = (two_feature_branch_and_bound(problem, n_jobs=n) for n in (1, 2, 3))
-    assert one.is_optimal
-    assert one.tree == two.tree == three.tree
-    assert (one.objective, one.bound, one.n_nodes) == (two.objective, two.bound, two.n_nodes)
-    assert one.n_nodes == three.n_nodes
-
-
 def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> None:
     problem = published_like(150, 3)
     optimum = two_feature_branch_and_bound(problem).objective

@@ -163,3 +163,20 @@ def test_a_threshold_on_dates_is_a_date_where_no_column_is_text(tmp_path, capsys
     data.write_text("\n".join(["day,y", *rows]) + "\n")
     assert main(["solve", str(data), "--label", "y", "--depth", "1"]) == 0
     assert "day <= 2025-01-15\n" in capsys.readouterr().out
+
+
+MONTH_NAMES = [
+    "January February March April May June July August September October November December",
+    "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec",
+    "Januar Februar März April Mai Juni Juli August September Oktober November Dezember",
+    "Jan Feb Mär Apr Mai Jun Jul Aug Sep Okt Nov Dez",
+    "jan feb mrz apr mai jun jul aug sep okt nov dez",
+]
+
+
+@pytest.mark.parametrize("form", ["14 {} 2025", "{} 14, 2025", "2025-{}-14", "14. {} 2025 00:00"])
+@pytest.mark.parametrize("names", MONTH_NAMES)
+def test_each_month_has_its_number_in_both_languages(names, form):
+    table = pd.DataFrame({"t": [form.format(name) for name in names.split()]})
+    days = [(pd.Timestamp(2025, month, 14) - pd.Timestamp(1970, 1, 1)).days for month in range(1, 13)]
+    assert Columns.learn(table).encode(table)[:, 0].tolist() == days

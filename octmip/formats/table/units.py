@@ -4,8 +4,11 @@ A unit is a quantity and its size in the SI unit of that quantity. Temperatures 
 factor converts one to another.
 """
 
+import importlib.util
 import re
+import tokenize
 import unicodedata
+from typing import Any
 
 _QUANTITIES = {
     "length": {
@@ -23,7 +26,7 @@ _QUANTITIES = {
     | dict.fromkeys(("microstrain", "ustrain", "ustr", "umm/mm", "uε", "uɛ", "uE", "uepsilon"), 1e-6)
     | dict.fromkeys(("ppm", "10^-6", "1e-6", "1E-6"), 1e-6),
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
-    "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
+    "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "N.m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
     | {"psi": 6894.757293168},
@@ -48,6 +51,8 @@ _LOGGER = frozenset({"TS", "RN", "unitless", "bool", "text", "date", "none", "st
 _LABELS = frozenset({"unit", "units", "einheit", "einheiten", "unité", "unités", "unidad", "unidades"})
 """What a row of units has in a column of words, in any case."""
 """What a row of units says of columns that have none: time stamps and record numbers of a logger among them."""
+_MEASURE = re.compile(r"(?!.*\d\s*(?:\*\*|\^)).{1,40}")
+"""What is given to pint: no long text, and no power of a number, which may have any number of digits."""
 _BEHIND = re.compile(
     r"(?P<name>.*?[^\s_,;/])[\s_,;/]*(?:\[(?P<a>[^\]]*)\]|\((?P<b>[^)]*)\)|<(?P<c>[^>]*)>|\{(?P<d>[^}]*)\})"
 )
@@ -103,4 +108,26 @@ def factor_between(given: str, wanted: str) -> float | None:
     (a, size), (b, wanted_size) = _UNITS.get(one, ("", 0.0)), _UNITS.get(other, (" ", 1.0))
     if {a, b} == {"strain", "share"} and "%" in (one, other):  # 0.1 % of strain is 1000 microstrain
         b = a
-    return size / wanted_size if a == b else None
+    return size / wanted_size if a == b else _by_pint(one, other)
+
+
+def _by_pint(given: str, wanted: str) -> float | None:
+    """Return the factor that pint knows, None where it is not installed or knows none.
+
+    pint takes rad for 1, so that 1 rpm would be 0.105 Hz and a strain an angle: units count as one quantity where
+    their roots are the same, angles and strains included. Zeros of their own have no factor.
+    """
+    if not (given and wanted and all(map(_MEASURE.fullmatch, (given, wanted))) and importlib.util.find_spec("pint")):
+        return None
+    import pint  # half a second, for units that the table lacks
+
+    registry: Any = pint.UnitRegistry()
+    registry.define("strain = [strain]")
+    try:
+        one, other = (registry.parse_expression(text) for text in (given, wanted))
+        roots = [registry.Quantity(1.0, quantity.units).to_root_units().units for quantity in (one, other)]
+        if roots[0] != roots[1] or (0.0 * one).to(other.units).magnitude != 0.0:
+            return None
+        return float((1.0 * one).to(other.units).magnitude / other.magnitude)
+    except (pint.PintError, AttributeError, TypeError, ValueError, ZeroDivisionError, tokenize.TokenError):
+        return None

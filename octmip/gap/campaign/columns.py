@@ -256,7 +256,7 @@ def _seconds_of(spans: "pd.Series[pd.Timedelta]") -> Floats:
 
 
 def read_columns(
-    path: PathLike, gauges: Sequence[str], loads: Sequence[str], parameters: Sequence[str]
+    path: PathLike | Table, gauges: Sequence[str], loads: Sequence[str], parameters: Sequence[str]
 ) -> CampaignColumns:
     """Return the columns of a campaign's file.
 
@@ -265,7 +265,7 @@ def read_columns(
     DataError
         the file is no table, a column is missing, two columns have one meaning, or a name is nearly one of the twin's.
     """
-    table = read_table(path, as_text=TEST)
+    table = path if isinstance(path, Table) else read_table(path, as_text=TEST)
     is_empty = table.frame.isna().all(axis=1).to_numpy()
     if 0 < is_empty.sum() < len(is_empty):
         n_empty = int(is_empty.sum())

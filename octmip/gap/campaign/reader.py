@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
+from octmip.formats.table import Table
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.campaign.columns import CampaignColumns, read_columns
 from octmip.gap.campaign.metered import looked_at
@@ -32,8 +33,8 @@ MOST_LOAD = 1e9
 """Loads beyond this are no load on any structure, in whatever unit."""
 
 
-def read_campaign(path: PathLike, twin: Twin) -> Campaign:
-    """Return the campaign in a file, its columns matched with the twin's gauges and state parameters.
+def read_campaign(path: PathLike | Table, twin: Twin) -> Campaign:
+    """Return the campaign in a file or table, its columns matched with the twin's gauges and state parameters.
 
     Raises
     ------

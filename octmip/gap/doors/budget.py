@@ -106,7 +106,7 @@ def within(twin: FunctionTwin, campaigns: Sequence[Campaign], budget: Budget) ->
     stand_in = _StandIn.of(asked, np.array(bases), here, columns)
     left = {name: own for name, own in twin.card.ranges.items() if asked.names.index(name) in [c for c, *_ in columns]}
     kept = [effect for name, effect in twin.effects.items() if name not in twin.card.ranges]
-    told = f"The model answered {asked.n_new} questions (budget {budget.calls}); what lies between follows from these."
+    told = f"The model answered {asked.n_new} questions (budget {budget.calls}); all else follows from these answers."
     return FunctionTwin(stand_in, replace(twin.card, parameters=left), kept), [told, *notes]
 
 

@@ -14,7 +14,7 @@ several noises and levels adds up; it is shown in the one that bears it most.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb, inf, log
 
@@ -24,23 +24,15 @@ from scipy.special import logsumexp
 
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
-from octmip.gap.inference.inputs import Inputs
+from octmip.gap.inference.inputs import Inputs, levels_without_run
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.own_sizes import about
 from octmip.gap.inference.states import STATE_RESOLUTION, distance, starting_states
 from octmip.gap.inference.unknown import weigh_unknown
-from octmip.gap.odds import Differences
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OF_MODELS = {2.0: 0.85, 4.0: 0.15}
-"""Levels of the difference without a run, and their probabilities: two models of a wing differ by 2.
-
-With 1 as the most probable level 56 of 76 sound wings were called faulty without a run; clear effects are named as
-often."""
-STATED = {0.5: 0.2, 1.0: 0.45, 2.0: 0.25, 4.0: 0.1}
-"""The same where `Odds` say themselves how far twin and asset lie apart, or where the constants are open beside it."""
 OF_DAMAGE = {1.0: 0.6, 2.0: 0.3, 4.0: 0.1}
 """With a run, the levels of what damage changes. None is below 1: a gauge at which damage acts by a third more than
 elsewhere has no fault."""
@@ -84,11 +76,8 @@ def log_count(inputs: Inputs, k: int) -> float:
 
 
 def log_prior(inputs: Inputs, members: Members) -> float:
-    """Return the log prior probability of a set of candidates; -inf of one without a name beside others.
-
-    What takes a course without a name and something else is not explained.
-    """
-    if len(members) > 1 and any(inputs.candidates[j].is_nameless for j in members):
+    """Return the log prior probability of a set of candidates; -inf of two cells without names: a field is unknown."""
+    if sum(inputs.candidates[j].is_nameless for j in members) > 1:
         return -inf
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
@@ -118,7 +107,16 @@ def weighed_hypotheses(inputs: Inputs, states: Sequence[Floats]) -> list[Judged]
     for log_share, model in variants[1:]:
         own = _under(model, _contenders(weighed))
         result += [w.times(log_share) for w in [*own, *_with_unknown(own)]]
-    return result
+    return _unexplained(result)
+
+
+def _unexplained(weighed: Sequence[Judged]) -> list[Judged]:
+    """Return the hypotheses; what takes a course without a name and something else is not explained, but unknown."""
+    plain = max((w for w in weighed if w.has_unknown and not w.members), key=lambda w: w.log_weight)
+    is_named = [
+        len(w.members) < 2 or not any(w.model.inputs.candidates[j].is_nameless for j in w.members) for w in weighed
+    ]
+    return [w if named else replace(plain, log_weight=w.log_weight) for w, named in zip(weighed, is_named, strict=True)]
 
 
 def _contenders(weighed: Sequence[Judged]) -> list[Judged]:
@@ -182,11 +180,6 @@ def _levels(model: LinearModel) -> Mapping[float, float]:
     return OF_DAMAGE if model.means.rows.change.any() else {1.0: 1.0}
 
 
-def levels_without_run(inputs: Inputs) -> Mapping[float, float]:
-    """Return the levels of the difference, with their probabilities, where no run measures it."""
-    return OF_MODELS if inputs.odds.differences == Differences() and not inputs.open else STATED
-
-
 def _best_single(model: LinearModel, among: Ints | None = None) -> float:
     singles = extensions(model, (), among)[0] + model.inputs.priors.log_weight + log_count(model.inputs, 1)
     return model.log_none + max(log_count(model.inputs, 0), float(singles.max(initial=-inf)))
@@ -203,8 +196,7 @@ def likely_sets(inference: Inference) -> dict[Members, float]:
         longer: dict[Members, float] = {}
         inference.fits(heads)
         for members in heads:
-            if not any(inputs.candidates[j].is_nameless for j in members):
-                longer |= _extended(inference, members)
+            longer |= _extended(inference, members)
         ordered = sorted(longer.items(), key=lambda item: -item[1])
         found |= dict(ordered if size == 1 else ordered[:N_LONGER])
         if not ordered or (size > 1 and ordered[0][1] < best + TRIPLES) or size == most:
@@ -226,7 +218,7 @@ def _extended(inference: Inference, members: Members) -> dict[Members, float]:
     keep = np.flatnonzero(np.isfinite(logs) & can_be_seen & ((new > IMITATED) | (not members)))
     if members:
         keep = keep[_best((logs + prior.log_weight)[keep], N_LONGER)]
-    if members:  # one without a name is alone (`log_prior`)
+    if any(inputs.candidates[j].is_nameless for j in members):  # two such are no explanation (`log_prior`)
         keep = np.array([j for j in keep.tolist() if not inputs.candidates[j].is_nameless], dtype=np.int64)
     weights = logs[keep] + prior.log_weight[keep] + log_prior(inputs, members) + under.log_none - model.log_none
     weights += log_count(inputs, len(members) + 1) - log_count(inputs, len(members))

@@ -24,9 +24,8 @@ from octmip.gap.effects.words import words_at
 from octmip.gap.inference.candidates import SCALES
 from octmip.gap.inference.difference import ALL_GAUGES
 from octmip.gap.inference.evidence import single_logs
-from octmip.gap.inference.inputs import Inputs, Run, relearnt
+from octmip.gap.inference.inputs import Inputs, Run, levels_without_run, relearnt
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.gap.inference.posterior import levels_without_run
 from octmip.gap.inference.signatures import signatures_of
 from octmip.gap.inference.states import grid, highest
 from octmip.gap.inference.whitening import Whitening, log_normal

@@ -18,12 +18,12 @@ def main(words: "Sequence[str] | None" = None) -> int:
     """Run one command and return its exit code; without words, those of the command line, as a program."""
     ended: list[int] = []
     if words is None:
+        for number in (_signal.SIGINT, _signal.SIGTERM):  # first of all: a signal before is a traceback
+            _signal.signal(number, _end)
         # A thread of OpenBLAS takes tens of megabytes of address space and spins for ever where it gets none; numexpr,
         # which pandas loads where it is installed, ends the process.
         for threads in ("OPENBLAS_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
             os.environ.setdefault(threads, "1")
-        for number in (_signal.SIGINT, _signal.SIGTERM):
-            _signal.signal(number, _end)
         atexit.register(_leave, ended)  # the first that is registered is called last
     from octmip.interfaces.cli import program
 

@@ -11,6 +11,7 @@ from octmip.input.files import read_bytes, write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.options.page import masthead_of, units_of_options
+from octmip.interfaces.cli.recorded import table_of
 from octmip.interfaces.cli.stages import StageLine
 
 EXPECTED = (
@@ -49,8 +50,9 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     if arguments.unit:
         twin = twin.in_units(units_of_options(arguments.unit, twin.gauges, "no reading of the twin"))
     line(f"reading {arguments.campaign}")
-    campaign = read_campaign(arguments.campaign, twin)
-    commissioning = read_campaign(arguments.commissioning, twin) if arguments.commissioning else None
+    campaign = read_campaign(table_of(arguments, arguments.campaign, twin), twin)
+    run = arguments.commissioning
+    commissioning = read_campaign(table_of(arguments, run, twin, is_commissioning=True), twin) if run else None
     file = read_tree_file(arguments.tree, "class") if arguments.tree else None
     settings: dict[str, Any] = {} if file is None else {"tree": file.tree, "feature_names": file.feature_names}
     if arguments.load_limits:

@@ -14,6 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from types import MappingProxyType
 from typing import Any
 
+from octmip.errors import EXTRA_OF
 from octmip.input.names import visible
 from octmip.trees.methods.interruption import is_heard
 
@@ -38,6 +39,9 @@ EXTRAS: Mapping[str, Extra] = MappingProxyType(
         "plot": Extra(("matplotlib",), "drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),
         "onnx": Extra(("onnx",), "export to ONNX"),
+        "recordings": Extra(
+            tuple(name for name, extra in EXTRA_OF.items() if extra == "recordings"), "files of loggers"
+        ),
     }
 )
 

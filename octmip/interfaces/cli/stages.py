@@ -37,6 +37,8 @@ LONGEST_END = 10.0
 """Seconds after a signal in which a result has to be shown and written."""
 AGAIN = 0.02
 """Seconds after which a signal is sent again that was lost."""
+IMPORT = 0.25
+"""Seconds after a signal in which an import may end: compiled modules drop what is raised while they are loaded."""
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 MOST_TOLD = 64
 """Signals that are taken as one: they came while the watch was waiting."""
@@ -73,6 +75,9 @@ class Heard:
         self.is_held_back = False
         self.raises = True
         self.code: int | None = None
+        self._in_import = math.inf  # when a signal first came in one
+        self._is_again = False
+        self._timer: threading.Timer | None = None
 
     @property
     def word(self) -> str:
@@ -91,9 +96,20 @@ class Heard:
             raise KeyboardInterrupt
 
     def hear(self, number: int, frame: FrameType | None) -> None:
-        """Note a signal and raise `KeyboardInterrupt`; a first one is noted alone where it is held back."""
+        """Note a signal and raise `KeyboardInterrupt`; a first one is noted alone where it is held back.
+
+        In an import it waits, as what is raised there may be lost; in a long one it is raised until it is not.
+        """
         if self.code is not None:
             os._exit(self.code)
+        is_again, self._is_again = self._is_again, False
+        if self.raises and not interruption.is_held_back() and _imports(frame):
+            self._in_import = min(self._in_import, time.monotonic())
+            self._send_again(number)
+            if time.monotonic() < self._in_import + IMPORT:
+                return
+        elif is_again and self.n_signals:
+            return
         self.n_signals += 1
         self.is_termination = number == signal.SIGTERM
         self.is_held_back = not self.raises or (self.n_signals == 1 and interruption.is_held_back())
@@ -106,8 +122,29 @@ class Heard:
         if not issubclass(lost.exc_type, KeyboardInterrupt):
             sys.__unraisablehook__(lost)
             return
-        number = signal.SIGTERM if self.is_termination else signal.SIGINT
-        threading.Timer(AGAIN, os.kill, (os.getpid(), number)).start()  # raised here it would be lost once more
+        self.n_signals = 0
+        self._send_again(signal.SIGTERM if self.is_termination else signal.SIGINT)  # raised here it would be lost too
+
+    def _send_again(self, number: int) -> None:
+        self.stop_sending()
+        self._timer = threading.Timer(AGAIN, self._sent_again, (number,))
+        self._timer.start()
+
+    def _sent_again(self, number: int) -> None:
+        self._is_again = True
+        os.kill(os.getpid(), number)
+
+    def stop_sending(self) -> None:
+        """Send no signal again."""
+        if self._timer is not None:
+            self._timer.cancel()
+
+
+def _imports(frame: FrameType | None) -> bool:
+    """Whether a module is being loaded."""
+    while frame is not None and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        frame = frame.f_back
+    return frame is not None
 
 
 @contextlib.contextmanager
@@ -129,6 +166,7 @@ def term_as_interrupt(*, raises: bool = True) -> Iterator[Heard]:
         with interruption.whole_call():
             yield heard
     finally:
+        heard.stop_sending()
         sys.unraisablehook = hook
         if heard.code is None:
             for number, handler in zip(SIGNALS, before, strict=True):

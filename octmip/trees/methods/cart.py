@@ -123,11 +123,13 @@ class _GreedyBuilder:
             return problem.best_leaf()
         limits: dict[str, float] = {"max_depth": self.levels, "min_samples_leaf": problem.leaf_size}
         limits |= {"random_state": self.seed, "min_weight_fraction_leaf": least}
+        targets = problem.codes
         if problem.loss.predicts == "class":
             grower = DecisionTreeClassifier(**limits)
         else:
             criterion = "squared_error" if problem.number_loss.slopes is None else "absolute_error"
             grower = DecisionTreeRegressor(criterion=criterion, **limits)
+            targets, *_ = unit_sized(targets)
         if self.most_splits < problem.n_samples - 1:  # best first
             grower.set_params(max_leaf_nodes=max(2, int(self.most_splits) + 1))
         columns = np.empty((problem.n_samples, len(features)), dtype=np.float32)
@@ -137,7 +139,7 @@ class _GreedyBuilder:
                 columns[np.isnan(problem.features[:, feature]), k] = np.nan
         with warnings.catch_warnings():  # scikit-learn doubts that so many classes are classes
             warnings.filterwarnings("ignore", message="The number of unique classes", category=UserWarning)
-            grower.fit(columns, problem.codes, sample_weight=problem.weights)
+            grower.fit(columns, targets, sample_weight=problem.weights)
         return self._pruned(grower.tree_, 0, features, np.arange(problem.n_samples))[0]
 
     def _pruned(
@@ -178,6 +180,18 @@ class _GreedyBuilder:
             return Split(feature, None, Leaf(0), Leaf(0), missing=missing), left
         threshold = midpoint(float(values[below.max()]), float(values[above.min()]))
         return Split(feature, threshold, Leaf(0), Leaf(0), missing=missing), left
+
+
+def unit_sized(targets: NDArray[np.float64]) -> tuple[NDArray[np.float64], float, int]:
+    """Return targets as (target - centre) / 2^exponent, below 1 in size and whole numbers exact; centre; exponent.
+
+    CART's tree does not depend on offset and unit of its targets, scikit-learn's does: it takes the square of the mean
+    from the mean of squares, where an offset leaves no digit, and a node of an impurity below some 1e-16 for a leaf.
+    """
+    centre = float(np.partition(targets, len(targets) // 2)[len(targets) // 2])
+    halves = targets / 2 - centre / 2  # a difference of two may be more than the largest number
+    exponent = int(np.frexp(np.abs(halves).max())[1])
+    return np.ldexp(halves, -exponent), centre, exponent + 1
 
 
 def _grown_in_time(builder: _GreedyBuilder, deadline: float) -> tuple[_GreedyBuilder, Node]:

@@ -8,12 +8,14 @@ solution = octmip.solution_of(model, results)
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
+from octmip.trees.encoding.sample_costs import weighted_rows
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.mip.highs.claims import COARSEST_DUAL
@@ -273,11 +275,21 @@ def _refuse_false_bound(made: Model, changes: Changes, answer: Answer, variables
 
     The comparison sees the model as it is, not as it was when it was solved.
     """
-    options = SearchOptions(restarts=QUICK, perturbations=QUICK)
-    for tree in (made.known.tree, local_search(made.problem, limits=Limits(seconds=1.0), options=options).tree):
+    for tree in (made.known.tree, _quickly_found(made.problem)):
         values = None if tree is None else made.start(tree)
         if values is not None and not changes.broken(_values_at(values, variables)):
             made.refuse_above(made.formulation.rows.objective(values), answer)
+
+
+def _quickly_found(problem: Problem) -> Node | None:
+    """Return the tree of a quick search; None for costs of single samples without weighted rows, which it takes."""
+    options = SearchOptions(restarts=QUICK, perturbations=QUICK)
+    if problem.has_sample_costs:
+        with suppress(ProblemError):
+            made = weighted_rows(problem)
+            return None if made is None else local_search(made.rows, limits=Limits(seconds=1.0), options=options).tree
+        return None
+    return local_search(problem, limits=Limits(seconds=1.0), options=options).tree
 
 
 def _values_at(values: NDArray[np.float64], variables: list[Any]) -> Callable[[Any], float]:

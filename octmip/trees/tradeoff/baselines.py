@@ -9,8 +9,8 @@
 | forest | random forest of 200 trees | a side of each split |
 | boosting | gradient boosting of 100 trees on histograms | a side of each split |
 
-All but pruned CART are scikit-learn's and minimise their own loss, not the costs of the problem. They read columns that
-are centred and scaled, whatever their units (`Centred`).
+All but pruned CART are scikit-learn's and minimise their own loss, not the costs of the problem. They read columns and
+numbers that are centred and scaled, whatever their units (`Centred`, `unit_sized`).
 """
 
 from collections.abc import Callable, Mapping
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.methods.cart import unit_sized
 from octmip.trees.problem import Problem
 from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.solution import Limits
@@ -56,10 +57,15 @@ def baselines_of(problem: Problem) -> Mapping[str, Callable[[int], Predictor]]:
 def _fitted(problem: Problem, name: str, seed: int, targets: NDArray[Any] | None = None) -> Predictor:
     """Return a model of scikit-learn trained on centred columns, for the problem's targets or others (n_samples,)."""
     columns = Centred.of(problem.features, has_ranks=name in ("forest", "boosting"))
-    model = _model(name, problem.loss.predicts == "class" and targets is None, seed)
+    is_class = problem.loss.predicts == "class" and targets is None
+    model = _model(name, is_class, seed)
     weights = {} if name == "discriminant" else {"model__sample_weight": problem.weights}
-    model.fit(columns(problem.features), problem.codes if targets is None else targets, **weights)
-    return lambda features: np.asarray(model.predict(columns(features)))
+    if is_class:
+        model.fit(columns(problem.features), problem.codes, **weights)
+        return lambda features: np.asarray(model.predict(columns(features)))
+    numbers, centre, exponent = unit_sized(problem.codes if targets is None else targets)
+    model.fit(columns(problem.features), numbers, **weights)
+    return lambda features: np.asarray(np.ldexp(model.predict(columns(features)), exponent) + centre)
 
 
 def _model(name: str, is_class: bool, seed: int) -> Any:

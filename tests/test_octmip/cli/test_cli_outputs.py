@@ -125,24 +125,6 @@ def test_a_tree_that_cannot_be_written_is_shown(
         json.loads(out)
 
 
-def test_pictures_that_cannot_be_written_lose_no_table(data: Path, run: Run, full: dict[str, Any]) -> None:
-    out = data.parent / "picture.svg"
-    for words in (("frontier", data, "--over", "depth"), ("sensors", data)):
-        code, shown, err = run(*words, "--label", "y", "--depth", 1, "--out", out)
-        assert code == 1
-        assert "| " in shown
-        assert "picture.svg cannot be written" in err
-
-
-def test_predictions_that_cannot_be_written_are_still_counted(
-    data: Path, tree: Path, run: Run, full: dict[str, Any]
-) -> None:
-    code, _, err = run("predict", tree, data, "--label", "y", "--out", data.parent / "new.csv")
-    assert code == 1
-    assert "of 30 samples wrong" in err
-    assert "new.csv cannot be written" in err
-
-
 def test_a_proof_log_that_cannot_be_written_loses_no_tree(
     data: Path, run: Run, full: dict[str, Any], tmp_path: Path
 ) -> None:

@@ -3,16 +3,13 @@
 import json
 import subprocess
 import sys
-import time
 
 import pytest
 
 from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.answer import ProgressLine
-from octmip.interfaces.cli.arguments import GROUPS, OF_METHODS
 from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
-from octmip.interfaces.cli.stages import StageLine
 from octmip.trees.methods.options import all_options
 from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import OVERS
@@ -125,15 +122,6 @@ def test_doctor_names_what_is_absent_and_what_is_broken(run, monkeypatch):
     assert out.splitlines()[-1].startswith("This installation does not work")
 
 
-def test_a_step_without_figures_shows_its_seconds_on_a_terminal_only(capsys, monkeypatch):
-    monkeypatch.setattr("octmip.interfaces.cli.stages.TICK", 0.01)
-    for is_terminal in (False, True):
-        monkeypatch.setattr(sys.stderr, "isatty", lambda shown=is_terminal: shown)
-        with StageLine("certifying"):
-            time.sleep(0.05)
-        assert ("   0 s  certifying ..." in capsys.readouterr().err) == is_terminal
-
-
 @pytest.mark.parametrize("module", ["octmip.trees._native", "pandas"])
 def test_doctor_works_where_the_installation_does_not(module):
     code = f"import sys; sys.modules['{module}'] = None; from octmip.interfaces.cli import main\n"
@@ -154,24 +142,11 @@ def shown_options(text):
     return {line.split()[0].rstrip(",") for line in text.splitlines() if line.startswith("  -")}
 
 
-def test_help_of_solve_shows_fifteen_options_in_groups(run):
-    text = run("solve", "--help")[1]
-    assert len(shown_options(text) - {"-h", "--help-all"}) == 15
-    places = [text.index(f"\n{title}:\n") for title in GROUPS]
-    assert places == sorted(places)
-
-
 @pytest.mark.parametrize("command", LONG)
 def test_the_rest_of_a_long_help_is_shown_when_asked(run, command):
     usual, whole = (shown_options(run(command, option)[1]) for option in ("--help", "--help-all"))
     assert usual < whole
     assert len(usual) <= 20
-
-
-def test_help_all_lists_the_options_of_the_methods_that_have_no_option_of_their_own(run):
-    listed = run("solve", "--help-all")[1].split(OF_METHODS)[1]
-    for name, is_listed in (("restarts", True), ("write", True), ("proof", False), ("cluster", False)):
-        assert (f"\n  {name} " in listed) is is_listed
 
 
 def test_doctor_and_the_classes_name_the_same_options(run):

@@ -3,7 +3,6 @@
 import json
 
 import highspy
-import pandas as pd
 import pytest
 
 from octmip.formats.tree_file import read_tree_file
@@ -62,19 +61,3 @@ def test_what_is_wrong_is_said_in_a_sentence(data, run, files, words, said):
     assert (code in (1, 2), out) == (True, "")  # 1: the answer is false, 2: the question is wrong
     assert err.count("\n") == 1
     assert said in err
-
-
-def test_a_solution_without_a_depth_is_refused(data, run, files):
-    code, _, err = run("solve", data, "--label", "y", "--read-solution", files[1])
-    assert code == 2
-    assert "--read-solution is given without --depth" in err
-
-
-def test_a_changed_table_is_refused_by_its_digest(data, run, files):
-    table = pd.read_csv(data)
-    table.loc[0, "b"] += 1
-    table.to_csv(data, index=False)
-    words = ["--label", "y", "--depth", 1, "--read-solution", files[1], "--of-model", files[0]]
-    code, _, err = run("solve", data, *words)
-    assert code == 2
-    assert "is one of the problem" in err

@@ -126,37 +126,6 @@ def _with_other_table(run, houses, tmp_path):
     return run("certify", tree, other)[2]
 
 
-def test_a_share_of_the_rows_is_held_out_and_recounted_by_certify(houses, run, tmp_path):
-    tree = tmp_path / "t.json"
-    answer = json.loads(solved(run, houses, "--holdout", 0.25, "--weights", "w", "--out", tree, "--json")[1])
-    assert (answer["n_samples"], answer["held_out"]["n_samples"]) == (45, 15)
-    assert answer["held_out"]["mae"] > 0
-    assert answer["cart"]["training"]["rmse"] >= answer["training"]["rmse"]
-    assert answer["cart"]["held_out"]["n_samples"] == 15
-    assert answer["difference"]["low"] <= answer["difference"]["mean"] <= answer["difference"]["high"]
-    code, out, err = run("certify", tree, houses)
-    assert (code, err) == (0, "")
-    assert f"held out: 15 samples, mean absolute error {answer['held_out']['mae']:.6g}" in out
-    shown = run("report", tree, houses)[1]
-    assert "this tree, held out (houses.csv, held out before the training): 15 samples" in shown
-    content = json.loads(tree.read_text())
-    content["held_out"]["measures"]["mae"] *= 0.9
-    tree.write_text(json.dumps(content))
-    code, _, err = run("certify", tree, houses)
-    assert code == 1
-    assert "but recounted it is" in err
-
-
-@pytest.mark.parametrize("kind", ["html", "md", "txt", "svg", "png", "pdf"])
-def test_report_writes_words_and_drawings_of_a_tree_of_numbers(houses, run, tmp_path, kind):
-    tree, out = tmp_path / "t.json", tmp_path / f"r.{kind}"
-    answer = json.loads(solved(run, houses, "--out", tree, "--json")[1])
-    assert run("report", tree, "--out", out)[0] == 0
-    assert out.stat().st_size > 100
-    leaf = answer["tree"]["left"]["left"]["value"]
-    assert kind not in ("md", "txt") or f"{leaf:.6g}" in out.read_text()
-
-
 def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_path):
     rng = np.random.default_rng(3)
     frame = pd.DataFrame(rng.normal(size=(60, 2)).round(3), columns=["a", "b"])
@@ -193,22 +162,6 @@ def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp
     assert solution.is_optimal
     assert f"proven optimal within {solution.tolerance:.1g} (squared error)" in out
     assert 0 < json.loads(run(*asked, "--depth", 1, "--json")[1])["tolerance"] < 1e-8 * solution.objective
-
-
-def test_prices_and_weights_are_solved_certified_and_predicted_as_they_are_written(run, tmp_path):
-    rows = [f'{k},"${1000.5 + 200 * (k > 5) + k % 2:,.2f}",{5 + k % 2}%,{"ab"[k % 2]}' for k in range(12)]
-    (tmp_path / "m.csv").write_text("\n".join(["x,price,w,kind", *rows]) + "\n")
-    words = (tmp_path / "m.csv", "--target", "price", "--weights", "w", "--features", "x", "--depth", 1)
-    code, out, err = run("solve", *words, "--out", tmp_path / "t.json")
-    assert (code, err) == (0, "")
-    assert "note: price read as amounts in $ (1,000.5 is 1000.5)" in out
-    assert "note: w read as per cent" in out
-    problem = read_tree_file(tmp_path / "t.json")
-    assert problem.solution.objective == pytest.approx(12 * 5.5 * 0.25, rel=0.02)
-    assert run("certify", tmp_path / "t.json", tmp_path / "m.csv")[0] == 0
-    assert run("predict", tmp_path / "t.json", tmp_path / "m.csv")[0] == 0
-    _, _, err = run("solve", tmp_path / "m.csv", "--target", "kind", "--depth", 1)
-    assert "if its words are classes, name the column by --label instead of --target" in err
 
 
 @pytest.mark.parametrize("loss", ["squared", "absolute", "quantile:0.9"])

@@ -1,6 +1,5 @@
 """octmip report with the data: what is recounted, compared and held out, as words, Markdown and a page."""
 
-import json
 import re
 from pathlib import Path
 from typing import Any
@@ -34,15 +33,6 @@ def test_the_page_of_a_tree_and_its_data_recounts_compares_and_checks_the_proof(
     assert "Is the depth worth it?" in page
 
 
-def test_samples_come_from_the_table_with_their_rows_in_it(run, data, solved, tmp_path):
-    run("report", solved, data, "--seconds", 0, "--out", tmp_path / "page.html")
-    text = (tmp_path / "page.html").read_text()
-    samples = json.loads(re.findall(r'id="tree-data">(.*?)</script>', text)[0])["samples"]
-    assert sorted(samples["columns"]) == ["a", "b", "w", "y"]
-    assert sorted(row[0] for leaf in samples["leaves"] for row in leaf) == list(range(1, 31))
-    assert "Is the depth worth it?" not in text
-
-
 def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree(run, data, tmp_path):
     tree = tmp_path / "held.json"
     run("solve", data, "--label", "y", "--depth", 1, "--features", "a,b", "--holdout", 0.3, "--out", tree)
@@ -53,14 +43,6 @@ def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree
     code, _, err = run("report", tree, data, "--holdout", 0.3)
     assert code == 2
     assert "leave --holdout out" in err
-
-
-def test_words_and_markdown_of_a_tree_and_its_data_say_what_the_greedy_tree_does(run, data, solved, tmp_path):
-    out = run("report", solved, data)[1]
-    assert "recounted on 30 samples: every claim holds" in out
-    assert re.search(r"greedy tree: \d+ wrong", out)
-    assert run("report", solved, data, "--out", tmp_path / "r.md")[0] == 0
-    assert "greedy tree:" in (tmp_path / "r.md").read_text()
 
 
 def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, solved, tmp_path):

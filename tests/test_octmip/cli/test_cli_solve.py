@@ -2,8 +2,6 @@
 
 import json
 
-import numpy as np
-
 from octmip import Solution, Stop
 from octmip.errors import SolverError
 from octmip.formats.tree_file import read_tree_file
@@ -95,14 +93,6 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
-def test_compare_says_who_found_each_tree(data, run):
-    words = ["compare", data, "--label", "y", "--depth", 1, "--features", "a", "--methods", "search,exact,oct,flow"]
-    code, out, _ = run(*words, "--json")
-    assert code == 0
-    found = {row["method"]: row["tree_by"] for row in json.loads(out)["rows"]}
-    assert found == {"search": "search", "exact": "exact", "oct": "cart", "flow": "cart"}
-
-
 def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
     code, out, err = run(*words, "--out", tmp_path / "f.png")
@@ -140,19 +130,6 @@ def test_without_a_depth_the_tree_is_chosen_for_new_rows_and_written(data, run, 
     assert "chosen by cross-validation (5 folds" in out
     code, out, _ = run("solve", data, "--label", "y", "--features", "a,b", "--json")
     assert "choice" in json.loads(out)["details"]
-
-
-def test_a_tree_that_learns_rows_by_heart_is_said_to(run, tmp_path):
-    rng = np.random.default_rng(0)
-    rows = "\n".join(
-        f"{a:.4f},{b:.4f},{k}" for a, b, k in zip(*rng.random((2, 60)), rng.integers(2, size=60), strict=True)
-    )
-    (tmp_path / "noise.csv").write_text(f"a,b,y\n{rows}\n")
-    out = run("solve", tmp_path / "noise.csv", "--label", "y", "--depth", 9, "--method", "search")[1]
-    assert "learned rows by heart" in out
-    held = run("solve", tmp_path / "noise.csv", "--label", "y", "--depth", 1, "--holdout", 0.5)[1]
-    assert held.splitlines()[-1].startswith("On rows held out: ")
-    assert "difference to CART on rows held out, 95 % interval: " in held
 
 
 def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, run, tmp_path):

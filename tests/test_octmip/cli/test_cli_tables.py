@@ -68,33 +68,6 @@ def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run
     assert "0 of 2 samples wrong (0 %); 1 more row has no label" in err
 
 
-def test_every_column_that_cannot_be_used_is_named_at_once(survey, run):
-    frame = pd.read_csv(survey).assign(empty=np.nan, huge=2**60 + 1, number=[*range(79), "x"])
-    frame.to_csv(survey, index=False)
-    code, _, err = run("solve", survey, "--label", "label", "--depth", 2)
-    assert code == 2
-    assert "4 of 8 columns cannot be used: " in err
-    for part in (
-        "'when' holds 80 different texts",
-        "'empty' has no value",
-        "beyond 2^53",
-        "the word 'x' among numbers",
-    ):
-        assert part in err
-    assert "--drop" in err
-    assert err.count("\n") == 1
-
-
-@pytest.mark.parametrize("words", [("--drop", 'id,"x,""y""",when'), ("--drop", "id,when", "--drop", '"x,""y"""')])
-def test_names_with_commas_and_quotes_can_be_named(survey, run, tmp_path, words):
-    tree = tmp_path / "t.json"
-    assert run("solve", survey, "--label", "label", "--depth", 1, *words, "--out", tree)[0] == 0
-    assert {column.name for column in read_tree_file(tree).preparation.columns.columns} == {"colour", "age"}
-    words = ("--features", '"x,""y""", age', "--label", "label", "--depth", 1)
-    assert run("solve", survey, *words, "--out", tree)[0] == 0
-    assert [column.name for column in read_tree_file(tree).preparation.columns.columns] == ['x,"y"', "age"]
-
-
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
@@ -114,15 +87,6 @@ def test_wrong_words_about_columns_end_in_one_line(survey, run, words, sentence)
     code, out, err = run("solve", survey, "--label", "label", "--depth", 2, *words)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert sentence in err
-
-
-def test_rows_with_missing_readings_are_left_out_where_that_is_asked(survey, run, tmp_path):
-    tree = tmp_path / "tree.json"
-    code, out, _ = run("solve", survey, *SOLVE, "--missing", "drop-rows", "--out", tree)
-    assert code == 0
-    assert "note: 9 rows with missing cells left out" in out
-    assert read_tree_file(tree).n_samples == 71
-    assert run("certify", tree, survey)[0] == 0
 
 
 @pytest.mark.parametrize("word", ["", "?"])
@@ -196,23 +160,3 @@ def test_another_table_tests_the_tree(survey, run, tmp_path):
     code, out, _ = run("compare", survey, *SOLVE, "--test", test, "--methods", "cart,exact")
     assert code == 0
     assert "errors held out" in out
-
-
-def test_sensors_name_columns_of_the_table(survey, run, tmp_path):
-    (tmp_path / "sensors.csv").write_text('sensor,cost\ncolour,5\nage,1\n"x,""y""",1\n')
-    words = (*SOLVE, "--sensor-cost", tmp_path / "sensors.csv", "--json")
-    assert set(json.loads(run("solve", survey, *words, "--budget", 2)[1])["sensors"]) <= {"age", 'x,"y"'}
-
-
-def test_a_column_that_counts_the_rows_is_pointed_out(run, tmp_path):
-    pd.DataFrame({"Id": range(1, 31), "y": [0, 1] * 15}).to_csv(tmp_path / "t.csv", index=False)
-    words = ("solve", tmp_path / "t.csv", "--label", "y", "--depth", 1)
-    assert "note: the column 'Id' counts the rows; if it only names them, leave it out: --index" in run(*words)[1]
-
-
-@pytest.mark.parametrize("words", [("--split", "hyperplane"), ("--split-size", 2)])
-def test_a_sum_of_features_takes_no_missing_cell(survey, run, words):
-    code, out, err = run("solve", survey, *SOLVE, *words)
-    assert (code, out) == (2, "")
-    assert "cells are missing in 'age'" in err
-    assert "--missing drop-rows" in err

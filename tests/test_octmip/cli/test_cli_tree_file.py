@@ -9,17 +9,6 @@ from benchmarks.oracles.proof_log import proof_log
 from octmip import Problem
 
 
-def test_certify_accepts_what_solve_wrote(data, run, tree):
-    code, out, err = run("certify", tree, data)
-    assert code == 0
-    assert out.startswith("certified")
-    assert err == ""
-    answer = json.loads(run("certify", tree, data, "--label", "y", "--json")[1])
-    assert answer["is_certified"]
-    assert answer["errors"] == 1
-    assert answer["bound"] is None
-
-
 def broken(tree, change):
     content = json.loads(tree.read_text())
     change(content)
@@ -81,15 +70,6 @@ def test_predict_writes_one_line_for_each_row(data, run, tree, tmp_path):
     assert answer["errors"] == 1
     assert len(answer["predictions"]) == 30
     assert "probabilities_made" not in answer
-
-
-def test_predict_says_how_probabilities_were_made(data, run, tree):
-    made = "shares of the training rows, which are too high for fresh ones"
-    _, _, err = run("predict", tree, data, "--proba")
-    assert err == f"note: probabilities are {made}\n"
-    _, out, err = run("predict", tree, data, "--proba", "--json")
-    assert json.loads(out)["probabilities_made"] == made
-    assert err == ""
 
 
 def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path):

@@ -1,14 +1,11 @@
 """octmip compare of a folder: every method on every table of it."""
 
 import json
-import math
 import signal
 
 import pandas as pd
 import pytest
 
-from octmip.interfaces.cli.compare import Found, ratios_of, shifted_mean
-from octmip.interfaces.plot import benchmark_figure
 from octmip.trees.certificate import certify
 
 METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
@@ -42,19 +39,6 @@ def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
     assert (oct_h["tables"], oct_h["mean gap to best bound %"]) == (0, None)
 
 
-def test_its_table_says_once_what_holds_for_all_and_beside_each_table_what_is_its_own(folder, run):
-    out = run("compare", folder, *METHODS)[1]
-    assert out.count("oct_h: method 'oct_h' finds no axis trees") == 1
-    assert "empty.csv has 2 columns and 0 rows" in out.split("one.csv: 30 samples")[0]
-
-
-def test_rows_and_picture_are_written(folder, run, tmp_path):
-    assert run("compare", folder, *METHODS, "--out", tmp_path / "out" / "deep")[0] == 0
-    rows = pd.read_csv(tmp_path / "out" / "deep" / "rows.csv")
-    assert list(rows["table"]) == ["one.csv"] * 3 + ["two.csv.gz"] * 3
-    assert (tmp_path / "out" / "deep" / "benchmark.svg").read_text().count("<svg") == 1
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -73,13 +57,6 @@ def test_what_cannot_be_compared_is_a_sentence(folder, run, data, tmp_path, word
     assert said in err
 
 
-def test_a_table_without_the_label_is_named_beside_those_that_have_it(folder, run):
-    code, out, _ = run("compare", folder, *METHODS, "--label", "state")
-    assert code == 0
-    assert "one.csv: " in out
-    assert "has no column 'state'" in out
-
-
 def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeypatch):
     asked = []
 
@@ -93,32 +70,3 @@ def test_after_a_signal_the_tables_that_are_known_are_shown(folder, run, monkeyp
     code, out, _ = run("compare", folder, *METHODS, "--json")
     assert code == 0
     assert [one["table"] for one in json.loads(out)["tables"] if one["rows"]] == ["one.csv"]
-
-
-def proven(method, seconds):
-    """Return a row of a method that proves its tree after so many seconds, None: never."""
-    return {"method": method, "is_optimal": seconds is not None, "seconds_to_gap": {"0 %": seconds}}
-
-
-def test_a_ratio_is_of_the_quickest_proof_and_infinite_without_one():
-    found = [
-        Found("a", 9, (), (proven("x", 2.0), proven("y", 1.0)), ()),
-        Found("b", 9, (), (proven("x", None), proven("y", 3.0)), ()),
-        Found("c", 9, (), (proven("x", None), proven("y", None)), ()),
-    ]
-    assert ratios_of("x", found) == [2.0, math.inf]
-    assert ratios_of("y", found) == [1.0, 1.0]
-
-
-def test_the_mean_of_seconds_is_geometric_and_shifted_by_one():
-    assert shifted_mean([0.0, 3.0]) == pytest.approx(1.0)
-
-
-def test_the_figure_shows_the_share_proven_and_the_mean_gap():
-    figure = benchmark_figure(
-        {"x": [1.0, 4.0], "y": [2.0, math.inf]}, {"x": [[(1.0, 0.5), (2.0, 0.0)], []], "y": [[], []]}
-    )
-    profile, gaps = figure.axes
-    assert list(profile.lines[0].get_ydata()) == [0.0, 0.5, 1.0, 1.0]
-    assert list(profile.lines[1].get_ydata()) == [0.0, 0.5, 0.5]
-    assert [min(line.get_ydata()) for line in gaps.lines] == [50.0, 100.0]

@@ -18,7 +18,6 @@ from octmip.gap import function_twin
 from octmip.interfaces.cli import main
 from octmip.monitor import ModelSelector
 from octmip.sensing.monitor_design import design_monitor
-from octmip.trees.prediction import predict
 
 BRIDGE = """
 import numpy as np
@@ -77,16 +76,6 @@ def test_the_c_function_answers_as_the_tree_does():
     assert answers == selector.library.states[states, 0].tolist()
 
 
-def test_each_load_has_a_folder_and_json_says_what_holds(capsys):
-    said(*LOAD, "--load", "truck_1=20,truck_2=0", *NOISE, "--json")
-    first, second = json.loads(capsys.readouterr().out)["monitors"]
-    assert (first["folder"], second["folder"]) == ("out/load-1", "out/load-2")
-    assert first["holds_for"] == "this load"
-    (crack,) = first["states"]
-    assert crack["levels"] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
-    assert crack["off_by_on_fresh_readings"] < 0.5 * crack["off_by_without_readings"]
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -121,13 +110,6 @@ def test_trees_of_several_states_share_the_sensors_of_a_budget():
     assert len(bound.sensors) == 1
     assert not set(bound.sensors) & set(dear.sensors)
     assert sum(free.off_by) < sum(bound.off_by)
-
-
-def test_what_a_tree_is_off_is_counted_on_fresh_readings():
-    design = design_monitor(TWO, {}, 0.3, n_draws=12)
-    told = np.array(design.trees[0].values)[predict(design.trees[0].tree, design.fresh)]
-    assert design.off_by[0] == pytest.approx(np.abs(told - design.library.states[design.truth, 0]).mean())
-    assert not np.isin(design.fresh[:, 0], design.problems[0].features[:, 0]).any()
 
 
 PLATE = """
@@ -202,22 +184,6 @@ def test_a_faulty_gauge_or_a_state_of_the_library_changes_no_tree(plate, capsys)
     assert not Path("new").exists()
 
 
-def test_a_reading_that_lacks_gauges_is_tested_and_told_as_far_as_it_can_be(plate, capsys):
-    plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
-    table = pd.read_csv("flight.csv")
-    table[["test", "load_factor", "g2"]].to_csv("lone.csv", index=False)
-    capsys.readouterr()
-    assert main([*AGAIN, "lone.csv"]) == 0
-    assert "so nothing was tested" in capsys.readouterr().out
-    table.loc[30, [f"g{k}" for k in range(1, 9)]] = np.nan  # a reading of no gauge but the one that is dropped
-    table.loc[20, ["g1", "g3", "g4", "g5", "g6", "g7", "g8"]] = np.nan
-    table.drop(columns="g9").to_csv("eight.csv", index=False)
-    assert main([*AGAIN, "eight.csv", "--draws", "6", "--json"]) == 0
-    change = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert change["watch"]["n_tested"] == 38
-    assert sum(change["told_since"].values()) == change["readings_since"] - 2
-
-
 def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     plate("flight.csv", lambda k: (0.6 * (k >= 15), 0.0))
     table = pd.read_csv("flight.csv")
@@ -237,15 +203,6 @@ def test_what_is_wrong_is_said_before_trees_are_trained(plate, capsys):
     assert "two.json is a tree of 'one'; expected one of 'two'" in capsys.readouterr().err
 
 
-def test_an_inspection_names_the_damage_where_the_watch_does_not(plate, capsys):
-    plate("sound.csv", lambda k: (0.0, 0.0))
-    assert main([*AGAIN, "sound.csv", "--inspected", "three", "--draws", "12", "--json"]) == 0
-    change = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert (change["added"], change["watch"]["alarm"]) == ("three", None)
-    assert main([*AGAIN, "sound.csv", "--inspected", "two"]) == 2
-    assert "the library knows 'two' already" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -262,14 +219,6 @@ def test_wrong_words_of_the_loop_are_one_sentence(words, told, capsys):
     Path("x.csv").write_text("test\n")
     assert said(*words) == 2
     assert re.search(told, capsys.readouterr().err)
-
-
-def test_noise_counts_as_much_less_as_readings_are_divided_by():
-    twin = function_twin(lambda p, loads: [p["d"] * loads["f"]], {"a": "mm"}, loads=["f"], states=("d",), linear=True)
-    one, three = (design_monitor(twin, load, 0.3, n_draws=12) for load in (1.0, 3.0))
-    spread = [design.fresh[:, 0] - design.library.strains[design.truth, 0] for design in (one, three)]
-    assert spread[1] == pytest.approx(spread[0] / 3.0, abs=1e-12)
-    assert (one.load_factor, three.load_factor) == (1.0, 3.0)
 
 
 def test_a_twin_without_a_state_cannot_be_monitored():

@@ -13,7 +13,13 @@ from octmip.interfaces.cli.samples.file_arguments import reads, writes
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `octmip diagnose`."""
-    reads(parser.add_argument("campaign", metavar="CAMPAIGN.csv", help="readings of the asset"))
+    reads(
+        parser.add_argument(
+            "campaign",
+            metavar="CAMPAIGN.csv",
+            help="readings of the asset: a table, or a recording of a measuring system",
+        )
+    )
     twin = parser.add_argument(
         "--twin",
         metavar="MODULE:NAME",
@@ -28,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     run = parser.add_argument("--commissioning", metavar="RUN.csv", help="readings of the asset while it was sound")
     reads(twin, _behind_door), reads(card), reads(run)
+    _add_recording_arguments(parser)
     reads(parser.add_argument("--tree", metavar="TREE.json", help="rank the nodes of this tree by flipped decisions"))
     parser.add_argument(
         "--noise",
@@ -58,6 +65,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     writes(parser.add_argument("--out", metavar="PAGE.html", help="write a page with figures to this file"))
     add_page_arguments(parser, "READING", "unit of the readings of a twin that names none (default microstrain)")
     add_json_argument(parser)
+
+
+def _add_recording_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what a recording needs: which channels, and which stretches of it."""
+    for name, metavar, kind, words in (
+        ("readings", "NAME=CHANNEL", str, "channels of a recording by the twin's names for its readings"),
+        ("loads", "NAME=CHANNEL", str, "the same of loads, states and temperature; a number holds all along"),
+        ("load-units", "NAME=UNIT", str, "units in which the twin takes loads: channels in others are converted"),
+        ("windows", "START,END[,TEST]", str, "windows of a recording [s]"),
+        ("no-reading", "NUMBER", float, "numbers by which a logger says that there is no reading"),
+    ):
+        parser.add_argument(f"--{name}", metavar=metavar, type=kind, nargs="+", action="extend", default=[], help=words)
+    parser.add_argument(
+        "--steady",
+        metavar="LOAD",
+        nargs="*",
+        help="cut a recording into windows where these loads, or all, stand still",
+    )
+    parser.add_argument("--least", metavar="SECONDS", type=float, help="length of the shortest such window")
+    parser.add_argument("--test", metavar="CHANNEL", default="", help="channel of a recording that numbers the tests")
+    writes(parser.add_argument("--show-windows", metavar="FILE.png", help="draw the windows before the diagnosis"))
 
 
 def _behind_door(twin: str) -> str:
