@@ -2,15 +2,17 @@
 
     python -m benchmarks.wing.envelope [--refinement 0.5] [--picture FILE.png]
     python -m benchmarks.wing.envelope --trim 25 35
+    python -m benchmarks.wing.envelope --meshes | --regions
 
 `built_wing` under its elliptic lift. The uncertainty has two parts: the modulus scale that the authors measured (their
 100 samples) and the strains that plies bear (a coefficient of variation of `STRENGTH_CV`, assumed). Both scale the
 limits: a modulus scale e multiplies all three, a strength the first. With --trim only what the
-lift that moves as the wing twists changes, at these speeds [m/s].
+lift that moves as the wing twists changes, at these speeds [m/s]; with --meshes and --regions only what meshes change.
 """
 
 import argparse
 import time
+from collections.abc import Iterator
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,11 +21,11 @@ from numpy.typing import NDArray
 
 from benchmarks.data import SHARED
 from benchmarks.main_program import run_main
-from femlib.rom.capability import LIMITS, Capability, drawn_states
+from femlib.rom.capability import LIMITS, Capability, drawn_states, first_ply
 from femlib.wing import FlightPoint, ReducedWing, Wing, reduce_wing, uav_wing
-from femlib.wing.built import BUILT_MASS, built_wing
-from femlib.wing.strength import wing_capability, wing_stresses
-from femlib.wing.structure import SKIN_STRAINS, WOOD_STRAINS
+from femlib.wing.built import BUILT_MASS, built_library, built_wing
+from femlib.wing.strength import wing_capability, wing_limits, wing_stresses
+from femlib.wing.structure import CARBON_LENGTH, SKIN_STRAINS, WOOD_STRAINS
 from femlib.wing.trim import trim_wing
 from octmip.interfaces.report.markdown import markdown_table
 
@@ -37,6 +39,11 @@ DAMAGE = np.linspace(0.0, 0.9, 46)
 KINDS = {"mu1": (1.0, 0.0), "mu2": (0.0, 1.0), "mu1 and mu2": (1.0, 1.0)}
 SHOWN = (0.0, 0.4, 0.6, 0.8)
 TRIM_STATES = ((0.0, 0.0), (0.4, 0.0), (0.8, 0.0), (0.0, 0.8), (0.8, 0.8))
+MESHES = (
+    *((refinement, 0.0) for refinement in (0.5, 1.0, 2.0)),
+    *((k * 0.5, CARBON_LENGTH / k) for k in (1.0, 2.0)),
+)
+"""Refinements, and distances of the first lines beside edges [m]."""
 DENSITY, MOST_LIFT, FASTEST = 1.225, 1.4, 40.0
 """Of air [kg/m^3]; the wing's greatest lift coefficient and the fastest speed [m/s] of the picture, assumed."""
 COLOURS = {"mu1": "#c2410c", "mu2": "#1d4ed8", "mu1 and mu2": "#222222"}
@@ -48,15 +55,22 @@ def main() -> None:
     parser.add_argument("--refinement", type=float, default=0.5)
     parser.add_argument("--picture", help="PNG file to write")
     parser.add_argument("--trim", type=float, nargs="*", help="speeds [m/s] of a wing in trim, instead")
+    parser.add_argument("--meshes", action="store_true", help="the first ply on several meshes, instead")
+    parser.add_argument("--regions", action="store_true", help="each of 28 regions on two meshes, instead")
     options = parser.parse_args()
-    wing = built_wing(refinement=options.refinement)
+    if options.meshes or options.regions:
+        print(markdown_table(list(mesh_rows() if options.meshes else region_rows(options.refinement))))
+        return
+    wing = built_wing(refinement=options.refinement, edge_step=CARBON_LENGTH)
     start = time.process_time()
     reduced = reduce_wing(wing)
-    capable = wing_capability(wing, reduced)
+    finer = built_wing(refinement=2.0 * options.refinement, edge_step=0.5 * CARBON_LENGTH)
+    capable = wing_capability(wing, reduced, finer=None if options.trim else finer)
     if options.trim:
         print(markdown_table([row for speed in options.trim for row in trim_rows(wing, reduced, capable, speed)]))
         return
-    words = f"set-up {time.process_time() - start:.0f} CPU s; largest error of a limit {capable.error:.1e}"
+    errors = f"largest error of a limit {capable.error:.1e}, by the mesh {capable.mesh_error:.1e}"
+    words = f"set-up {time.process_time() - start:.0f} CPU s; {errors}"
     print(f"{words}; {cost(capable)}")
     print(
         f"assumed strains that plies bear (tension, compression, shear): carbon {SKIN_STRAINS}, plywood {WOOD_STRAINS}"
@@ -67,6 +81,39 @@ def main() -> None:
         print(f"\n{markdown_table(rows)}", flush=True)
     if options.picture:
         picture(capable, wing).savefig(options.picture, dpi=110)
+
+
+def mesh_rows() -> Iterator[dict[str, object]]:
+    """Yield the load factor at which the first ply fails with mu1 lost, by mesh."""
+    for refinement, step in MESHES:
+        start = time.process_time()
+        wing = built_wing(refinement=refinement, edge_step=step)
+        row: dict[str, object] = {"refinement": refinement, "first line mm": round(1e3 * step, 2)}
+        row["unknowns"] = wing.structure.shells.mesh.n_dofs
+        for damage in (0.0, 0.4, 0.8):
+            row[f"{100 * damage:.0f} % lost"] = round(_first(wing, np.array([damage, 0.0])), 3)
+        yield row | {"CPU s": round(time.process_time() - start)}
+
+
+def region_rows(refinement: float) -> Iterator[dict[str, object]]:
+    """Yield the same with 80 % of each of the 28 regions lost, and in 12 drawn states, on a mesh and a finer one."""
+    own, fine = (
+        built_wing(refinement=k * refinement, regions=built_library(), edge_step=CARBON_LENGTH / k) for k in (1.0, 2.0)
+    )
+    each = 0.8 * np.eye(len(own.parameters))
+    states = np.concatenate([0.0 * each[:1], each, drawn_states(np.random.default_rng(2), 12, len(own.parameters))])
+    for state in states:
+        bears = [_first(wing, state) for wing in (own, fine)]
+        lost = (
+            " ".join(own.regions[k].name for k in np.flatnonzero(state)[:3]) if np.count_nonzero(state) < 4 else "all"
+        )
+        row: dict[str, object] = {"lost": lost or "none", "bears": round(bears[0], 3), "finer": round(bears[1], 3)}
+        yield row | {"off %": round(100.0 * (bears[0] / bears[1] - 1.0), 2)}
+
+
+def _first(wing: Wing, state: Floats) -> float:
+    moved = wing.structure.solve(state[None], wing.lift)[0]
+    return first_ply(wing.structure, wing_limits(wing), moved)
 
 
 def trim_rows(wing: Wing, reduced: ReducedWing, capable: Capability, speed: float) -> list[dict[str, object]]:

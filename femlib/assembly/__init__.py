@@ -6,6 +6,7 @@ from femlib.assembly.deflection import CorotatedShells, Deflection, deflect
 from femlib.assembly.factors import Factors, factored_by, factorise
 from femlib.assembly.loads import edge_forces, line_load, surface_load, thermal_forces, thermal_load
 from femlib.assembly.modes import Mode, matrix_modes, natural_modes, point_masses
+from femlib.assembly.peaks import MOST_PEAK_ERROR, checked_peak
 from femlib.assembly.quality import (
     MOST_ERROR,
     Judge,
@@ -16,11 +17,12 @@ from femlib.assembly.quality import (
     solution_quality,
 )
 from femlib.assembly.shells import Shells, assemble
-from femlib.assembly.stresses import Stresses, ply_stresses, strain_distance
+from femlib.assembly.stresses import Stresses, ply_stresses
 from femlib.assembly.supports import Supports
 
 __all__ = [
     "MOST_ERROR",
+    "MOST_PEAK_ERROR",
     "Beams",
     "BucklingMode",
     "BuiltUp",
@@ -36,6 +38,7 @@ __all__ = [
     "Supports",
     "assemble",
     "buckling_modes",
+    "checked_peak",
     "checked_solution",
     "deflect",
     "edge_forces",
@@ -52,7 +55,6 @@ __all__ = [
     "refuse_error",
     "relative_distance",
     "solution_quality",
-    "strain_distance",
     "surface_load",
     "thermal_forces",
     "thermal_load",

@@ -16,6 +16,7 @@ Finite Element Analysis (2002), section 3.11 (initial strain).
 from collections.abc import Sequence
 
 import numpy as np
+import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.edges import bends
@@ -34,13 +35,22 @@ def surface_load(mesh: Mesh, traction: FloatArray) -> FloatArray:
     """Return nodal forces (n_dofs,) [N] of a global traction (n_elements, 3) [Pa], constant over each element."""
     pull = frozen_floats(traction, "traction", (mesh.n_elements, 3))
     loads = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
+    loads[:, :3] = surface_shares(mesh) @ pull
+    return loads.ravel()
+
+
+def surface_shares(mesh: Mesh) -> sparse.csr_array:
+    """Return the areas (n_nodes, n_elements) [m^2] of the elements that their nodes bear."""
     points, n_quads = mesh.nodes[mesh.quads], len(mesh.quads)
+    areas = np.zeros(mesh.quads.shape)
     for r, s in GAUSS * CORNERS:
         shape, area = _gauss_area(points, r, s)
-        np.add.at(loads[:, :3], mesh.quads, area[:, None, None] * shape[None, :, None] * pull[:n_quads, None, :])
+        areas += area[:, None] * shape
     third = np.linalg.norm(mesh.area_vectors()[n_quads:], axis=1) / 3.0
-    np.add.at(loads[:, :3], mesh.trias, np.repeat((third[:, None] * pull[n_quads:])[:, None], 3, axis=1))
-    return loads.ravel()
+    nodes = np.concatenate([mesh.quads.ravel(), mesh.trias.ravel()])
+    element = np.repeat(np.arange(mesh.n_elements), np.repeat([4, 3], [n_quads, len(mesh.trias)]))
+    every = np.concatenate([areas.ravel(), np.repeat(third, 3)])
+    return sparse.csr_array((every, (nodes, element)), shape=(len(mesh.nodes), mesh.n_elements))
 
 
 def line_load(mesh: Mesh, path: Sequence[int] | IntArray, force: FloatArray) -> FloatArray:
@@ -57,13 +67,19 @@ def line_load(mesh: Mesh, path: Sequence[int] | IntArray, force: FloatArray) -> 
 
 def edge_forces(mesh: Mesh, ends: IntArray, force: FloatArray) -> FloatArray:
     """Return nodal forces (n_dofs,) [N, N m] of a force per length (3,) [N/m] along edges or beams with ends (n, 2)."""
-    length = np.linalg.norm(mesh.nodes[ends[:, 1]] - mesh.nodes[ends[:, 0]], axis=1, keepdims=True)
-    turned = 2.0 / 3.0 * length[:, :, None] * np.einsum("nkij,i->nkj", bends(mesh, ends), force)
-    loads = np.zeros((len(mesh.nodes), DOFS_PER_NODE))
-    for k, nodes in enumerate(ends.T):
-        np.add.at(loads[:, :3], nodes, 0.5 * length * force)
-        np.add.at(loads[:, 3:], nodes, turned[:, k])
-    return loads.ravel()
+    return np.asarray(edge_shares(mesh, ends) @ np.tile(force, len(ends)))
+
+
+def edge_shares(mesh: Mesh, ends: IntArray) -> sparse.csr_array:
+    """Return the map (n_dofs, 3 n) from forces per length along edges or beams with ends (n, 2) to nodal forces."""
+    length = np.linalg.norm(mesh.nodes[ends[:, 1]] - mesh.nodes[ends[:, 0]], axis=1)[:, None, None, None]
+    straight = np.broadcast_to(0.5 * length * np.eye(3), (len(ends), 2, 3, 3))
+    turned = 2.0 / 3.0 * length * bends(mesh, ends).swapaxes(2, 3)
+    every = np.concatenate([straight, turned], axis=2)
+    row = np.broadcast_to(dofs_of_nodes(ends)[..., None], every.shape)
+    column = np.broadcast_to(np.arange(3 * len(ends)).reshape(-1, 1, 1, 3), every.shape)
+    triplets = (every.ravel(), (row.ravel(), column.ravel()))
+    return sparse.csr_array(sparse.coo_array(triplets, shape=(mesh.n_dofs, 3 * len(ends))))
 
 
 def _check_edges(mesh: Mesh, path: IntArray) -> None:

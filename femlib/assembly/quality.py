@@ -12,12 +12,15 @@ is a table in docs/wing.md; alone, it does not see the twist of a strip one elem
 
 import hashlib
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from femlib.arrays import FloatArray, IntArray, judged
+from femlib.arrays import FloatArray, judged
 from femlib.assembly.factors import Factors, factorise
-from femlib.assembly.integration import PointStrains, point_strains
+from femlib.assembly.integration import point_strains
+from femlib.assembly.loads import thermal_load
+from femlib.assembly.recovery import nodal_tensors
 from femlib.assembly.refined import Refined
 from femlib.assembly.shells import Shells
 from femlib.assembly.supports import Supports
@@ -63,12 +66,14 @@ class Judge:
 
     Attributes
     ----------
+    shells : Shells
+        The structure.
     finer : Refined, optional
         The structure on the finer mesh; None where that would be too large.
     """
 
     def __init__(self, shells: Shells, supports: Supports) -> None:
-        self._shells, self._supports = shells, supports
+        self.shells, self._supports = shells, supports
         self._made: Kept[str, Refined | None] = Kept()
         self._factors: Kept[str, Factors] = Kept()
         self._errors: Kept[str, float] = Kept()
@@ -77,29 +82,75 @@ class Judge:
     @property
     def finer(self) -> Refined | None:
         """The structure on the finer mesh, made when it is first asked for."""
-        return self._made.get("", lambda: Refined.finest(self._shells, self._supports))
+        return self._made.get("", lambda: Refined.finest(self.shells, self._supports))
 
-    def quality(self, load: FloatArray, moved: FloatArray, pristine: FloatArray, factor: FloatArray | None) -> Quality:
+    def quality(
+        self,
+        load: FloatArray,
+        moved: FloatArray,
+        pristine: FloatArray | None,
+        factor: FloatArray | None,
+        warmth: FloatArray | None = None,
+    ) -> Quality:
         """Return what displacements (n_dofs,) under a load (n_dofs,) are worth.
 
-        `pristine` (n_dofs,) are those of the undamaged structure; `factor` (n_parts,) is on each part's stiffness.
+        `pristine` (n_dofs,) are those of the undamaged structure, if it shall be compared with that on the finer mesh;
+        `factor` (n_parts,) is on each part's stiffness. With `warmth` (n_shells, 2), as for `thermal_load`, errors are
+        over the free expansion where that is larger, and it is this state that is compared.
         """
+        if warmth is not None:
+            return self._of_warm(load, moved, factor, warmth)
         if not np.any(load):
-            return Quality(np.zeros(self._shells.mesh.n_elements))
-        estimated = solution_quality(self._shells, moved, factor)
+            return Quality(np.zeros(self.shells.mesh.n_elements))
+        estimated = solution_quality(self.shells, moved, factor)
+        if pristine is None:
+            return estimated
         return Quality(estimated.mesh, self._errors.get(_name(load), lambda: self._distance(load, pristine)))
 
-    def finer_solution(self, load: FloatArray) -> FloatArray | None:
-        """Return the undamaged structure's displacements (n_fine_dofs,) on the finer mesh; None without one or load."""
+    def _of_warm(self, load: FloatArray, moved: FloatArray, factor: FloatArray | None, warmth: FloatArray) -> Quality:
+        shells = self.shells
+        held, growth = held_back(shells, warmth, np.ones(shells.n_elements) if factor is None else factor)
+        if not held and not np.any(load):
+            return Quality(np.zeros(shells.mesh.n_elements))
+        estimated = solution_quality(shells, moved, factor, held)
+        fine, finer = self.finer_solution(load, factor, warmth), self.finer
+        if fine is None or finer is None:
+            return estimated
+        places = [whole[: len(moved)].reshape(-1, DOFS_PER_NODE)[:, :3] for whole in (moved, fine)]
+        least = growth * shells.mesh.size * np.sqrt(len(places[0]))
+        return Quality(estimated.mesh, relative_distance(places[0], places[1], finer.share, least))
+
+    def finer_solution(
+        self, load: FloatArray, factor: FloatArray | None = None, warmth: FloatArray | None = None
+    ) -> FloatArray | None:
+        """Return the displacements (n_fine_dofs,) on the finer mesh; None without one, or without load and warmth."""
         finer = self.finer
-        if finer is None or not np.any(load):
+        if finer is None or not (np.any(load) or np.any(warmth)):
             return None
-        size, name = _largest(load), _name(load)
+        size = _largest(load) if np.any(load) and warmth is None else 1.0
+        parts = [np.round(load / size, 12) + 0.0, factor, warmth]
+        name = hashlib.sha256(b"-".join(b"" if part is None else part.tobytes() for part in parts)).hexdigest()
         if self._last[0] != name:
-            held = finer.supports
-            factors = self._factors.get("", lambda: factorise(held.reduce(finer.shells.stiffness()), held.groups))
-            self._last = name, held.expand(factors.solve(finer.load(load / size)[held.free]))
+            self._last = name, self.solution_on(finer, load / size, factor, warmth)
         return np.asarray(size * self._last[1])
+
+    def cut_once(self) -> Refined:
+        """Return the structure with every element cut once."""
+        return Refined.of(self.shells, self._supports)
+
+    def solution_on(
+        self, finer: Refined, load: FloatArray, factor: FloatArray | None, warmth: FloatArray | None
+    ) -> FloatArray:
+        """Return the displacements (n_fine_dofs,) on a finer mesh."""
+        held, shells, left = finer.supports, finer.shells, finer.factor(factor)
+        force = finer.load(load) if np.any(load) else np.zeros(shells.mesh.n_dofs)
+        if warmth is not None:
+            n = shells.mesh.n_elements
+            kept = warmth[finer.parent[:n]] * (1.0 if left is None else left[:n, None])
+            force = force + thermal_load(shells, kept[:, 0], kept[:, 1])
+        is_kept = finer is self.finer and (factor is None or bool(np.all(factor == 1.0)))
+        made = partial(_factors, shells, held, left)
+        return held.expand((self._factors.get("", made) if is_kept else made()).solve(force[held.free]))
 
     def _distance(self, load: FloatArray, pristine: FloatArray) -> float:
         found, finer = self.finer_solution(load), self.finer
@@ -110,9 +161,34 @@ class Judge:
         return relative_distance(coarse, fine, finer.share)
 
 
-def relative_distance(coarse: FloatArray, fine: FloatArray, share: float) -> float:
-    """Return the error of numbers estimated from those of a finer mesh, over their size, both as roots of squares."""
-    size = float(np.linalg.norm(fine))
+def _factors(shells: Shells, supports: Supports, factor: FloatArray | None) -> Factors:
+    return factorise(supports.reduce(shells.stiffness(factor=factor)), supports.groups)
+
+
+def held_back(shells: Shells, warmth: FloatArray, factor: FloatArray) -> tuple[float, float]:
+    """Return twice the energy [N m] that would hold all thermal strains back, and the largest strain of free expansion.
+
+    `warmth` (n_shells, 2) as for `thermal_load`; `factor` (n_parts,) is on each part's stiffness.
+    """
+    area = np.linalg.norm(shells.mesh.area_vectors(), axis=1)
+    left = shells.scale * factor[: shells.mesh.n_elements] * area
+    energy, strain = np.zeros(len(area)), np.zeros(len(area))
+    for number, own in enumerate(shells.laminates):
+        on, stiff = shells.section == number, np.block([[own.membrane, own.coupling], [own.coupling, own.bending]])
+        warm = np.array([[*own.thermal_force, *own.thermal_moment], [*own.gradient_force, *own.gradient_moment]])
+        force = warmth[on] @ warm
+        free = np.linalg.solve(stiff, force.T).T
+        energy[on] = np.einsum("ec,ec->e", force, free)
+        strain[on] = np.abs(np.concatenate([free[:, :3], 0.5 * own.thickness * free[:, 3:]], axis=1)).max(axis=1)
+    return float(left @ energy), float(strain.max())
+
+
+def relative_distance(coarse: FloatArray, fine: FloatArray, share: float, least: float = 0.0) -> float:
+    """Return the error of numbers estimated from those of a finer mesh, over their size, both as roots of squares.
+
+    The size is at least `least`.
+    """
+    size = max(float(np.linalg.norm(fine)), least)
     return share * float(np.linalg.norm(coarse - fine)) / size if size > 0.0 else 0.0
 
 
@@ -133,7 +209,9 @@ def refuse_error(error: float, what: str, limit: float, where: str = "") -> None
         )
 
 
-def solution_quality(shells: Shells, displacements: FloatArray, factor: FloatArray | None = None) -> Quality:
+def solution_quality(
+    shells: Shells, displacements: FloatArray, factor: FloatArray | None = None, held: float = 0.0
+) -> Quality:
     """Return the shares of a solution's strain energy that are the mesh's, without a finer mesh.
 
     Parameters
@@ -144,6 +222,8 @@ def solution_quality(shells: Shells, displacements: FloatArray, factor: FloatArr
         Of all degrees of freedom (n_dofs,) under one load [m, rad].
     factor : FloatArray, optional
         Factor on each part's stiffness (n_parts,), for damage.
+    held : float
+        Energy besides that shares are of [N m]: of `held_back`.
 
     Raises
     ------
@@ -157,7 +237,7 @@ def solution_quality(shells: Shells, displacements: FloatArray, factor: FloatArr
     scale = np.ones(n_parts) if factor is None else frozen_floats(factor, "factor", (n_parts,))
     of_shells = scale[: mesh.n_elements]
     kinds = [k for k in point_strains(shells, moved.reshape(-1, DOFS_PER_NODE), of_shells) if len(k.corners)]
-    energy = sum(float(kind.energy(kind.whole).sum()) for kind in kinds) + shells.other_energy(moved, scale)
+    energy = sum(float(kind.energy(kind.whole).sum()) for kind in kinds) + shells.other_energy(moved, scale) + held
     if not energy > 0.0:
         raise SolveError("displacements have no strain energy; expected those of a loaded structure; load it")
     names, recovered = nodal_tensors(shells, kinds)
@@ -177,8 +257,7 @@ def checked_solution(shells: Shells, supports: Supports, load: FloatArray, limit
         If the structure is not held, or the displacements are estimated to be farther off than `limit`.
     """
     force = frozen_floats(load, "load", (supports.n_dofs,))
-    factors = factorise(supports.reduce(shells.stiffness()), supports.groups)
-    moved = supports.expand(factors.solve(force[supports.free]))
+    moved = supports.expand(_factors(shells, supports, None).solve(force[supports.free]))
     quality = Judge(shells, supports).quality(force, moved, moved, None)
     quality.refuse(limit)
     return judged(moved, quality.displacement_error)
@@ -191,38 +270,3 @@ def _largest(load: FloatArray) -> float:
 def _name(load: FloatArray) -> str:
     """Return a name of a load that all its multiples share: its error is theirs."""
     return hashlib.sha256((np.round(load / _largest(load), 12) + 0.0).tobytes()).hexdigest()
-
-
-def nodal_tensors(shells: Shells, kinds: list[PointStrains]) -> tuple[IntArray, FloatArray]:
-    """Return names of nodes and parts (g,), as `PointStrains.group`, and the tensors (g, 18) there.
-
-    Each is a linear fit to the points of its node's elements in its part.
-    """
-    mesh = shells.mesh
-    names, group = np.unique(np.concatenate([kind.group.ravel() for kind in kinds]), return_inverse=True)
-    node = mesh.nodes[names // shells.n_smooth]
-    first = np.cumsum([0, *(kind.group.size for kind in kinds)])
-    groups = [group.ravel()[a : a + k.group.size].reshape(k.group.shape) for a, k in zip(first, kinds, strict=False)]
-    normal = np.zeros((len(names), 3))
-    for kind, own in zip(kinds, groups, strict=True):
-        np.add.at(normal, own, np.einsum("emi,em->ei", kind.axes[..., 2], kind.area)[:, None])
-    tangents = _tangents(normal)
-    matrix, right = np.zeros((len(names), 3, 3)), np.zeros((len(names), 3, 18))
-    for kind, own in zip(kinds, groups, strict=True):
-        values, places = kind.tensors(), kind.shapes @ kind.points
-        size = np.sqrt(kind.area.sum(axis=1))
-        for corner in own.T:
-            offset = (places - node[corner][:, None]) / size[:, None, None]
-            basis = np.concatenate([np.ones((*offset.shape[:2], 1)), offset @ tangents[corner]], axis=2)
-            np.add.at(matrix, corner, basis.swapaxes(1, 2) @ basis)
-            np.add.at(right, corner, basis.swapaxes(1, 2) @ values)
-    return names, (np.linalg.pinv(matrix, rcond=1e-9, hermitian=True)[:, :1] @ right)[:, 0]
-
-
-def _tangents(normals: FloatArray) -> FloatArray:
-    """Return two directions across normals (n, 3) as columns (n, 3, 2); of any length but not parallel to it."""
-    away = np.eye(3)[np.abs(normals).argmin(axis=1)]
-    first = np.cross(normals, away)
-    second = np.cross(normals, first)
-    both = np.stack([first, second], axis=2)
-    return np.asarray(both / np.maximum(np.linalg.norm(both, axis=1, keepdims=True), 1e-300))

@@ -45,6 +45,8 @@ class Shells:
         Of `femlib.assembly.loads`: the elements' thermal forces per unit by the elements' name, once asked for.
     point_rows : Kept
         Of `femlib.assembly.integration`: the elements' rows of strain, likewise; as large as their matrices.
+    nodal_rows : Kept
+        Of `femlib.assembly.recovery`: nodes and the weights of points there by length.
     """
 
     mesh: Mesh
@@ -55,6 +57,7 @@ class Shells:
     smooth: IntArray = field(init=False, repr=False)
     unit_thermal: Kept[str, FloatArray] = field(init=False, repr=False, default_factory=Kept)
     point_rows: Kept[str, tuple[FloatArray, ...]] = field(init=False, repr=False, default_factory=Kept)
+    nodal_rows: Kept[float, tuple[IntArray, sparse.csr_array]] = field(init=False, repr=False, default_factory=Kept)
     _matrices: tuple[FloatArray, FloatArray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

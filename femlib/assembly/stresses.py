@@ -1,8 +1,8 @@
 """Strains and stresses of plies at the corners of shells, and the factors on the load at which the plies fail.
 
-At each node the strains are a linear fit to those of the adjoining elements of the same part (`Shells.smooth`), so that
-a corner of two patches, or where a layup ends, has the strains of both. Damage and a stiffness scale take a share of a
-ply's stress; the ply fails at the strain of its card: what is left of it carries the stress of the whole.
+At each node the strains are a linear fit to those of the elements of the same part (`recovery`, `Shells.smooth`), so
+that a corner of two patches, or where a layup ends, has the strains of both. Damage and a stiffness scale take a share
+of a ply's stress; the ply fails at the strain of its card: what is left of it carries the stress of the whole.
 
 Source of the last: J. Lemaitre, J. Eng. Mater. Technol. 107 (1985) 83-89 (equivalence of strain).
 """
@@ -14,8 +14,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.assembly.integration import point_strains
-from femlib.assembly.quality import nodal_tensors, relative_distance
-from femlib.assembly.refined import Refined
+from femlib.assembly.recovery import nodal_tensors
 from femlib.assembly.shells import Shells
 from femlib.elements.surface import CORNERS, frame
 from femlib.errors import InputError, frozen_floats
@@ -87,7 +86,7 @@ class Stresses:
     strain, stress : FloatArray
         In fibre axes (n, 3), order (1, 2, 12), tension positive [-] and [Pa].
     error : float
-        Estimated relative error of the strains by the mesh, over all as roots of sums of squares.
+        Estimated error of the strains by the mesh: the largest of a corner over the largest strain (`checked_peak`).
     blocks : tuple of Block
         What stands together, in the order of the rows.
     """
@@ -162,6 +161,7 @@ def ply_stresses(
     error: float = float("nan"),
     faces: Sequence[Faces] | None = None,
     warmth: FloatArray | None = None,
+    length: float = 0.0,
 ) -> Stresses:
     """Return strains and stresses of plies of shells that moved by (n_dofs,) [m, rad].
 
@@ -178,13 +178,15 @@ def ply_stresses(
     warmth : FloatArray, optional
         Temperature of each shell's middle and its rise toward the top (n_shells, 2) [K, K/m]; the free strains that
         they cause are taken off.
+    length : float
+        Length that strains are means over [m], as for `corner_strains`.
 
     Raises
     ------
     InputError
         If the displacements are not those of the mesh, or a laminate has no plies.
     """
-    blocks, strains = blocks_of(shells, faces), corner_strains(shells, moved)
+    blocks, strains = blocks_of(shells, faces), corner_strains(shells, moved, length)
     element, node = corner_elements(shells), np.concatenate([shells.mesh.quads.ravel(), shells.mesh.trias.ravel()])
     left = shells.scale if factor is None else shells.scale * factor[: shells.mesh.n_elements]
     strain = [block.strain(strains) for block in blocks]
@@ -214,27 +216,18 @@ def corner_elements(shells: Shells) -> IntArray:
     return np.repeat(np.arange(shells.mesh.n_elements), sizes)
 
 
-def corner_strains(shells: Shells, moved: FloatArray) -> FloatArray:
-    """Return strains and curvatures (n_corners, 6) at the corners in the laminates' axes of displacements (n_dofs,)."""
-    return _in_laminates(shells, *_tensors(shells, moved))
+def corner_strains(shells: Shells, moved: FloatArray, length: float = 0.0) -> FloatArray:
+    """Return strains and curvatures (n_corners, 6) at the corners in the laminates' axes of displacements (n_dofs,).
+
+    They are means over a length [m], as `nodal_tensors`.
+    """
+    return _in_laminates(shells, *_tensors(shells, moved, length))
 
 
-def strain_distance(shells: Shells, moved: FloatArray, finer: Refined, fine: FloatArray) -> float:
-    """Return the estimated error of the strains at both faces (n_dofs,) from a finer mesh's displacements (m,)."""
-    names, own = _tensors(shells, moved)
-    fine_names, other = _tensors(finer.shells, fine)
-    at = np.searchsorted(fine_names, names)
-    both = (_in_laminates(shells, names, own), _in_laminates(shells, names, other[at]))
-    section = shells.section[corner_elements(shells)]
-    half = 0.5 * np.array([own.thickness for own in shells.laminates])[section, None]
-    coarse, fine_faces = (np.concatenate([s[:, :3] + half * s[:, 3:], s[:, :3] - half * s[:, 3:]]) for s in both)
-    return relative_distance(coarse, fine_faces, finer.share)
-
-
-def _tensors(shells: Shells, moved: FloatArray) -> tuple[IntArray, FloatArray]:
+def _tensors(shells: Shells, moved: FloatArray, length: float = 0.0) -> tuple[IntArray, FloatArray]:
     whole = frozen_floats(moved, "displacements", (shells.mesh.n_dofs,)).reshape(-1, DOFS_PER_NODE)
     kinds = point_strains(shells, whole, np.ones(shells.mesh.n_elements))
-    return nodal_tensors(shells, [kind for kind in kinds if len(kind.corners)])
+    return nodal_tensors(shells, [kind for kind in kinds if len(kind.corners)], length)
 
 
 def _in_laminates(shells: Shells, names: IntArray, tensors: FloatArray) -> FloatArray:

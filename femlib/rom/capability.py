@@ -5,7 +5,7 @@ the ray of loads), the shells buckle (`femlib.rom.buckling`), a displacement rea
 of the reduced model at the corners that came near failing first in sampled states.
 
 The error is checked, not bounded: `error` is the largest distance from the full model over states that were drawn
-apart from the sampled ones. The mesh's own error is `Structure.stresses(...).error` and `BucklingMode.error`.
+apart from the sampled ones, `mesh_error` that of the full model from one on a finer mesh.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from scipy.special import ndtr
 
 from femlib.arrays import FloatArray
 from femlib.assembly import buckling_modes
@@ -61,12 +62,16 @@ class Limits:
         Of failing plies, one of `femlib.strength.CRITERIA`.
     faces : sequence, optional
         Plies and heights of each laminate, as for `femlib.assembly.stresses.blocks_of`.
+    length : float
+        Length that the strains of plies are means over [m]; 0 for those of points, which have no limit in the corner of
+        a damage region.
     """
 
     row: FloatArray
     most_deflection: float
     criterion: str = "max strain"
     faces: Sequence[Faces] | None = None
+    length: float = 0.0
 
     def __post_init__(self) -> None:
         if not is_number(self.most_deflection) or self.most_deflection <= 0.0:
@@ -93,6 +98,8 @@ class Capability:
         Of failing plies.
     error : float
         Largest relative error of a limit against the full model over the checked states; NaN if none.
+    mesh_error : float
+        Largest relative distance of the full model's least limit from that on a finer mesh; NaN if none was given.
     """
 
     model: Motions
@@ -102,6 +109,7 @@ class Capability:
     deflection: FloatArray
     criterion: str
     error: float = float("nan")
+    mesh_error: float = float("nan")
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -123,6 +131,15 @@ class Capability:
         """Return the greatest factors (n_states,) that states (n_states, n_parameters) bear, as `limits`."""
         return np.asarray(self.limits(states).min(axis=1))
 
+    def failure_probability(self, states: FloatArray, factor: float, spread: float) -> FloatArray:
+        """Return the probability (n_states,) that states do not bear a factor, of lognormal limits.
+
+        `spread` is the standard deviation of a limit's logarithm: of moduli, strengths and loads together.
+        """
+        if not is_number(factor) or not is_number(spread) or factor <= 0.0 or spread <= 0.0:
+            raise InputError(f"factor is {factor!r} and spread {spread!r}; expected numbers above 0; correct them")
+        return np.asarray(ndtr(np.log(factor / self.load_factors(states)) / spread))
+
     def _limits(self, damage: FloatArray) -> tuple[float, float, float]:
         parts = self.model.parts(damage[None])[0]
         factors = block_factors(self.blocks, self.strains @ parts, self.criterion)
@@ -138,6 +155,7 @@ def reduce_capability(
     n_states: int = 300,
     n_checks: int = 6,
     seed: int = 0,
+    finer: Callable[[FloatArray], FloatArray] | None = None,
 ) -> Capability:
     """Return the capability under the load that a reduced model was made for.
 
@@ -155,6 +173,8 @@ def reduce_capability(
         Random states that are sampled by the reduced model, and that are checked against the full one.
     seed : int
         Of both.
+    finer : callable, optional
+        From a state (n_parameters,) to the limits (3,) on a finer mesh, in the checked states.
 
     Raises
     ------
@@ -178,7 +198,11 @@ def reduce_capability(
     full = np.array([full_limits(structure, limits, load(state), state) for state in states]).reshape(-1, len(LIMITS))
     most = FAR * full.min(axis=1, keepdims=True, initial=np.inf)
     errors = np.abs(np.minimum(found.limits(states), most) / np.minimum(full, most) - 1.0).max(axis=1)
-    return replace(found, error=float(errors.max()) if n_checks else float("nan"))
+    if not n_checks:
+        return found
+    fine = full if finer is None else np.array([finer(state) for state in states])
+    off = np.abs(full.min(axis=1) / fine.min(axis=1) - 1.0).max()
+    return replace(found, error=float(errors.max()), mesh_error=float("nan" if finer is None else off))
 
 
 def drawn_states(rng: np.random.Generator, n: int, n_parameters: int) -> FloatArray:
@@ -195,12 +219,23 @@ def full_limits(structure: DamagedStructure, limits: Limits, load: FloatArray, s
     """Return the factors (3,) of `LIMITS` of one state (n_parameters,) by the full model."""
     shells = structure.shells
     moved = structure.solve(state[None], load)[0]
-    blocks, strains = blocks_of(shells, limits.faces), corner_strains(shells, moved)
-    ply = min(float(b.factors(b.strain(strains), limits.criterion).min()) for b in blocks)
     left = structure.stiffness_left(state)
     modes = buckling_modes(shells, structure.supports, load, 1, left, limit=np.finfo(float).max, is_refined=False)
     factor = modes[0].factor if modes else float("inf")
-    return np.array([ply, factor, limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300)])
+    return np.array(
+        [
+            first_ply(structure, limits, moved),
+            factor,
+            limits.most_deflection / max(abs(float(limits.row @ moved)), 1e-300),
+        ]
+    )
+
+
+def first_ply(structure: DamagedStructure, limits: Limits, moved: FloatArray) -> float:
+    """Return the factor on displacements (n_dofs,) at which the first ply fails."""
+    strains = corner_strains(structure.shells, moved, limits.length)
+    every = blocks_of(structure.shells, limits.faces)
+    return min(float(block.factors(block.strain(strains), limits.criterion).min()) for block in every)
 
 
 def _kept(
@@ -208,7 +243,7 @@ def _kept(
 ) -> tuple[tuple[Block, ...], FloatArray]:
     """Return the corners that come near failing first, and their strains (n, 3, n_parts) of the motions."""
     shells = structure.shells
-    of_parts = np.stack([corner_strains(shells, column) for column in motion.T], axis=2)
+    of_parts = np.stack([corner_strains(shells, column, limits.length) for column in motion.T], axis=2)
     every = blocks_of(shells, limits.faces)
     near = [np.full(len(block.corners), np.inf) for block in every]
     for part in parts:

@@ -13,9 +13,11 @@ import numpy as np
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
+    MOST_PEAK_ERROR,
     BucklingMode,
     Stresses,
     buckling_modes,
+    checked_peak,
     is_buckled,
     ply_stresses,
     thermal_load,
@@ -53,6 +55,8 @@ def heated(
     state: Mapping[str, float] | None = None,
     load: FloatArray | None = None,
     limit: float = MOST_ERROR,
+    strain_limit: float = MOST_PEAK_ERROR,
+    length: float = 0.0,
 ) -> Heated:
     """Return the displacements and stresses of a structure with warm shells.
 
@@ -70,37 +74,36 @@ def heated(
     load : FloatArray, optional
         Nodal forces (n_dofs,) [N, N m] besides.
     limit : float
-        Estimated error of the displacements beyond which they are refused.
+        Estimated error of the displacements beyond which they are refused; over the free expansion where that is more.
+    strain_limit, length : float
+        As for `Structure.stresses`.
 
     Raises
     ------
     InputError
         If a set is unknown or has no shell that expands, or a temperature, state or load is bad.
     SolveError
-        If heat and load buckle the shells, or the displacements are estimated to be farther off than `limit`.
+        If heat and load buckle the shells, or they or the strains are estimated to be farther off than allowed.
     """
     shells, named = structure.built, state or {}
     left = structure.stiffness_left(named)
     warm = _warmth_of_elements(structure, warmth)
     kept = warm * left[: shells.mesh.n_elements, None]
     force = thermal_load(shells, kept[:, 0], kept[:, 1])
-    if load is not None:
-        force = force + frozen_floats(load, "load", force.shape)
-    row = damage_row(named, structure.parameters)
-    pristine, moved = structure.damaged.solve(np.stack([0.0 * row, row]), force)
-    error = 0.0
-    if np.any(moved) or np.any(warm):
-        supports = structure.damaged.supports
-        if len(supports.free) <= MOST_UNKNOWNS and is_buckled(shells, supports, moved, left, warm):
-            raise SolveError(
-                "heat and load are beyond those that buckle the shells; expected less; "
-                "lower the temperatures (thermal_buckling has the factor), or leave the shells room to grow"
-            )
-    if np.any(moved):
-        quality = structure.judge.quality(force, moved, pristine, left)
-        quality.refuse(limit)
-        error = quality.displacement_error
-    stresses = ply_stresses(shells, moved, left, float(np.sqrt(error)), warmth=warm)
+    push = np.zeros_like(force) if load is None else frozen_floats(load, "load", force.shape)
+    moved = structure.damaged.solve(damage_row(named, structure.parameters)[None, :], force + push)[0]
+    supports = structure.damaged.supports
+    is_warm = np.any(moved) or np.any(warm)
+    if is_warm and len(supports.free) <= MOST_UNKNOWNS and is_buckled(shells, supports, moved, left, warm):
+        raise SolveError(
+            "heat and load are beyond those that buckle the shells; expected less; "
+            "lower the temperatures (thermal_buckling has the factor), or leave the shells room to grow"
+        )
+    quality = structure.judge.quality(push, moved, None, left, warm)
+    quality.refuse(limit)
+    error = quality.displacement_error
+    off = checked_peak(structure.judge, moved, push, left, strain_limit, length, warm)
+    stresses = ply_stresses(shells, moved, left, off, warmth=warm, length=length)
     return Heated(judged(moved.reshape(-1, DOFS_PER_NODE), error), stresses)
 
 

@@ -11,6 +11,7 @@ from femlib import sensors
 from femlib.arrays import FloatArray, IntArray, Judged, judged
 from femlib.assembly import (
     MOST_ERROR,
+    MOST_PEAK_ERROR,
     BucklingMode,
     BuiltUp,
     Judge,
@@ -20,12 +21,12 @@ from femlib.assembly import (
     Stresses,
     Supports,
     buckling_modes,
+    checked_peak,
     is_buckled,
     natural_modes,
     ply_stresses,
     refuse_error,
     relative_distance,
-    strain_distance,
 )
 from femlib.assembly.refined import MOST_UNKNOWNS
 from femlib.components import DamagedStructure, checked_damage, damage_row
@@ -43,6 +44,8 @@ from femlib.structure.strength import structure_capability, structure_limits
 MICRO = 1e6
 MOST_GAUGE_ERROR = 0.1
 """Estimated error of gauge strains beyond which they are refused."""
+JUDGED = 0.8
+"""Damage of all regions in which the mesh of a capability is judged."""
 LIGHT = 1e-3
 """Share of the load that a structure bears under which its mesh is judged: errors are relative, and nothing buckles."""
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
@@ -115,6 +118,8 @@ class Structure:
                 "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
             )
         supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
+        if not len(supports.free):
+            raise InputError("every node is held in all directions; expected some that can move; refine or give up one")
         components = tuple(component_of(self.mesh, parts, name) for name in self.damage)
         object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
         object.__setattr__(self, "judge", Judge(parts.built, supports))
@@ -266,11 +271,21 @@ class Structure:
         state: Mapping[str, float],
         load: FloatArray,
         limit: float = MOST_ERROR,
-        strain_limit: float = MOST_GAUGE_ERROR,
+        strain_limit: float = MOST_PEAK_ERROR,
+        length: float = 0.0,
     ) -> Stresses:
-        """Return strains and stresses of all plies at the shells' corners, with the estimated error of the strains.
+        """Return strains and stresses of all plies at the shells' corners, with the estimated error of the largest.
 
-        The error is that of the undamaged structure by a finer mesh; where none was made, the root of the energy's.
+        The error is this state's by a finer mesh; where none was made, the root of the energy's.
+
+        Parameters
+        ----------
+        state, load, limit
+            As for `solve`.
+        strain_limit : float
+            Estimated error of the largest strains beyond which they are refused.
+        length : float
+            Length that strains are means over [m]: a singular corner has no strain of its own.
 
         Raises
         ------
@@ -279,14 +294,9 @@ class Structure:
         """
         moved, quality = self._judged(state, load)
         quality.refuse(limit)
-        fine, finer = self.judge.finer_solution(load), self.judge.finer
-        if fine is None or finer is None:
-            error = float(np.sqrt(quality.mesh.sum()))
-        else:
-            pristine = self.damaged.solve(np.zeros((1, len(self.parameters))), load)[0]
-            error = strain_distance(self.built, pristine, finer, fine)
-        refuse_error(error, "strains of the plies", strain_limit)
-        return ply_stresses(self.built, moved.ravel(), self.stiffness_left(state), error)
+        left = self.stiffness_left(state)
+        error = checked_peak(self.judge, moved.ravel(), np.asarray(load, np.float64), left, strain_limit, length)
+        return ply_stresses(self.built, moved.ravel(), left, error, length=length)
 
     def reactions(self, state: Mapping[str, float], load: FloatArray, limit: float = MOST_ERROR) -> Judged:
         """Return the forces and moments (n_nodes, 6) [N, N m] of the supports, springs aside; raises as `solve`."""
@@ -317,17 +327,22 @@ class Structure:
         settings: ReductionSettings | None = None,
         n_states: int = 300,
         n_checks: int = 6,
+        length: float = 0.0,
+        strain_limit: float = MOST_PEAK_ERROR,
     ) -> Capability:
         """Return the greatest factors on a load that damage states of a structure of shells bear, by a reduced model.
 
         A ply fails, the shells buckle, or a node set moves in the mean by `most_deflection` [m] along a direction (3,);
-        see `femlib.structure.strength`. The undamaged structure is refused as by `stresses`.
+        see `femlib.structure.strength`. The structure, sound and with `JUDGED` of each region lost, is refused as by
+        `stresses` with `length` and `strain_limit`; the larger of the two errors is `mesh_error`.
         """
-        limits = structure_limits(self.mesh, place, direction, most_deflection, criterion)
+        limits = replace(structure_limits(self.mesh, place, direction, most_deflection, criterion), length=length)
         found = structure_capability(self.damaged, load, limits, settings, n_states, n_checks)
         sound = float(found.load_factors(np.zeros((1, len(self.parameters))))[0])
-        self.stresses({}, LIGHT * sound * np.asarray(load))
-        return found
+        light = LIGHT * sound * np.asarray(load)
+        states = [dict.fromkeys(self.parameters, lost) for lost in (0.0, JUDGED)]
+        error = max(self.stresses(s, light, strain_limit=strain_limit, length=length).error for s in states)
+        return replace(found, mesh_error=error)
 
     def natural_modes(
         self, n_modes: int, state: Mapping[str, float] | None = None, limit: float = MOST_ERROR

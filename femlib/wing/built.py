@@ -63,9 +63,14 @@ def built_wing(
     regions: tuple[DamageRegion, ...] = BUILT_REGIONS,
     materials: WingMaterials | None = None,
     effective_mass: float = BUILT_MASS,
+    edge_step: float = 0.0,
 ) -> Wing:
-    """Return the wing; parameters and errors as `uav_wing`, regions of `built_library()` for all 28."""
+    """Return the wing; parameters and errors as `uav_wing`, regions of `built_library()` for all 28.
+
+    `edge_step` [m] is the distance of the first grid lines from edges of regions and layups, 0 for no closer ones; what
+    the wing bears asks for `CARBON_LENGTH`.
+    """
     installed = pitched_places(FRONT, (0.29462, 0.5998), PITCH, (0.21301, 0.3414))
     places = np.concatenate([installed, candidate_places()]) if candidates else installed
     cards = built_materials() if materials is None else materials
-    return checked_wing(refinement, regions, cards, effective_mass, places, installed[:16, 0], LEFT_OUT)
+    return checked_wing(refinement, regions, cards, effective_mass, places, installed[:16, 0], LEFT_OUT, edge_step)

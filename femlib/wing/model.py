@@ -328,15 +328,18 @@ def checked_wing(
     places: FloatArray,
     lines: FloatArray,
     left_out: tuple[str, ...],
+    edge_step: float = 0.0,
 ) -> Wing:
     """Return a wing with gauges at `places` (n_gauges, 2) and grid lines at the span fractions `lines`."""
+    if not is_number(edge_step) or edge_step < 0.0:
+        raise InputError(f"edge_step is {edge_step!r}; expected a length in m, 0 for no closer lines; correct it")
     for name, value in (("refinement", refinement), ("effective_mass", effective_mass)):
         if not is_number(value) or value <= 0.0:
             raise InputError(f"{name} is {value!r}; expected a positive finite number; correct it")
     if not isinstance(cards, WingMaterials):
         raise InputError(f"materials are {cards!r}; expected WingMaterials; change the fields that differ")
     kept = checked_regions(regions)
-    grid = wing_grid(PLANFORM, N_RIBS, kept, lines, refinement)
+    grid = wing_grid(PLANFORM, N_RIBS, kept, lines, refinement, float(edge_step))
     gauges = gauge_set(PLANFORM, SECTION, kept, places, left_out)
     return _on_planform(PLANFORM, grid, kept, cards, gauges, elliptic_lift(grid, effective_mass))
 

@@ -12,6 +12,7 @@ from femlib.rom.capability import Capability, Limits, full_limits, reduce_capabi
 from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
+from femlib.wing.structure import CARBON_LENGTH
 from femlib.wing.trim import TrimmedWing
 
 TIP_LIMIT = 0.25
@@ -29,13 +30,13 @@ def wing_stresses(
 ) -> Stresses:
     """Return strains and stresses at the corners of skins, web and ribs; arguments and errors as `Wing.solve`.
 
-    The stress of the skin is that of its equivalent layer. `error` is the root of the share of energy that is the
-    mesh's.
+    Strains are means over `CARBON_LENGTH`; the stress of the skin is that of its equivalent layer. `error` is the root
+    of the share of energy that is the mesh's, a mean: of the peak `wing_capability` has an error, by a finer wing.
     """
     moved, factor = wing.solve(state, load_factor, lift).ravel(), stiffness_factor(wing, state)
     shells = wing.structure.shells
     error = float(np.sqrt(solution_quality(shells, moved, factor).displacement_error)) if load_factor else 0.0
-    return ply_stresses(shells, moved, factor, error, wing_faces(wing))
+    return ply_stresses(shells, moved, factor, error, wing_faces(wing), length=CARBON_LENGTH)
 
 
 def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> Judged:
@@ -50,7 +51,7 @@ def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max 
     nodes = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
     row = np.zeros_like(wing.lift)
     row[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
-    return Limits(row, tip_limit * wing.span, criterion, wing_faces(wing))
+    return Limits(row, tip_limit * wing.span, criterion, wing_faces(wing), CARBON_LENGTH)
 
 
 def wing_capability(
@@ -59,6 +60,7 @@ def wing_capability(
     limits: Limits | None = None,
     n_states: int = 300,
     n_checks: int = 6,
+    finer: Wing | None = None,
 ) -> Capability:
     """Return the greatest load factors of the wing's damage states, from its reduced model.
 
@@ -70,11 +72,14 @@ def wing_capability(
         Those of `wing_limits` if not given.
     n_states, n_checks : int
         As for `femlib.rom.capability.reduce_capability`.
+    finer : Wing, optional
+        The same wing on a finer mesh, from which `mesh_error` is taken under its own lift.
     """
     chosen = wing_limits(wing) if limits is None else limits
     if isinstance(reduced, TrimmedWing):
         return reduce_capability(wing.structure, reduced, chosen, reduced.lift, n_states, n_checks)
-    return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks)
+    fine = None if finer is None else lambda state: full_limits(finer.structure, wing_limits(finer), finer.lift, state)
+    return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks, finer=fine)
 
 
 def full_capability(wing: Wing, state: Mapping[str, float], limits: Limits | None = None) -> FloatArray:

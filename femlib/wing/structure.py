@@ -35,6 +35,12 @@ NOSE_END = 0.12
 """Chord fraction up to which the lines crowd toward the leading edge."""
 STEP_NOSE = 0.2
 """Largest step of sqrt(x/c / 0.12) at refinement 1: the section curves most at its nose."""
+EDGE_STEPS = (1.0, 3.0, 7.0)
+"""Lines on both sides of an edge over the first one's distance, for a mesh that is close there."""
+CARBON_LENGTH = 3.8e-3
+"""Length over which strains are means before plies are asked whether they fail [m]: the strain of a region's corner
+grows without limit as the mesh is refined. Source: J. M. Whitney, R. J. Nuismer, J. Composite Materials 8 (1974)
+253-265, carbon laminates. For plywood it is assumed; its plies are 1 to 1.5 mm thick."""
 ROOT_END = 1.0 / 6.0
 """Span fraction up to which the root's layup reaches; a rib of 13 stands there."""
 MIDDLE = 0.5
@@ -206,31 +212,35 @@ def wing_grid(
     regions: Sequence[DamageRegion],
     gauge_eta: FloatArray,
     refinement: float,
+    edge_step: float = 0.0,
 ) -> WingGrid:
     """Return the numbers of the nodes on their grid lines.
 
     Ribs, spar, region edges and the span fractions `gauge_eta` of the installed gauges lie on grid lines, so that
-    strains and damage increments converge smoothly; steps shrink with 1 / `refinement`.
+    strains and damage increments converge smoothly; steps shrink with 1 / `refinement`. Beside edges of regions and
+    layups the first lie `edge_step` [m] away if it is not 0.
     """
     ribs = np.linspace(0.0, 1.0, n_ribs)
     span_edges = [e for r in regions for e in (r.eta_min, r.eta_max)]
-    eta = _span_lines(ribs, span_edges, gauge_eta, refinement)
+    layups, close = [ROOT_END, MIDDLE] if edge_step else [], edge_step / planform.span
+    eta = _beside(_span_lines(ribs, span_edges, gauge_eta, refinement), [*span_edges, *layups], ribs, close)
     nose = NOSE_END * grid_lines([0.0, 1.0], STEP_NOSE / refinement) ** 2
-    edges = _chord_edges(regions)
-    rest = grid_lines([NOSE_END, planform.spar_fraction, 1.0, *edges], STEP_CHORD / refinement)
-    chord = np.concatenate([nose[:-1], rest])
+    edges, spar = _chord_edges(regions), planform.spar_fraction
+    rest = grid_lines([NOSE_END, spar, 1.0, *edges], STEP_CHORD / refinement)
+    kept = np.array([0.0, NOSE_END, spar, 1.0])
+    chord = _beside(np.concatenate([nose[:-1], rest]), edges, kept, edge_step / planform.root_chord)
     rib_rows = np.searchsorted(eta, ribs - 1e-9)
-    spar = int(np.searchsorted(chord, planform.spar_fraction - 1e-9))
+    column = int(np.searchsorted(chord, spar - 1e-9))
     shape = (len(eta), len(chord))
     upper = np.arange(shape[0] * shape[1]).reshape(shape)
     lower = upper.copy()
     lower[:, 1:-1] = upper.size + np.arange(shape[0] * (shape[1] - 2)).reshape(shape[0], -1)
     needed = np.zeros((*shape, N_WEB_LEVELS - 1), dtype=bool)
-    needed[:, spar] = True
+    needed[:, column] = True
     needed[rib_rows, 1:-1] = True
     inside = np.full(needed.shape, -1)
     inside[needed] = lower.max() + 1 + np.arange(needed.sum())
-    return WingGrid(eta, chord, upper, lower, inside, rib_rows, spar)
+    return WingGrid(eta, chord, upper, lower, inside, rib_rows, column)
 
 
 def _span_lines(ribs: FloatArray, edges: Sequence[float], gauge_eta: FloatArray, refinement: float) -> FloatArray:
@@ -247,6 +257,24 @@ def _span_lines(ribs: FloatArray, edges: Sequence[float], gauge_eta: FloatArray,
     steps = np.select([by_rib, away], [STEP_ETA_RIB, STEP_ETA_AWAY], STEP_ETA) / refinement
     pieces = [grid_lines(ends, step)[:-1] for ends, step in zip(pairwise(stops), steps, strict=True)]
     return np.concatenate([*pieces, stops[-1:]])
+
+
+def _beside(lines: FloatArray, edges: Sequence[float], kept: FloatArray, first: float) -> FloatArray:
+    """Return grid lines with others on both sides of `edges`, the nearest `first` away.
+
+    They take the place of lines that are nearer than half a step, but for `edges` and those that are `kept`.
+    """
+    if not first:
+        return lines
+    fixed, found = np.unique(np.round([*edges, *kept], 12)), lines
+    for step, before in zip(EDGE_STEPS[::-1], (*EDGE_STEPS[-2::-1], 0.0), strict=True):
+        wanted = np.concatenate([fixed[np.isin(fixed, np.round(edges, 12))] + side * step * first for side in (-1, 1)])
+        clear = (np.abs(wanted[:, None] - fixed).min(axis=1) > 0.9 * step * first) & (wanted > 0.0) & (wanted < 1.0)
+        wanted = np.sort(wanted[clear])
+        wanted = wanted[np.diff(wanted, prepend=-1.0) > 0.5 * (step - before) * first]
+        is_free = np.abs(found[:, None] - wanted).min(axis=1, initial=np.inf) > 0.5 * (step - before) * first
+        found = np.concatenate([found[is_free | np.isin(np.round(found, 12), fixed)], wanted])
+    return np.unique(np.round(found, 12))
 
 
 def _chord_edges(regions: Sequence[DamageRegion]) -> list[float]:

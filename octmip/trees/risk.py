@@ -7,6 +7,8 @@ fails where its worst region has lost more than the limit of that load factor, o
     logistic     P(fail | d, n) = 1 / (1 + exp(-(max_r d_r - limit_n) / spread))
     lognormal    P(fail | d, n) = Phi(ln(max_r d_r / limit_n) / spread)
 
+or with the probability that `failure` gives, such as a twin's.
+
 Deciding for n costs `failure_loss` P(fail | d, n) + `caution_losses[n]` in expectation; the regret of a decision is
 that less the least over all decisions. A tree of least regret is what a `Problem` with these weights and costs asks
 for. Regions share one uncertainty, so the worst one decides; regions that fail independently of each other fail more
@@ -18,7 +20,7 @@ W. Baker, Efficient analytical fragility function fitting (2015), eq. 1.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -75,6 +77,8 @@ class RiskModel:
         of the limit; 0: a step.
     shape
         of the probability of failure where spread > 0.
+    failure
+        P(fail) (n,) of states (n, n_regions) at a load factor, in place of limits and spread.
 
     Raises
     ------
@@ -88,6 +92,7 @@ class RiskModel:
     failure_loss: float = 10.0
     spread: float = 0.0
     shape: Shape = "logistic"
+    failure: Callable[[Floats, float], ArrayLike] | None = None
 
     def __post_init__(self) -> None:
         for name, sign in (("load_factors", -1.0), ("limit_losses", 1.0), ("caution_losses", 1.0)):
@@ -131,7 +136,15 @@ class RiskModel:
             )
         from scipy.special import expit, ndtr  # only here: every command would wait for it
 
-        worst, limit = _worst(losses), self.limit_losses[self.load_factors.index(load_factor)]
+        worst = _worst(losses)
+        if self.failure is not None:
+            found = np.asarray(self.failure(np.asarray(losses, dtype=np.float64), load_factor), dtype=np.float64)
+            if found.shape != worst.shape or not ((found >= 0.0) & (found <= 1.0)).all():
+                raise ProblemError(
+                    f"failure gave {found.shape} numbers for {len(worst)} states; expected one from 0 to 1 for each"
+                )
+            return found
+        limit = self.limit_losses[self.load_factors.index(load_factor)]
         if self.spread == 0:
             return np.asarray(worst > limit, dtype=np.float64)
         if self.shape == "logistic":
@@ -154,7 +167,12 @@ class RiskModel:
         return np.asarray(self.expected_losses(losses).argmin(axis=1), dtype=np.int64)
 
     def is_critical(self, losses: ArrayLike) -> NDArray[np.bool_]:
-        """Return which states (n,) have lost more in some region than the boldest load factor's limit."""
+        """Return which states (n,) have lost more in some region than the boldest load factor's limit.
+
+        With `failure` those that more likely fail than not.
+        """
+        if self.failure is not None:
+            return np.asarray(self.failure_probability(losses, self.load_factors[0]) > 0.5)
         return np.asarray(_worst(losses) > self.limit_losses[0])
 
     def decision_problem(self, features: ArrayLike, losses: ArrayLike, *, depth: int, **options: Any) -> Problem:

@@ -67,6 +67,14 @@ def test_the_ply_limit_is_the_load_factor_at_which_the_stresses_reach_the_streng
     assert 0.0 < found.error < 0.25
 
 
+def test_half_of_lognormal_limits_fail_at_the_load_factor_that_a_state_bears(capable):
+    bears = float(capable.load_factors(STATES[1:2])[0])
+    assert capable.failure_probability(STATES[1:2], bears, 0.1)[0] == pytest.approx(0.5)
+    assert capable.failure_probability(STATES[1:2], bears * np.exp(0.1), 0.1)[0] == pytest.approx(0.8413, abs=1e-4)
+    with pytest.raises(InputError, match="expected numbers above 0"):
+        capable.failure_probability(STATES, 3.0, 0.0)
+
+
 def test_the_root_holds_the_lift_and_its_moment(tiny):
     held = np.asarray(reactions(tiny, {"mu1": 0.5}, 2.0))
     lift, y = 2.0 * tiny.lift.reshape(-1, 6), tiny.structure.shells.mesh.nodes[:, 1]

@@ -97,11 +97,9 @@ def test_a_bent_strip_yields_where_and_when_beam_theory_says():
     x = strip.mesh.nodes[found.node][:, 0]
     expected = 6.0 * 100.0 * (0.2 - x) / 4e-6
     off = np.abs(found.von_mises - expected) / expected.max()
-    assert (off < 1e-6).mean() > 0.85
-    # a node at the end of a patch has the mean of one row of elements: half an element's length of slope is missing
-    assert off.max() == pytest.approx(0.5 / 24, rel=1e-3)
-    assert found.failure_factors("von mises").min() == pytest.approx(250e6 / expected.max(), rel=0.03)
-    assert 0.002 < found.error < 0.02
+    assert off.max() < 2e-4  # the mean of the first row of elements: 0.5 / 24
+    assert found.failure_factors("von mises").min() == pytest.approx(250e6 / expected.max(), rel=2e-4)
+    assert found.error < 1e-3
 
 
 @pytest.mark.parametrize("is_cut", [False, True])
@@ -178,7 +176,7 @@ def strip_share(strip):
 
 def test_what_is_missing_for_strength_is_said():
     strip = cantilever(isotropic_plate(70e9, 0.3, 2e-3))
-    found = strip.stresses({}, strip.line_load("right", (0.0, 0.0, 100.0)))
+    found = strip.stresses({}, strip.line_load("right", (0.0, 0.0, 100.0)), strain_limit=0.1)
     with pytest.raises(InputError, match="has no strength"):
         found.failure_factors()
     with pytest.raises(InputError, match="criterion is 'mises'"):
@@ -197,23 +195,23 @@ def test_a_warm_strip_has_no_stress_where_it_is_free_and_its_own_where_it_is_hel
     """alpha T of length, whatever is damaged; E alpha T between held ends; curvature alpha T'."""
     section = isotropic_plate(70e9, 0.0, 2e-3, expansion=23e-6, strength=yielding_at(250e6))
     free, held = cantilever(section), cantilever(section)
-    grown = heated(free, {"skin": (50.0, 0.0)})
+    grown = heated(free, {"skin": (50.0, 0.0)}, strain_limit=1.0)
     tip = free.mesh.nodes_of("right")
     np.testing.assert_allclose(np.asarray(grown.displacements)[tip, 0], 23e-6 * 50.0 * 0.2, rtol=1e-6)
     inner = free.mesh.nodes[grown.stresses.node][:, 0] > 0.14  # away from the clamp, which hinders it across
     assert np.abs(grown.stresses.stress[inner]).max() < 1e-4 * 70e9 * 23e-6 * 50.0
     held = Structure(held.mesh, {"skin": section}, {"left": "clamped", "right": "x z rx ry rz"}, damage=("middle",))
-    pushed = heated(held, {"skin": (10.0, 0.0)}, limit=1.0).stresses
+    pushed = heated(held, {"skin": (10.0, 0.0)}, strain_limit=1.0).stresses
     middle = np.abs(held.mesh.nodes[pushed.node][:, 0] - 0.1) < 0.02
     np.testing.assert_allclose(pushed.stress[middle, 0], -70e9 * 23e-6 * 10.0, rtol=1e-3)
     assert pushed.failure_factors("von mises")[middle].min() == pytest.approx(250e6 / (70e9 * 23e-6 * 10.0), rel=2e-3)
     euler = np.pi**2 * 2e-3**2 / (3.0 * 23e-6 * 0.2**2)  # both ends of the strip are clamped
     assert 10.0 * thermal_buckling(held, {"skin": (10.0, 0.0)})[0].factor == pytest.approx(euler, rel=5e-3)
     with pytest.raises(SolveError, match="beyond those that buckle the shells"):
-        heated(held, {"skin": (1.02 * euler, 0.0)}, limit=1.0)
-    bent = np.asarray(heated(free, {"skin": (0.0, 1000.0)}, limit=1.0).displacements)
+        heated(held, {"skin": (1.02 * euler, 0.0)})
+    bent = np.asarray(heated(free, {"skin": (0.0, 1000.0)}, strain_limit=1.0).displacements)
     assert bent[tip, 2].mean() == pytest.approx(-0.5 * 23e-6 * 1000.0 * 0.2**2, rel=0.02)
-    softer = heated(free, {"skin": (50.0, 0.0)}, {"middle": 0.5})
+    softer = heated(free, {"skin": (50.0, 0.0)}, {"middle": 0.5}, strain_limit=1.0)
     places = [np.asarray(found.displacements)[:, :3] for found in (softer, grown)]
     np.testing.assert_allclose(*places, atol=1e-3 * 23e-6 * 50.0 * 0.2)
     with pytest.raises(InputError, match="where no shell expands"):

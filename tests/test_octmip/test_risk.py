@@ -155,3 +155,15 @@ def test_three_decisions_go_through_states():
     assert isinstance(problem, Problem)
     assert problem.costs.tolist() == [[0, 0.5, 1], [9.5, 0, 0.5], [9, 9.5, 0]]
     assert solve(problem).objective == 0
+
+
+def test_a_probability_of_ones_own_takes_the_place_of_limits():
+    """As a twin's, for which the second region means nothing."""
+    model = RiskModel(failure=lambda losses, load: np.clip(losses[:, 0] * load / 3.0, 0.0, 1.0), failure_loss=4.0)
+    states = np.array([[0.0, 0.8], [0.6, 0.0], [0.2, 0.2]])
+    np.testing.assert_allclose(model.failure_probability(states, 3.0), [0.0, 0.6, 0.2])
+    np.testing.assert_allclose(model.expected_losses(states), [[0.0, 1.0], [2.4, 2.6], [0.8, 1 + 4 * 0.2 * 2 / 3]])
+    assert model.is_critical(states).tolist() == [False, True, False]
+    for bad in (lambda losses, load: [0.5], lambda losses, load: losses[:, 0] + 0.5):
+        with pytest.raises(ProblemError, match="failure gave"):
+            RiskModel(failure=bad).failure_probability(states, 3.0)

@@ -6,8 +6,8 @@ A step costs one, a loss `LOST` steps. With l the way left in steps at 2 g, k th
 
 p_a(s) being the chance that the manoeuvre breaks the wing. The way left falls in every step, so one pass suffices. On
 a belief the planner takes the action of least expected Q: it supposes that the state will be known from the next step
-on (QMDP). With the true state and rate the same table is the full-information bound that no policy can beat, but for
-the cells' width.
+on (QMDP). With the true state and rate the same table is the full-information bound, but for the cells' width and
+the way across when the aircraft changes the line (`course.SWITCH`), which it leaves out.
 
 Source: M. L. Littman, A. R. Cassandra, L. P. Kaelbling, Proc. ICML 12 (1995) 362-370 (QMDP).
 """
