@@ -144,10 +144,10 @@ def closed(said: Said, key: Key) -> float | None:
 
 def inside(said: Said, key: Key) -> list[bool]:
     """Return whether the intervals of a right cause hold the sizes of gains and loads [%], which the key holds."""
-    sizes = {place: 100.0 * size for kind, place, size in key["faults"] if kind == "gain"}
-    sizes |= {f"{place}_error": 100.0 * size for kind, place, size in key["faults"] if kind == "load"}
-    found = [(sizes.get(place, sizes.get(name)), low, high) for name, place, low, high in said.sizes]
-    return [low <= size <= high for size, low, high in found if size is not None]
+    sizes = {("gauge_gain", place): 100.0 * size for kind, place, size in key["faults"] if kind == "gain"}
+    sizes |= {(f"{place}_error", ""): 100.0 * size for kind, place, size in key["faults"] if kind == "load"}
+    held = [(sizes.get((name, place)), low, high) for name, place, low, high in said.sizes]
+    return [low <= size <= high for size, low, high in held if size is not None]
 
 
 if __name__ == "__main__":

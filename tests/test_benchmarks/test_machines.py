@@ -5,7 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run
+from benchmarks.machines import ties
+from benchmarks.machines.__main__ import JUDGED, MACHINES, SETTLED, closed, figures, inside, run, run_bare
+from benchmarks.machines.bare import of_its_twin, today
 from benchmarks.machines.draws import CLEAR
 from benchmarks.machines.selectors import Said
 from benchmarks.seals import open_keys
@@ -55,3 +57,30 @@ def test_figures_count_what_is_right_accused_and_unexplained():
     told = np.array(load["new"])
     near = Said([], [], 0.5, 0.0, [], [], new=tuple(told + 0.01), before=tuple(told + 10.0))
     assert closed(near, load) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_intervals_are_held_by_the_size_of_their_own_effect_alone():
+    key = {"faults": [("gain", "f12", 0.05)]}
+    said = Said([], [], 0.9, 0.0, [("gauge_gain", "f12", 4.0, 6.0), ("gauge_bias_l_min", "f12", 0.0, 1.0)], [])
+    assert inside(said, key) == [True]
+
+
+def test_without_a_run_constants_are_judged_beside_those_of_the_asset(tmp_path):
+    said = run_bare(tmp_path / "bare", 4, 4, ["tanks"])
+    assert "names stated at 0.95 and more, wrong" in said
+    assert "90 % intervals that hold a constant" in said
+    keys = json.loads((tmp_path / "bare.keys.json").read_text())
+    assert {key["stratum"] for key in keys.values()} <= {"sound", "single", "pair"}
+    machine = of_its_twin(MACHINES["tanks"])
+    own = dict.fromkeys(machine.twin().card.ranges, 1.1)
+    assert today(machine, own, {"leak": 0.2, "lift": 0.5})["leak"] == 0.2
+    assert today(machine, own, {"lift": 0.5})["lift"] == pytest.approx(3.4 * 1.1 * 1.5)
+
+
+def test_a_tie_is_settled_by_the_proposed_test_and_not_by_a_random_repeat():
+    assert ties.run(6, 1) == (
+        "Seed 6: 1 ties among 2 single faults; the proposal settles 1 (cell 1 of 1), a random repeat 0."
+    )
+    doubled = ties.twin_with(MACHINES["tanks"], "power")
+    assert doubled.gauges[-1] == "power_2"
+    assert doubled.predict({}, MACHINES["tanks"].cells[0])[-1] == doubled.predict({}, MACHINES["tanks"].cells[0])[-2]
