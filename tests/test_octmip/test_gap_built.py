@@ -11,6 +11,7 @@ from octmip.gap.channels.outliers import robust
 from octmip.gap.doors.built import built_by
 from octmip.gap.effects import chain_of
 from octmip.gap.twins import CachedTwin
+from octmip.interfaces.report.diagnosis.recommendation import recommend
 
 READINGS = {"u1": "mm", "u2": "mm", "moment": "N m", "sum": "mm"}
 RANGES = {"k1": (10.0, 5.0, 14.0, "N/mm"), "k2": (12.0, 8.0, 16.0, "N/mm"), "arm": (0.5, 0.4, 0.6, "m")}
@@ -184,6 +185,7 @@ def test_without_a_run_an_asset_that_is_built_off_is_not_accused_and_its_constan
     asset = {name: own.nominal * (1.0 + 0.05 * rng.standard_normal()) for name, own in SPRINGS.card.ranges.items()}
     found = diagnose(read(SPRINGS, under(), seed, **asset), SPRINGS)
     assert found.which[0].effects == ()
+    assert recommend(found)
     for one in found.constants:
         assert abs(one.mean - asset[one.name]) < 3.0 * one.sd < 0.1 * one.drawn
         assert one.drawn == SPRINGS.card.ranges[one.name].nominal
@@ -199,6 +201,8 @@ def test_without_a_run_a_change_is_named_as_far_as_it_stands_out_of_what_constan
     assert first.interval[0] < 7.5 < first.interval[1]
     assert (found.which[0].effects == ("k1",) and found.which[0].probability > 0.9) is named
     assert any(f"some {100 * far:g} % off" in note for note in found.notes)
+    assert "k1 is 7.5" in recommend(found).lower()
+    assert ("a run of the sound asset (--commissioning) tells" in recommend(found)) is not named
 
 
 def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation():

@@ -80,7 +80,12 @@ def recommend(diagnosis: Diagnosis) -> str:
         Verdict.AMBIGUOUS: _cannot_be_told,
         Verdict.CAUSE: _act,
     }[verdict_of(diagnosis)](diagnosis)
-    return visible(_capital("; ".join([*_channels(diagnosis), sentence, *_constants(diagnosis)])) + ".")
+    off = _constants(diagnosis)
+    if off and verdict_of(diagnosis) in (Verdict.SOUND, Verdict.UNMEASURED):
+        sentence = f"{off} in the drawing: built so, or changed since; a run of the sound asset (--commissioning) tells"
+    elif off:
+        sentence = f"{sentence}; built so, or changed since: {off} in the drawing"
+    return visible(_capital("; ".join([*_channels(diagnosis), sentence])) + ".")
 
 
 def _capital(sentence: str) -> str:
@@ -101,16 +106,14 @@ def _channels(diagnosis: Diagnosis) -> list[str]:
     return parts
 
 
-def _constants(diagnosis: Diagnosis) -> list[str]:
+def _constants(diagnosis: Diagnosis) -> str:
     """Return which constants the readings put clearly off the drawing, where no run says how the asset was built."""
     far = [(abs(one.mean - one.drawn) / one.sd, one) for one in diagnosis.constants]
     off = [one for z, one in sorted(far, key=lambda pair: -pair[0])[:FEW] if z > CLEARLY]
-    if not off:
-        return []
     said = [
         f"{one.name.replace('_', ' ')} is {with_unit(f'{one.mean:.4g}', one.unit)} for {one.drawn:g}" for one in off
     ]
-    return [f"built so or changed since, {listed(said)} in the drawing"]
+    return listed(said) if said else ""
 
 
 def _channel(gauges: list[str]) -> str:
