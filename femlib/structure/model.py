@@ -118,8 +118,6 @@ class Structure:
                 "the structure has no support; expected nodes that are held, or springs to the ground; give supports"
             )
         supports = Supports.holding(parts.built.mesh, held, parts.built.links, parts.built.springs.grounded)
-        if not len(supports.free):
-            raise InputError("every node is held in all directions; expected some that can move; refine or give up one")
         components = tuple(component_of(self.mesh, parts, name) for name in self.damage)
         object.__setattr__(self, "damaged", DamagedStructure(parts.built, supports, components))
         object.__setattr__(self, "judge", Judge(parts.built, supports))
@@ -185,6 +183,8 @@ class Structure:
 
     def _judged(self, state: Mapping[str, float], load: FloatArray) -> tuple[FloatArray, Quality]:
         """Return displacements (n_nodes, 6) of a state and what they are worth."""
+        if not len(self.damaged.supports.free):
+            raise InputError("every node is held in all directions; expected some that can move; refine or give up one")
         row = damage_row(state, self.parameters)
         pristine, moved = self.damaged.solve(np.stack([0.0 * row, row]), load)
         places = moved.reshape(-1, DOFS_PER_NODE)

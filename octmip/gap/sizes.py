@@ -40,6 +40,9 @@ CLOSE = 1e-4
 """Relative step below which a size is found."""
 COMMON_PART = 0.6
 """Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
+LEAST_PART = 0.04
+"""The same at least, whatever is known of the signature: of 146 gains and errors of loads on eight machines that the
+diagnosis named, 117 lay in intervals without it, 131 with it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +88,7 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     candidate = head.model.inputs.candidates[member]
     effect, place = candidate.effect, candidate.place
     mean, variance = _mixture(head, member, same)
-    whole = COMMON_PART * candidate.signature_error
+    whole = max(LEAST_PART, COMMON_PART * candidate.signature_error)
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)

@@ -50,11 +50,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--calls", metavar="N", type=int, help="ask a slow model behind a door no more than N times")
     parser.add_argument("--jobs", metavar="N", type=int, default=1, help="questions at the same time (with --calls)")
-    parser.add_argument(
+    answers = parser.add_argument(
         "--answers",
         metavar="FILE.jsonl",
         help="keep each answer of the model there and take earlier ones (with --calls)",
     )
+    writes(answers)
     parser.add_argument(
         "--load-limits",
         metavar=("LOW", "HIGH"),
