@@ -155,7 +155,7 @@ def test_a_size_goes_through_the_exact_forward_map():
     first = diagnose(measured(3, change), Beam(effects=chosen), effects=chosen, commissioning=COMMISSIONING).which[0]
     size = first.parameters[0]
     assert size.low < 12.0 < size.high
-    assert size.high - size.low < 1.0
+    assert size.high - size.low < 2.0  # 4 % of the size, whatever else is known
 
 
 def test_the_interval_of_a_size_reckons_with_the_place_between_two_places():
