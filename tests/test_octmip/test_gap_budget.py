@@ -58,11 +58,14 @@ def test_answers_on_disk_are_not_asked_for_again_whatever_was_cut_off(tmp_path):
     file.write_text("\n".join(lines[:10]) + '\n{"asked": [10.0')
     second, again = counted()
     found = diagnose(now, second, budget=Budget(30, answers=file))
-    assert len(again) == len(asked) - 9
+    assert len(again) == len(asked) - 9 + 1  # one is asked again, to see that the model is the same
     assert [one.mean for one in found.constants] == pytest.approx([one.mean for one in whole.constants])
     third, none = counted()
     diagnose(now, third, budget=Budget(30, answers=file))
-    assert not none
+    assert len(none) == 1
+    softer = function_twin(lambda p, loads: 2.0 * np.array(springs(p, loads)), READINGS, RANGES, loads=("force",))
+    with pytest.raises(DataError, match="holds answers of another model"):
+        diagnose(now, softer, budget=Budget(30, answers=file))
     other = function_twin(springs, READINGS, RANGES | {"more": (1.0, 0.5, 2.0)}, loads=("force",))
     with pytest.raises(DataError, match=r"answers\.jsonl holds no answers of this model"):
         diagnose(now, other, budget=Budget(60, answers=file))
@@ -110,3 +113,13 @@ def test_what_stands_in_for_a_model_is_exact_where_that_is_square_and_refuses_fa
     assert stand_in.function({"a": 2.7}, {"q": 2.0}) == pytest.approx(bowl({"a": 2.7}, {"q": 2.0}))
     with pytest.raises(TwinError, match="was not asked near q 9"):
         stand_in.function({"a": 2.0}, {"q": 9.0})
+
+
+def test_answers_of_other_loads_on_disk_do_not_make_a_budget_reach(tmp_path):
+    file = tmp_path / "answers.jsonl"
+    far, _ = counted()
+    diagnose(read(SPRINGS, under((15.0, 35.0, 55.0)), 1), far, budget=Budget(60, answers=file))
+    twin, asked = counted()
+    with pytest.raises(DataError, match="expected 15 or more"):
+        diagnose(read(SPRINGS, under(), 1), twin, budget=Budget(14, answers=file))
+    assert not asked

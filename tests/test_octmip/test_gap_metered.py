@@ -61,3 +61,39 @@ def test_tests_and_states_stay_apart_and_few_loads_stay_as_they_are():
     assert len({cell.load for cell in moved.cells}) <= 20
     steady = gathered(SPRINGS, [Recorded(np.ones((5, 4)), {"force": float(k)}) for k in range(45)])
     assert gathered_alike([steady]) == ([steady], [])
+
+
+def test_a_time_series_beside_steady_loads_is_gathered_at_these_and_moves_no_reading_of_them():
+    rows = np.array([springs(NOMINAL | {"k1": 9.5}, {"force": f}) for f in (25.0, 40.0, 55.0)])
+    noise = np.random.default_rng(4)
+    steady = gathered(
+        SPRINGS,
+        [
+            Recorded(row + SD * noise.standard_normal((12, 4)), {"force": f})
+            for f, row in zip((25.0, 40.0, 55.0), rows, strict=True)
+        ],
+    )
+    run, now = gathered_alike([metered(1500, 1), steady])[0]
+    assert now.readings == pytest.approx(steady.readings)
+    assert {cell.load for cell in run.cells} == {cell.load for cell in now.cells} == {25.0, 40.0, 55.0}
+    found = diagnose(steady, SPRINGS, commissioning=metered(1500, 1))
+    assert found.which[0].effects == ("k1",)
+    assert found.which[0].parameters[0].size == pytest.approx(-0.5, abs=0.06)
+
+
+def test_plateaus_of_two_tests_near_one_centre_stay_at_their_own_loads():
+    series = metered(400, 1)
+    plateau = gathered(SPRINGS, [Recorded(np.full((30, 4), 3.0), {"force": 41.37}, test="B")])
+    both = replace(
+        series,
+        test=(*series.test, *plateau.test),
+        load_factor=np.concatenate([series.load_factor, plateau.load_factor]),
+        states=np.zeros((430, 0)),
+        readings=np.concatenate([series.readings, plateau.readings]),
+        time=np.full(430, np.nan),
+        temperature=np.full(430, np.nan),
+    )
+    (moved,), _ = gathered_alike([both])
+    (own,) = [cell for cell in moved.cells if cell.test == "B"]
+    assert own.load == pytest.approx(41.37)
+    assert own.mean == pytest.approx(3.0)

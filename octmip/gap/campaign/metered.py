@@ -2,7 +2,8 @@
 
 The loads of run and campaign are gathered around common centres c by k-means, each over the range of its amounts. In
 each test and state the readings near a centre follow a polynomial p in l - c, of degree two where the rows bear it,
-else one; a reading becomes y - p(l - c) + p(0), and its load c.
+else one; a reading becomes y - p(l - c) + p(0), and its load c. Where a group's loads do not vary enough to tell p, it
+stays at their mean. Loads at which one of the two stood still are the centres of the other.
 """
 
 from collections.abc import Sequence
@@ -32,7 +33,11 @@ def gathered_alike(campaigns: Sequence[Campaign]) -> tuple[list[Campaign], list[
         return list(campaigns), []
     applied = np.concatenate([campaign.applied for campaign in campaigns])
     extent = np.where(np.ptp(applied, axis=0) > 0.0, np.ptp(applied, axis=0), 1.0)
-    centres = _centres(applied / extent, min(len(campaign.test) for campaign in campaigns)) * extent
+    still = [campaign.applied for campaign in campaigns if not _is_metered(campaign)]
+    if still:
+        centres = np.unique(np.concatenate(still), axis=0)
+    else:
+        centres = _centres(applied / extent, min(len(campaign.test) for campaign in campaigns)) * extent
     moved = [_moved(campaign, centres, extent) for campaign in campaigns]
     n_left_out = sum(len(before.test) - len(after.test) for before, after in zip(campaigns, moved, strict=True))
     left_out = f"; {n_left_out} rows with too few like them are left out" if n_left_out else ""
@@ -80,15 +85,20 @@ def _moved(campaign: Campaign, centres: Floats, extent: Floats) -> Campaign:
     groups: dict[tuple[str, bytes, int], list[int]] = {}
     for row, test in enumerate(campaign.test):
         groups.setdefault((test, campaign.states[row].tobytes(), int(nearest[row])), []).append(row)
-    readings, kept = campaign.readings.copy(), []
+    readings, loads, kept = campaign.readings.copy(), centres[nearest], []
     for (_, _, centre), members in groups.items():
         rows = np.array(members)
         away = (campaign.applied[rows] - centres[centre]) / extent
-        if len(rows) >= BORNE * (1 + away.shape[1]):
-            readings[rows] -= _course(away, readings[rows])
-            kept += members
+        columns = _columns(away)
+        if columns is None:
+            loads[rows] = campaign.applied[rows].mean(axis=0)
+        elif len(rows) >= BORNE * (1 + away.shape[1]):
+            readings[rows] -= _course(columns, readings[rows])
+        else:
+            continue
+        kept += members
     order = np.array(sorted(kept), dtype=np.int64)
-    loads = centres[nearest[order]]
+    loads = loads[order]
     return replace(
         campaign,
         test=tuple(campaign.test[k] for k in order.tolist()),
@@ -101,15 +111,25 @@ def _moved(campaign: Campaign, centres: Floats, extent: Floats) -> Campaign:
     )
 
 
-def _course(away: Floats, readings: Floats) -> Floats:
-    """Return what readings (n, n_gauges) change from the centre (n, n_loads) away, by least squares."""
+def _columns(away: Floats) -> Floats | None:
+    """Return what a polynomial of rows (n, n_loads) away from a centre consists of (n, k); None if they do not vary."""
     pairs = [away[:, i] * away[:, j] for i in range(away.shape[1]) for j in range(i + 1)]
-    columns = np.column_stack([away, *pairs]) if len(away) >= BORNE * (1 + away.shape[1] + len(pairs)) else away
+    varied = np.ptp(away, axis=0) > 0.0
+    for columns in (np.column_stack([away, *pairs]), away[:, varied]):
+        design = np.column_stack([np.ones(len(away)), columns])
+        is_borne = len(away) >= BORNE * design.shape[1] or columns.shape[1] <= away.shape[1]
+        if is_borne and columns.size and np.linalg.matrix_rank(design) == design.shape[1]:
+            return columns
+    return None
+
+
+def _course(columns: Floats, readings: Floats) -> Floats:
+    """Return what readings (n, n_gauges) change by these columns (n, k), by least squares."""
     found = np.zeros_like(readings)
-    design = np.column_stack([np.ones(len(away)), columns])
+    design = np.column_stack([np.ones(len(columns)), columns])
     for gauge in range(readings.shape[1]):
         seen = np.isfinite(readings[:, gauge])
-        if seen.sum() >= BORNE * design.shape[1]:
+        if seen.sum() >= design.shape[1]:
             coefficients = np.linalg.lstsq(design[seen], readings[seen, gauge], rcond=None)[0]
             found[:, gauge] = columns @ coefficients[1:]
     return found

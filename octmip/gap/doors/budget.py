@@ -30,6 +30,8 @@ Point = tuple[float, ...]
 
 OF_RANGE, OF_LOAD = 0.15, 0.05
 """Step of a parameter over the width of its range, and of a load over its greatest amount."""
+SAME = 1e-6
+"""Relative difference up to which two answers to one question are the same."""
 BEYOND = 0.5
 """How far a load may lie from the nearest that was asked, over the range of all."""
 
@@ -81,11 +83,13 @@ def within(twin: FunctionTwin, campaigns: Sequence[Campaign], budget: Budget) ->
     bases = list(dict.fromkeys(point for campaign in campaigns for point in asked.of_cells(campaign)))
     steps = _steps(twin, np.array(bases))
     settings = _settings(np.array(bases)[:, len(twin.card.ranges) :])
+    asked.n_new = sum(point in twin.answers for point in bases)  # asked for a moment ago, when the files were read
     least = min(len(bases), settings.shape[1] + 1)
-    asked.check(len(bases), len(steps), least)
+    asked.check(bases, [_moved(bases[k], c, h) for k in _spread(len(bases), least) for c, h in steps.items()])
+    asked.compare(bases[0])
     here = np.array([_answered(answer) for answer in asked.answers(bases, len(bases) * (1 + 2 * len(steps)))])
     n_sloped = max(least, min(len(bases), asked.n_left // max(1, len(steps))))
-    at = np.unique(np.linspace(0, len(bases) - 1, n_sloped).round().astype(int))
+    at = _spread(len(bases), n_sloped)
     total = len(asked.known) + 2 * len(steps) * len(at)
     ends = {c: [(h, asked.answers([_moved(bases[k], c, h) for k in at], total))] for c, h in steps.items()}
     for column, size in sorted(steps.items(), key=lambda step: not _has_failed(ends[step[0]][0][1])):
@@ -128,6 +132,11 @@ def _settings(inputs: Floats) -> Floats:
     return np.column_stack([np.ones(len(inputs)), varied / np.maximum(np.ptp(varied, axis=0), 1e-300)])
 
 
+def _spread(n: int, n_chosen: int) -> NDArray[np.int64]:
+    """Return the numbers (n_chosen,) of some of n, the first and the last among them."""
+    return np.unique(np.linspace(0, n - 1, n_chosen).round().astype(np.int64))
+
+
 def _moved(point: Point, column: int, size: float) -> Point:
     return (*point[:column], point[column] + size, *point[column + 1 :])
 
@@ -147,10 +156,10 @@ class _Questions:
 
     def __init__(self, twin: FunctionTwin, budget: Budget) -> None:
         card = twin.card
-        self.twin, self.budget, self.n_new = twin, budget, len(twin.answers)
+        self.twin, self.budget, self.n_new = twin, budget, 0
         self.names = [*card.ranges, *card.states, *card.loads]
-        self.known: dict[Point, Floats] = _read(budget.answers, self.names, twin.gauges) if budget.answers else {}
-        self.known |= twin.answers
+        self.on_disk: dict[Point, Floats] = _read(budget.answers, self.names, twin.gauges) if budget.answers else {}
+        self.known = {**self.on_disk, **twin.answers}
 
     @property
     def n_left(self) -> int:
@@ -170,14 +179,35 @@ class _Questions:
             found.append((*nominal, *states, *amounts_of(cell.load)))
         return found
 
-    def check(self, n_bases: int, n_steps: int, n_sloped: int) -> None:
+    def check(self, bases: Sequence[Point], moved: Sequence[Point]) -> None:
         """Refuse a budget that does not reach for one step of each parameter and load at the fewest loads."""
-        least = n_bases + n_steps * n_sloped
-        if self.budget.calls + len(self.known) < least:
+        least = self.n_new + sum(point not in self.known for point in dict.fromkeys([*bases, *moved]))
+        if self.budget.calls < least:
             raise DataError(
                 f"the budget is {self.budget.calls} calls of the model; expected {least} or more: one for each of "
-                f"{n_bases} loads and states, and at {n_sloped} of these for a step of each of {n_steps} parameters "
-                "and loads; allow them"
+                f"{len(bases)} loads and states, and {len(moved)} for a step of each parameter and load at the fewest "
+                "that tell their slopes; allow them"
+            )
+
+    def compare(self, point: Point) -> None:
+        """Refuse answers on disk of a model that has changed since, by asking one of them again.
+
+        Raises
+        ------
+        DataError
+            the model answers something else now.
+        """
+        if point not in self.on_disk:
+            return
+        before = self.on_disk[point]
+        now = self.twin.answers.get(point)
+        if now is None:
+            del self.known[point]
+            now = _answered(self.answers([point], len(self.known) + 1)[0])
+        if not np.allclose(now, before, rtol=SAME, atol=SAME * float(np.abs(before).max())):
+            raise DataError(
+                f"{self.budget.answers} holds answers of another model: {before.tolist()} where it answers "
+                f"{now.tolist()} now; expected the same; give another file"
             )
 
     def answers(self, points: Sequence[Point], total: int) -> list[Floats | TwinError]:
@@ -231,7 +261,7 @@ def _read(path: str | Path, names: Sequence[str], readings: Sequence[str]) -> di
     if not file.exists():
         file.write_text(json.dumps(head) + "\n")
         return {}
-    text = file.read_text()
+    text = file.read_text(errors="replace")
     lines = text.splitlines()
     try:
         is_alike = json.loads(lines[0]) == head
@@ -249,9 +279,11 @@ def _read(path: str | Path, names: Sequence[str], readings: Sequence[str]) -> di
     for line in lines[1:]:
         try:
             content = json.loads(line)
-        except ValueError:
+            asked, answer = tuple(map(float, content["asked"])), np.array(content["answer"], dtype=np.float64)
+        except (ValueError, KeyError, TypeError):
             continue
-        found[tuple(content["asked"])] = np.array(content["answer"], dtype=np.float64)
+        if len(asked) == len(names) and answer.shape == (len(readings),):
+            found[asked] = answer
     return found
 
 
