@@ -8,6 +8,8 @@ from octmip.errors import DataError
 
 MOST_EFFECTS = 3
 """Effects that the search puts together, at most."""
+MOST_OFF = 0.5
+"""Sd of a constant over that of its drawing, at most."""
 UNKNOWN_BESIDE = 3
 """Sizes of sets of effects with which the unknown is weighed: none, one and two."""
 
@@ -56,6 +58,11 @@ class Differences:
     constants: float = 0.08
 
     def __post_init__(self) -> None:
+        if not self.constants <= MOST_OFF:
+            raise DataError(
+                f"differences constants is {self.constants}; expected at most {MOST_OFF}, a share of the drawing's: "
+                "0.05 for 5 %"
+            )
         for name in self.__slots__:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0.0):

@@ -1,12 +1,16 @@
 """A model that costs seconds an answer: a stated number of questions, answers on disk, failures named."""
 
 import json
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import Budget, diagnose, function_twin
+from octmip.gap.doors import Range
+from octmip.interfaces.cli import main
 from tests.test_octmip.test_gap_built import RANGES, READINGS, SPRINGS, read, springs, under
 
 
@@ -123,3 +127,34 @@ def test_answers_of_other_loads_on_disk_do_not_make_a_budget_reach(tmp_path):
     with pytest.raises(DataError, match="expected 15 or more"):
         diagnose(read(SPRINGS, under(), 1), twin, budget=Budget(14, answers=file))
     assert not asked
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--constants", "-5"], "--constants is -5; expected per cent above 0, up to 50"),
+        (["--constants", "500"], "--constants is 500; expected per cent above 0, up to 50"),
+        (["--jobs", "2"], "--jobs is for a budget of calls; expected --calls N beside it"),
+        (["--answers", "x.jsonl"], "--answers is for a budget of calls"),
+        (["--calls", "9", "--jobs", "0"], "the budget has 0 jobs"),
+    ],
+)
+def test_the_command_refuses_options_of_a_model_that_say_nothing(words, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    Path("model_here.py").write_text("def spring(p, loads):\n    return [loads['force'] / p['k']]\n")
+    Path("card.json").write_text('{"readings": {"u": "mm"}, "loads": ["force"], "parameters": {"k": [10, 5, 14]}}')
+    rows = [f"T,{f},{f / 10 + 0.01 * (k % 3)}" for f in (10, 20) for k in range(6)]
+    Path("now.csv").write_text("\n".join(["test,force,u", *rows]))
+    with pytest.raises(SystemExit) as ended:
+        sys.exit(main(["diagnose", "now.csv", "--twin", "python:model_here:spring", "--card", "card.json", *words]))
+    assert ended.value.code not in (0, None)
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("low", "high"), [(9.7, 10.3), (9.9, 10.9), (5.0, 10.05)])
+def test_a_slope_is_taken_inside_the_range_however_narrow_that_is(low, high):
+    there, step = Range(10.0, low, high).ahead(0.8)
+    assert low < there < high
+    assert there == pytest.approx(10.0 + step * 0.8)
+    assert abs(there - 10.0) > 0.4 * max(10.0 - low, high - 10.0) or abs(step) == 0.5

@@ -54,7 +54,7 @@ class Budget:
     Raises
     ------
     DataError
-        no positive number of calls.
+        no positive number of calls, or no job.
     """
 
     calls: int
@@ -65,6 +65,8 @@ class Budget:
     def __post_init__(self) -> None:
         if self.calls < 1:
             raise DataError(f"the budget is {self.calls} calls of the model; expected 1 or more; give some")
+        if self.jobs == 0:
+            raise DataError("the budget has 0 jobs; expected 1 or more, or -1 for every core; give some")
 
 
 def within(twin: FunctionTwin, campaigns: Sequence[Campaign], budget: Budget) -> tuple[FunctionTwin, list[str]]:

@@ -76,9 +76,10 @@ class Range:
 
     def ahead(self, sd: float) -> tuple[float, float]:
         """Return the value from which a slope is taken, inside the range, and how many sds it is from the nominal."""
-        inside = self.high - INSIDE * (self.high - self.low)
-        step = SLOPE if self.nominal + SLOPE * sd <= inside else -SLOPE
-        return self.nominal + step * sd, step
+        margin = INSIDE * (self.high - self.low)
+        up, down = self.high - margin - self.nominal, self.nominal - self.low - margin
+        step = SLOPE * sd if SLOPE * sd <= up else -SLOPE * sd if SLOPE * sd <= down else up if up >= down else -down
+        return self.nominal + step, step / sd
 
 
 RangeLike = Range | Sequence[Any]

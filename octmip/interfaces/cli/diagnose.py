@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from octmip.errors import DataError
 from octmip.input.files import read_bytes, write_bytes
 from octmip.input.names import visible
 from octmip.interfaces.cli.answer import print_json, then_written
@@ -43,8 +44,10 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
         read_campaign,
     )
     from octmip.gap.doors import open_twin
+    from octmip.gap.odds import MOST_OFF
     from octmip.gap.twins import CachedTwin
 
+    _check(arguments, MOST_OFF)
     line(f"building the twin {arguments.twin}")
     twin = CachedTwin(open_twin(arguments.twin, arguments.card))
     if arguments.unit:
@@ -70,6 +73,17 @@ def _diagnosed(arguments: argparse.Namespace, line: StageLine) -> Any:
     if isinstance(twin.twin, FunctionTwin):
         twin.twin.watch = lambda n: line(f"diagnosing: {n} answers of the model")
     return diagnose(campaign, twin, commissioning=commissioning, noise_sd=arguments.noise, **settings)
+
+
+def _check(arguments: argparse.Namespace, most_off: float) -> None:
+    """Refuse what the options of a model behind a door do not take."""
+    given = "--jobs" if arguments.jobs != 1 else "--answers" if arguments.answers else ""
+    if given and arguments.calls is None:
+        raise DataError(f"{given} is for a budget of calls; expected --calls N beside it; add it, or drop {given}")
+    if arguments.constants is not None and not 0.0 < arguments.constants <= 100.0 * most_off:
+        raise DataError(
+            f"--constants is {arguments.constants:g}; expected per cent above 0, up to {100 * most_off:g}, such as 5"
+        )
 
 
 def _show(arguments: argparse.Namespace, diagnosis: Any, masthead: Any) -> None:
