@@ -5,6 +5,8 @@ as beams bend; columns and beams are 3 to 12 % off one by one; the roof's weight
 one strain gauge is wrong in the twin, by 12.5 %, as it may be in anybody's.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -20,7 +22,7 @@ UPLIFT = 40.0
 """Force beyond which the base lifts off, or a bolt slips [kN]."""
 
 
-def frame(parameters, loads):  # type: ignore[no-untyped-def]
+def frame(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     springs = SPRING * np.array([parameters[name] for name in STOREYS])
     heights, mass = HEIGHT * np.arange(1, 6), MASS * np.array([1, 1, 1, 1, parameters["roof_mass"]])

@@ -5,6 +5,8 @@ its friction is greater when it is slow (Stribeck), the fan takes a torque with 
 drop 0.4 V. Each constant is 3 to 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -14,7 +16,7 @@ from octmip.gap import FunctionTwin, function_twin
 READINGS = {"current": "A", "speed": "rad/s", "winding": "K", "case": "K", "power": "W"}
 
 
-def motor(parameters, loads):  # type: ignore[no-untyped-def]
+def motor(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     r, k = parameters["resistance"], parameters["magnet"]
     braked = loads["torque"] + parameters["dry_friction"]

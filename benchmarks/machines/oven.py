@@ -5,6 +5,8 @@ The asset radiates, its wall is a node of its own, and its heaters lose a part i
 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -16,7 +18,7 @@ NOMINAL = {"link12": 0.030, "link23": 0.022, "loss1": 0.010, "loss2": 0.006, "lo
            "draught": 0.30}  # fmt: skip
 
 
-def oven(parameters, loads):  # type: ignore[no-untyped-def]
+def oven(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     p, a, b = parameters, loads["front"], loads["back"]
     g12, g23 = p["link12"], p["link23"]

@@ -5,6 +5,8 @@ rises with the temperature, its back is cooled by wind that the user does not kn
 besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -39,7 +41,7 @@ def _curve(light: float, series: float, shunt: float, ideality: float, hot: floa
     )
 
 
-def panel(parameters, loads):  # type: ignore[no-untyped-def]
+def panel(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     p, sun, air = parameters, loads["sun"], loads["air"]
     warm = p["heating"] * sun

@@ -5,6 +5,8 @@ is one number. The asset's head follows speed to the power 1.9, its pipe is betw
 efficiency has a peak, a seal leaks, and the bearing warms by friction too. Each constant is 3 to 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -15,7 +17,7 @@ READINGS = {"flow": "l/s", "lift": "kPa", "pipe": "kPa", "valve": "kPa", "shaft"
 NOMINAL = {"head": 300.0, "curve": 0.8, "pipe_loss": 0.9, "valve_loss": 0.5, "efficiency": 0.62, "warming": 8.0}
 
 
-def pump(parameters, loads):  # type: ignore[no-untyped-def]
+def pump(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     p, speed, opening = parameters, loads["speed"], loads["opening"]
     valve = p["valve_loss"] / opening**2

@@ -5,6 +5,8 @@ asset's hull follows the power 1.85, its propeller's coefficients bend, its engi
 constant is 3 to 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -24,7 +26,7 @@ def _revs(speed: float, thrust: float, grip: float, bend: float = 0.0) -> float:
     return float((-c[1] + np.sqrt(c[1] ** 2 - 4.0 * c[0] * c[2])) / (2.0 * c[0]))
 
 
-def ship(parameters, loads):  # type: ignore[no-untyped-def]
+def ship(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     p, v, draught = parameters, loads["speed"], loads["draught"]
     thrust = p["hull"] * draught * v**2 * (1.0 + p["waves"] * (v / 10.0) ** 4) / 0.85

@@ -4,6 +4,8 @@ The twin's orifices follow the square root of the height. The asset's follow the
 a little, and a pump lifts the outflow. Each constant is 3 to 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -14,7 +16,7 @@ READINGS = {"level1": "cm", "level2": "cm", "level3": "cm", "flow12": "l/min", "
 NOMINAL = {"gate12": 1.9, "gate23": 2.4, "outlet": 2.2, "lift": 3.4, "leak": 0.0}
 
 
-def tanks(parameters, loads):  # type: ignore[no-untyped-def]
+def tanks(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model: from the last tank to the first, the leak by steps."""
     p, first, last = parameters, loads["first"], loads["last"]
     lost = 0.0

@@ -4,6 +4,8 @@ The twin is the equivalent circuit with constant elements. The asset's core satu
 costs a little with the square of the current. Each constant is 3 to 12 % off besides.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchmarks.machines.machine import Machine, Numbers, off
@@ -15,7 +17,7 @@ NOMINAL = {"copper": 0.60, "leakage": 1.1, "core": 900.0, "magnetising": 420.0, 
 RATIO = 0.1
 
 
-def transformer(parameters, loads):  # type: ignore[no-untyped-def]
+def transformer(parameters: Numbers, loads: Numbers) -> Sequence[float]:
     """Return the readings of the user's model."""
     p, volt = parameters, loads["voltage"]
     through = loads["burden"] * RATIO
