@@ -3,7 +3,7 @@
 cases, regression            one file a family of cases: `python -m benchmarks.run NAME`, by the table in `registry`
 oracles, kinds, readers      slow and simple answers, questions and files to hold the code against
 mutants, corruptions         wrong files and wrong code that checks and tests must find
-uav, shells                              studies, each with a command and a page
+uav, shells                             studies, each with a command and a page
 blind, real, machines, plain                                    studies of the diagnosis
 source_map                   the table of levels, and the map of docs/developing.md
 """
