@@ -4,8 +4,6 @@ import highspy
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, Stop, certify, solve
 from octmip.trees.methods.options import OctOptions
 from octmip.trees.mip import oct
@@ -13,6 +11,8 @@ from octmip.trees.mip.benders.root_rows import root_bounds
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.highs import highs, worker
 from octmip.trees.mip.prices import whole_prices
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 from tests.test_octmip.test_mip_benders import SHAPES, mixed
 
 ALL = 10**6

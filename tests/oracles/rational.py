@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.oracles.enumeration import whole_prices
-from benchmarks.oracles.two_feature import partings
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, complexity, predict
+from tests.oracles.enumeration import whole_prices
+from tests.oracles.two_feature import partings
 
 Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features of the split, which)
 
