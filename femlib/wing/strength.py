@@ -7,7 +7,6 @@ import numpy as np
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import Stresses, ply_stresses, solution_quality
 from femlib.assembly.stresses import Faces
-from femlib.mesh import DOFS_PER_NODE
 from femlib.rom.capability import Capability, Limits, full_limits, reduce_capability
 from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import Wing
@@ -48,10 +47,7 @@ def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: 
 
 def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max strain") -> Limits:
     """Return the limits of the wing: plies, buckling, and a deflection of the tip's spar over the half-span."""
-    nodes = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
-    row = np.zeros_like(wing.lift)
-    row[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
-    return Limits(row, tip_limit * wing.span, criterion, wing_faces(wing), CARBON_LENGTH)
+    return Limits(wing.tip_row(), tip_limit * wing.span, criterion, wing_faces(wing), CARBON_LENGTH)
 
 
 def wing_capability(
@@ -80,9 +76,3 @@ def wing_capability(
         return reduce_capability(wing.structure, reduced, chosen, reduced.lift, n_states, n_checks)
     fine = None if finer is None else lambda state: full_limits(finer.structure, wing_limits(finer), finer.lift, state)
     return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks, finer=fine)
-
-
-def full_capability(wing: Wing, state: Mapping[str, float], limits: Limits | None = None) -> FloatArray:
-    """Return the load factors (3,) at which `femlib.rom.capability.LIMITS` are reached, by the full model."""
-    row = np.array([state.get(name, 0.0) for name in wing.parameters])
-    return full_limits(wing.structure, wing_limits(wing) if limits is None else limits, wing.lift, row)
