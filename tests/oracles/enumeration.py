@@ -42,8 +42,8 @@ def optimum(problem: Problem) -> Optimum:
         cost, label = min((sum(column), k) for k, column in enumerate(costs))
         return cost, Leaf(label)
 
-    cost, *others = least(problem, leaf, prices[-1][0])
-    return Optimum(float(cost / denominator), *others)
+    cost, n_splits, n_sensors, tree = least(problem, leaf, prices[-1][0])
+    return Optimum(float(cost / denominator), n_splits, n_sensors, tree)
 
 
 def least(
