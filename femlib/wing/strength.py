@@ -8,7 +8,6 @@ from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import Stresses, ply_stresses, solution_quality
 from femlib.assembly.stresses import Faces
 from femlib.rom.capability import Capability, Limits, full_limits, reduce_capability
-from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
 from femlib.wing.structure import CARBON_LENGTH
@@ -32,7 +31,7 @@ def wing_stresses(
     Strains are means over `CARBON_LENGTH`; the stress of the skin is that of its equivalent layer. `error` is the root
     of the share of energy that is the mesh's, a mean: of the peak `wing_capability` has an error, by a finer wing.
     """
-    moved, factor = wing.solve(state, load_factor, lift).ravel(), stiffness_factor(wing, state)
+    moved, factor = wing.solve(state, load_factor, lift).ravel(), wing.structure.left_in(state)
     shells = wing.structure.shells
     error = float(np.sqrt(solution_quality(shells, moved, factor).displacement_error)) if load_factor else 0.0
     return ply_stresses(shells, moved, factor, error, wing_faces(wing), length=CARBON_LENGTH)
@@ -41,7 +40,7 @@ def wing_stresses(
 def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> Judged:
     """Return the forces and moments (n_nodes, 6) [N, N m] of the root on the nodes; arguments and errors as `solve`."""
     moved = wing.solve(state, load_factor, lift).ravel()
-    held = wing.structure.reactions(moved, wing.load(load_factor, lift), stiffness_factor(wing, state))
+    held = wing.structure.reactions(moved, wing.load(load_factor, lift), wing.structure.left_in(state))
     return judged(held, wing.mesh_error)
 
 

@@ -16,7 +16,6 @@ from femlib.errors import InputError, frozen_floats
 from femlib.export import calculix
 from femlib.export.calculix import Deck
 from femlib.export.calculix_results import element_points
-from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import MICRO, Wing
 
 N_POINTS = 8
@@ -66,7 +65,7 @@ def write_deck(
         shells=wing.structure.shells,
         supports=wing.structure.supports,
         load=wing.load(load_factor, lift),
-        factor=stiffness_factor(wing, state),
+        factor=wing.structure.left_in(state),
         temperature=temperature,
         expansion_factor=expansion,
         analysis="large deflection" if large_deflection else "linear",
