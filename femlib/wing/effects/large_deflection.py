@@ -23,7 +23,7 @@ from femlib.arrays import FloatArray
 from femlib.assembly import CorotatedShells, Deflection
 from femlib.kept import Kept
 from femlib.wing.bent import gauge_strains
-from femlib.wing.effects.card import WingEffect, no_force
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 
 SMALL_LOAD = 0.02
@@ -102,7 +102,6 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection",),
         load_power=None,
         response=response,
-        force=no_force(response),
         is_one_sided=True,
         signature_error=0.3,
         powers=Powers(response),
