@@ -8,10 +8,14 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes: modules are compiled once, whatever the environment says.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: uav blind test lint lint-python lint-python-then-test-rust test-rust pytest wheel site verified tools benchmarks clean
+.PHONY: uav mission blind test lint lint-python lint-python-then-test-rust test-rust pytest wheel site verified tools benchmarks clean
 
 uav: $(VENV)/.installed
 	@$(BIN)/python -m benchmarks.uav $(if $(STRAINS),--strains $(STRAINS)) $(ARGS)
+
+# The page of one mission; every table of docs/mission.md: make mission ARGS="--policies"
+mission: $(VENV)/.installed
+	@$(BIN)/python -m benchmarks.uav.mission $(if $(STRAINS),--strains $(STRAINS) --out results/uav/mission/published) $(ARGS)
 
 # Sealed cases, diagnosed without their keys, then scored: make blind ARGS="--cases 600 --seed 7 --out blind"
 blind: $(VENV)/.installed

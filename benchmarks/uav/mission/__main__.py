@@ -1,0 +1,50 @@
+"""`python -m benchmarks.uav.mission`: the page of one mission; with --policies their table, and a picture of it."""
+
+import argparse
+import time
+from pathlib import Path
+
+from benchmarks.main_program import run_main
+from benchmarks.uav.mission.aircraft import build_aircraft
+from benchmarks.uav.mission.flight import recorded
+from benchmarks.uav.mission.histories import KINDS
+from benchmarks.uav.mission.page import flight_page
+from benchmarks.uav.mission.policy_picture import picture
+from benchmarks.uav.mission.policy_table import policy_rows
+from octmip.input.files import write_bytes
+from octmip.interfaces.report.markdown import markdown_table
+
+
+def main() -> None:
+    """Write what the command line asks for."""
+    options = _parser().parse_args()
+    start = time.perf_counter()
+    folder = Path(options.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    aircraft = build_aircraft(folder, options.strains, options.seed)
+    print(f"{aircraft.source}: trees read {', '.join(aircraft.selector.gauges_read)}", flush=True)
+    for kind in options.pages:
+        path = folder / f"mission_{kind.replace(' ', '_')}.html"
+        write_bytes(path, flight_page(aircraft, recorded(aircraft, kind, options.seed)).encode())
+        print(f"page: {path.resolve()}", flush=True)
+    if options.policies:
+        rows = policy_rows(aircraft, options.missions, options.seed, options.kinds)
+        picture(rows).savefig(folder / "policies.png", dpi=110)
+        print(f"\n{markdown_table(rows)}", flush=True)
+    print(f"{time.perf_counter() - start:.0f} s; all lies in {folder.resolve()}")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.uav.mission", description=__doc__)
+    parser.add_argument("--strains", help="published strain table (CSV); default: strains of femlib's wing")
+    parser.add_argument("--pages", nargs="*", choices=KINDS, default=KINDS[:1], help="missions to play")
+    parser.add_argument("--policies", action="store_true", help="print their table and draw it as well")
+    parser.add_argument("--kinds", nargs="*", choices=KINDS, default=KINDS, help="missions of the policy table")
+    parser.add_argument("--missions", type=int, default=10_000, help="missions of each policy")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--out", default="results/uav/mission/wing")
+    return parser
+
+
+if __name__ == "__main__":
+    run_main(main)

@@ -1,0 +1,167 @@
+"""Policies: from what is known at a step, whether the next is flown at 2 g (cautious) or at 3 g.
+
+The paper's: fall back to 2 g when either tree's estimate exceeds 40 %. The twin's limit instead of 40 %: when a turn at
+3 g would break the wing with more than one chance in a thousand, in the state that the trees name, or with a
+probability over a level in the filter's belief. The planner weighs all later steps (`planner.py`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.uav.mission.aircraft import CRITICAL, RATES, WEAR, Aircraft
+from benchmarks.uav.mission.capable import chance_of_failing
+from benchmarks.uav.mission.planner import Planner, cell_points
+from octmip.monitor import Belief, Filter, Finding, MonitorState, Watch, explain
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+OVER = 1e-3
+"""A state is over the limit if a turn at 3 g breaks the wing with more than this chance."""
+SLOW, FAST = 0, 1
+"""Of a pilot's filters: damage grows as at 2 g, as at 3 g."""
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """A rule for deciding.
+
+    Attributes
+    ----------
+    name
+        in the table.
+    estimator
+        "truth", "nothing", "trees" or "filter".
+    rule
+        "paper", "limit", "plan", "always" or "never".
+    level
+        of the rule "limit": probability of a state over the limit that is borne.
+    has_watch
+        whether an alarm, too, leads to caution, and a faulty gauge is left out.
+    """
+
+    name: str
+    estimator: str
+    rule: str
+    level: float = 0.5
+    has_watch: bool = False
+
+
+POLICIES = (
+    Policy("oracle (bound of full information)", "truth", "plan"),
+    Policy("always cautious", "nothing", "always"),
+    Policy("never cautious", "nothing", "never"),
+    Policy("trees, 40 % (the paper's)", "trees", "paper"),
+    Policy("trees, the twin's limit", "trees", "limit"),
+    Policy("filter, P(over limit) > 10 %", "filter", "limit", 0.1),
+    Policy("filter, P(over limit) > 2 %", "filter", "limit", 0.02),
+    Policy("planner", "filter", "plan"),
+    Policy("planner, watch", "filter", "plan", has_watch=True),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Brain:
+    """What all pilots of an aircraft share.
+
+    Attributes
+    ----------
+    filters
+        of damage that grows as at 2 g, and as at 3 g.
+    planner
+        over the filters' cells.
+    over
+        (n_states,) share of each cell that is over the limit.
+    """
+
+    filters: tuple[Filter, Filter]
+    planner: Planner
+    over: Floats
+
+    @classmethod
+    def of(cls, aircraft: Aircraft, n_cells: int) -> "Brain":
+        """Return the brain of an aircraft, with n_cells x n_cells cells."""
+        slow, fast = (aircraft.filter(n_cells, wear=wear) for wear in (WEAR, 1.0))
+        library = fast.library
+        over = chance_of_failing(cell_points(library, aircraft.capable), 3.0) > OVER
+        planner = Planner.of(library, (slow.growth, fast.growth), aircraft.capable)
+        return cls((slow, fast), planner, over.mean(axis=1))
+
+
+class Pilot:
+    """A policy at work on n aircraft at once; `rates` (n, 2) are their true growth rates, for the oracle alone."""
+
+    def __init__(
+        self, policy: Policy, aircraft: Aircraft, n: int, brain: Brain, watch: Watch | None, rates: Floats | None = None
+    ) -> None:
+        self.policy, self.aircraft, self.n, self.brain = policy, aircraft, n, brain
+        self.watch = watch if policy.has_watch else None
+        self.belief: Belief | None = brain.filters[FAST].start(n, state=0) if policy.estimator == "filter" else None
+        self.monitor_state: MonitorState | None = None if self.watch is None else self.watch.start(n)
+        self.faulty = np.full(n, -1)
+        self.is_outside = np.zeros(n, dtype=bool)
+        self.findings: dict[int, Finding] = {}
+        near = np.zeros((n, 2)) if rates is None else rates
+        first, second = np.abs(near[:, :, None] - np.array(RATES)).argmin(axis=2).T
+        self.rate = first * len(RATES) + second  # combinations of rates, the last parameter's fastest
+
+    def decide(self, readings: Floats, loads: Floats, truth: Floats, x: Floats) -> Flags:
+        """Return who flies the next step at 2 g, after readings (n, n_gauges) at known loads (n,), at places x (n,)."""
+        if self.policy.rule in ("always", "never"):
+            return np.full(self.n, self.policy.rule == "always")
+        if self.policy.estimator == "truth":
+            return self._knowing(truth, x)
+        if self.belief is None:
+            return self._by_trees(readings, loads)
+        self.belief = self._heard_of(self.belief, self._heard(readings, loads), loads)
+        if self.policy.rule == "plan":
+            return self.brain.planner.is_cautious(self.belief.weights, x) | self.is_outside
+        if self.policy.rule == "limit":
+            return np.asarray(self.belief.expectation(self.brain.over) > self.policy.level) | self.is_outside
+        median = np.column_stack([self.belief.quantile(name, 0.5) for name in ("mu1", "mu2")])
+        return np.asarray((median > CRITICAL).any(axis=1)) | self.is_outside
+
+    def _knowing(self, truth: Floats, x: Floats) -> Flags:
+        library = self.brain.filters[FAST].library
+        n_cells = len(np.unique(library.states[:, 0]))
+        first, second = np.clip((truth[:, :2] / library.widths).astype(np.intp), 0, n_cells - 1).T
+        bears = self.aircraft.capable.bears(truth)
+        return np.asarray(self.brain.planner.is_cautious_knowing(bears, self.rate, first * n_cells + second, x))
+
+    def _by_trees(self, readings: Floats, loads: Floats) -> Flags:
+        selector = self.aircraft.selector
+        told = np.asarray(selector.library.states[selector.compiled.labels(readings / loads[:, None])])
+        if self.policy.rule == "paper":
+            return np.asarray((told > CRITICAL).any(axis=1))
+        return np.asarray(self.aircraft.capable.fails(told, 3.0) > OVER)
+
+    def _heard_of(self, belief: Belief, readings: Floats, loads: Floats) -> Belief:
+        """Return the belief after a step flown at `loads` (n,) and its readings."""
+        slow, fast = (chain.growth.advance(belief.weights) for chain in self.brain.filters)
+        weights = np.where((loads < 3.0)[:, None, None], slow, fast)
+        return self.brain.filters[FAST].observe(Belief(belief.library, weights), readings, loads)
+
+    def _heard(self, readings: Floats, loads: Floats) -> Floats:
+        """Return the readings without faulty gauges, after the watch has looked at them."""
+        if self.watch is None or self.monitor_state is None:
+            return readings
+        readings = self._without_faulty(readings)
+        before = self.monitor_state.is_alarm
+        self.monitor_state = self.watch.observe(self.monitor_state, readings, loads)
+        for row in np.flatnonzero(self.monitor_state.is_alarm & ~before & ~self.is_outside):
+            finding = explain(self.watch, self.monitor_state, int(row))
+            self.findings[int(row)] = finding
+            if finding.kind == "gauge" and self.faulty[row] < 0:
+                self.faulty[row] = self.aircraft.gauges.index(finding.name)
+                self.monitor_state = self.watch.restarted(self.monitor_state, int(row))
+            else:
+                self.is_outside[row] = True
+        return self._without_faulty(readings)
+
+    def _without_faulty(self, readings: Floats) -> Floats:
+        rows = np.flatnonzero(self.faulty >= 0)
+        readings = readings.copy()
+        readings[rows, self.faulty[rows]] = np.nan
+        return readings
