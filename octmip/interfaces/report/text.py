@@ -11,7 +11,6 @@ from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
 from octmip.trees.classes import words_of_order
 from octmip.trees.problem import Problem
-from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Progress, Solution, relative_gap
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
 from octmip.trees.tree import condition as named_condition
@@ -79,10 +78,10 @@ def percent(share: float) -> str:
 def solution_text(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     loss, is_number = problem.loss, problem.loss.predicts == "number"
-    proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
+    proof = "proven optimal" if solution.meets_bound else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
-    elif scope := visible(narrow_scope(solution)):
+    elif scope := visible(solution.scope):
         proof += f" among {scope}"
     elif is_number and solution.tolerance > 0:
         proof += f" within {solution.tolerance:.1g}"

@@ -191,7 +191,7 @@ def _bounded(
     assert shallower.tree is not None
     tree, objective = better(problem, shallower.tree, known)
     bound = _one_level_deeper(problem, shallower.bound)
-    open_stop = Stop.FINISHED if shallower.is_optimal else shallower.stop
+    open_stop = Stop.FINISHED if shallower.meets_bound else shallower.stop
     return replace(
         shallower,
         tree=tree,

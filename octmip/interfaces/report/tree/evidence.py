@@ -14,7 +14,6 @@ from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.proof import ProofReport
 from octmip.trees.registry import Run
-from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
@@ -144,14 +143,14 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
     shallower = range(1, _levels(file, problem))
     points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
-    bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
+    bound = -math.inf if file.solution.scope else file.solution.bound
     found = []
     for one, solution in solved:
         other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None
-        proven = solution.objective if solution.is_optimal else max(solution.bound, bound)
+        proven = solution.objective if solution.meets_bound else max(solution.bound, bound)
         found.append(DepthPoint(one.depth, solution.objective, proven, other))
     own = file.solution
-    proven = own.objective if own.is_optimal else own.bound
+    proven = own.objective if own.meets_bound else own.bound
     return (*found, DepthPoint(_levels(file, problem), own.objective, proven, greedy.objective))
 
 
