@@ -1,12 +1,12 @@
 """Sensors: which to install, for how many labels at once, and what a failed one would have read.
 
 placement   the sensors that the best tree reads and the value of each further one, with a bound; sensors chosen by
-            rules and designs of experiment, to compare with
+            rules, to compare with
 sensor_sets trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
 imputation  the reading of a failed gauge, from what the others say
 """
 
-from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
+from octmip.sensing.designs import by_chance, by_reading, by_tree
 from octmip.sensing.imputation import Imputation
 from octmip.sensing.joint_solution import JointSolution, certify_joint
 from octmip.sensing.placement import (
@@ -21,11 +21,9 @@ from octmip.sensing.sensor_sets import shared_budget
 
 __all__ = [
     "Imputation",
-    "InformationDesign",
     "JointSolution",
     "Placement",
     "by_chance",
-    "by_information",
     "by_reading",
     "by_tree",
     "certify_joint",
