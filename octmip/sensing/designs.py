@@ -85,14 +85,7 @@ def _thinned(problem: Problem, rows: int | None, seed: int) -> Problem:
     shuffled = np.random.default_rng(seed).permutation(problem.n_samples)
     by_class = shuffled[np.argsort(problem.codes[shuffled], kind="stable")]
     kept = np.sort(by_class[np.linspace(0, problem.n_samples - 1, rows).round().astype(np.int64)])
-    return replace(
-        problem,
-        features=problem.features[kept],
-        targets=problem.targets[kept],
-        weights=problem.weights[kept],
-        leaf_size=1,
-        leaf_weight=None,
-    )
+    return problem.of_rows(kept, leaf_size=1, leaf_weight=None)
 
 
 def _payable(problem: Problem, chosen: Iterable[str], budget: float) -> list[str]:
