@@ -66,8 +66,6 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     options: ExactOptions = ExactOptions(),  # noqa: B008 (frozen)
-    check_log: bool = True,
-    whole_coefficients: int | None = None,
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
@@ -88,14 +86,8 @@ def two_feature_branch_and_bound(
     progress
         called every few hundredths of a second.
     options
-        the proof's log takes a second search, about as long. ``checkpoint`` is an entry here, which keeps the open
-        nodes of a proof of depth 2.
-    check_log
-        the log is written once that check accepts it, which takes up to ten times as long; without it, it is
-        written unchecked.
-    whole_coefficients
-        lines get whole-numbered coefficients of at most this size wherever some part the node's
-        samples alike. A wish; `Problem.integer_normals` is a condition.
+        the proof's log takes a second search, about as long, and is written once the checker accepts it, which takes
+        up to ten times as long. ``checkpoint`` is an entry here, which keeps the open nodes of a proof of depth 2.
 
     Raises
     ------
@@ -144,7 +136,6 @@ def two_feature_branch_and_bound(
     with contextlib.nullcontext() if kept is None else kept.going_on():
         result = _native.two_feature_branch_and_bound(
             *call,
-            whole_coefficients=whole_coefficients,
             checkpoint=None if kept is None else (kept.every, save, state),
         )
     found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.features)
@@ -169,7 +160,7 @@ def two_feature_branch_and_bound(
     )
     if proof is not None:
         with logged(proof, Stop(stop), lambda: solution):
-            _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+            _write_proof(problem, native, costs, bound, (solution, n_jobs), Path(proof))
         return replace(solution, seconds=time.perf_counter() - start)
     return solution
 
@@ -257,11 +248,11 @@ def _write_proof(
     native: _native.Problem,
     costs: IntegerCosts,
     claim: int,
-    given: tuple[Solution, int, bool],
+    given: tuple[Solution, int],
     path: Path,
 ) -> None:
-    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
-    solution, n_jobs, check_log = given
+    """Write the log of a claim, if the checker accepts it; else raise a `ProofError`."""
+    solution, n_jobs = given
     body = _native.prove_two_feature(native, claim, n_jobs)
     if body is None:
         raise _no_log(
@@ -273,7 +264,7 @@ def _write_proof(
         check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
 
     try:
-        write_log(path, header + body + "end\n", check if check_log else None)
+        write_log(path, header + body + "end\n", check)
     except CertificateError as error:
         raise _no_log(path, f"the checker refuses it ({error})", solution) from error
 
