@@ -55,7 +55,7 @@ def test_the_line_is_the_one_with_the_widest_margin() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"depth": 4}, "depth is 4"),
+        ({"depth": 3}, "depth is 3 but two-feature trees are proven to depth 2"),
         ({"depth": 1, "split_size": 3}, "3 features"),
     ],
 )
