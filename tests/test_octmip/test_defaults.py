@@ -70,9 +70,6 @@ EVERYWHERE = {
 OWN = {
     **dict.fromkeys([("OptimalTreeClassifier", "seconds"), ("OptimalTreeRegressor", "seconds")], 60.0),
     **dict.fromkeys([("OptimalTreeClassifier", "takes_missing"), ("OptimalTreeRegressor", "takes_missing")], True),
-    ("by_tree", "limits"): Limits(nodes=10),
-    ("by_tree", "options"): {"restarts": 1, "perturbations": 0},
-    ("by_tree", "method"): "search",
     ("explain", "row"): 0,
     ("explain", "state"): 0,
     ("Limits", "gap"): 0.0,
