@@ -5,8 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, certify
 from octmip.errors import ProblemError
 from octmip.sensing import (
@@ -18,6 +16,8 @@ from octmip.sensing import (
     problem_on,
 )
 from octmip.trees.methods.options import SearchOptions
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 
 def readings(n: int = 120, p: int = 8) -> Problem:

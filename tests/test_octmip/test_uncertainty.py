@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.cases.leaf_calibration import calibration_error
 from octmip import Leaf, OptimalTreeClassifier, Problem, Split, solve
 from octmip.errors import ProblemError
 from octmip.trees.solution import Stop
@@ -77,6 +76,13 @@ def noisy(n, seed):
     rng = np.random.default_rng(seed)
     features = rng.normal(size=(n, 6))
     return features, np.where(rng.random(n) < 0.2, (features[:, 0] > 0).astype(int), rng.integers(0, 3, n))
+
+
+def calibration_error(table, codes):
+    """Return the expected calibration error of probabilities (n, n_classes), ten bins of the greatest in each row."""
+    given, is_hit = table.max(axis=1), table.argmax(axis=1) == codes
+    bins = np.ceil(given * 10).astype(int)
+    return np.abs(np.bincount(bins, given - is_hit)).sum() / len(codes)
 
 
 def test_shares_of_training_rows_are_too_high_and_those_corrected_out_of_fold_are_not():
