@@ -11,9 +11,9 @@ from typing import Any
 
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
+from octmip.interfaces.report.new_rows import counts_errors
 from octmip.interfaces.report.text import number, percent, progress_words
 from octmip.trees.certificate import Certificate
-from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
 from octmip.trees.scope import limits_in_words
@@ -139,8 +139,7 @@ def _trees(problem: Problem, solution: Solution) -> str:
 
 def _counts_errors(problem: Problem) -> bool:
     """Whether the objective is the number of wrong samples."""
-    is_count = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
-    return bool(is_count and problem.leaf_penalty == 0 and (problem.weights == 1).all())
+    return problem.leaf_penalty == 0 and counts_errors(problem)
 
 
 def comparison_text(problem: Problem, found: Comparison) -> str:

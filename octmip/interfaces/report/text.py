@@ -38,10 +38,11 @@ def tree_text(
 ) -> str:
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
-    `columns` puts the conditions in words of the table that the features were made from. `counts` are those of
-    `octmip.formats.tree_file.leaf_counts`, leaves from the left.
+    `columns` puts the conditions in words of the table that the features were made from, where these are no plain
+    numbers. `counts` are those of `octmip.formats.tree_file.leaf_counts`, leaves from the left.
     """
     rows = iter([] if counts is None else counts.tolist())
+    columns = None if columns is None or columns.is_plain else columns
 
     def decision(leaf: Leaf) -> str:
         return f"{leaf_text(leaf, feature_names, class_names)}{leaf_note(next(rows, None), leaf.label)}"
