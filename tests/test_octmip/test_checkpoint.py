@@ -80,7 +80,7 @@ def test_a_proof_in_pieces_ends_where_one_proof_does(problem, n_jobs, tmp_path):
 
 
 def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pause(tmp_path):
-    for seed in range(40):
+    for seed in range(20):
         rng = np.random.default_rng([62, seed])
         problem = (wide_problem if seed % 2 else random_problem)(rng)
         options = ExactOptions(checkpoint=tmp_path / str(seed), every=0.0)

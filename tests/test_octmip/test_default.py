@@ -93,8 +93,13 @@ def answer_of(problem, **run):
     return solve_default(problem, Run("auto", Limits(), 0, **run))
 
 
-def test_the_default_is_the_best_step_of_all_families_and_is_certified():
-    found = answer_of(IRIS)
+@pytest.fixture(scope="module")
+def of_iris():
+    return answer_of(IRIS)
+
+
+def test_the_default_is_the_best_step_of_all_families_and_is_certified(of_iris):
+    found = of_iris
     certify(found.problem, found.solution)
     assert {step.family.words for step in found.choice.steps} == {family.words for family in default_families(IRIS)}
     least = min(step.validation_cost for step in found.choice.steps)
@@ -118,9 +123,9 @@ def test_the_family_of_any_tree_begins_at_the_trees_of_all_others():
     assert best[-1] == min(best) == 2.0 * 15
 
 
-def test_one_seed_gives_one_choice_on_one_thread_and_on_two():
+def test_one_seed_gives_one_choice_on_one_thread_and_on_two(of_iris):
     """Processes are asked in `test_choice`, which takes the folds by the same lines."""
-    alone, threads = answer_of(IRIS, n_jobs=1), answer_of(IRIS, n_jobs=2)
+    alone, threads = of_iris, answer_of(IRIS, n_jobs=2)
     assert threads.choice.steps == alone.choice.steps
     assert threads.solution.tree == alone.solution.tree
     assert threads.solution.bound == alone.solution.bound
@@ -128,24 +133,17 @@ def test_one_seed_gives_one_choice_on_one_thread_and_on_two():
 
 
 def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
-    weights = RNG.integers(1, 3, 150)
-    weighed = answer_of(replace(IRIS, weights=weights))
-    repeated = answer_of(
-        replace(
-            IRIS,
-            features=np.repeat(IRIS.features, weights, 0),
-            targets=np.repeat(IRIS.targets, weights),
-            weights=np.ones(weights.sum()),
-        )
-    )
+    features, targets, weights = IRIS.features[::3, 1:], IRIS.targets[::3], RNG.integers(1, 3, 50)
+    weighed = answer_of(Problem(features, targets, depth=1, weights=weights))
+    repeated = answer_of(Problem(np.repeat(features, weights, 0), np.repeat(targets, weights), depth=1))
     assert weighed.solution.tree == repeated.solution.tree
     assert weighed.choice.chosen == repeated.choice.chosen
 
 
 def test_numbers_are_chosen_for_by_the_same_mechanism():
     rng = np.random.default_rng(0)
-    X = rng.random((80, 2))
-    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=80) / 5, depth=1, loss=SquaredError())
+    X = rng.random((40, 2))
+    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=40) / 5, depth=1, loss=SquaredError())
     found = answer_of(problem)
     assert certify(found.problem, found.solution).n_splits <= 3
     assert found.solution.tree.feature == 0

@@ -33,7 +33,7 @@ def test_dyadic_numbers_are_whole_in_the_largest_unit(options, unit):
     assert (costs.unit, costs.tolerance) == (unit, 0.0)
 
 
-@pytest.mark.parametrize("first", range(0, 100, 50))
+@pytest.mark.parametrize("first", range(0, 50, 50))
 @pytest.mark.parametrize("most_own_rows", [0, 64])
 def test_no_cost_on_the_grid_is_above_the_true_one_in_exact_arithmetic(first, most_own_rows, monkeypatch):
     monkeypatch.setattr(grid, "MOST_OWN_ROWS", most_own_rows)

@@ -46,7 +46,7 @@ def prunings(problem: Problem, node: Node) -> list[Node]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     problem = random(seed)
     one = METHODS[method](replace(problem, max_splits=1))
@@ -61,7 +61,7 @@ def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     assert solve(problem, "exact").objective <= two.objective <= one.objective
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_features_of_hyperplanes_are_counted_one_by_one(seed):
     problem = random(seed, split="hyperplane")
     for method in ("oct_h", "flow"):
@@ -71,7 +71,7 @@ def test_features_of_hyperplanes_are_counted_one_by_one(seed):
         assert solution.details["scope"].endswith("with at most 1 feature in all splits")
 
 
-@pytest.mark.parametrize("seed", [*range(4), *range(5, 20)])  # the tree of seed 4 has too many prunings to list
+@pytest.mark.parametrize("seed", [*range(4), *range(5, 12)])  # the tree of seed 4 has too many prunings to list
 def test_a_tree_is_pruned_to_the_best_of_all_its_prunings(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=9, max_depth=3)

@@ -83,7 +83,7 @@ def test_a_price_that_float64_adds_to_a_whole_cost_proves_no_more_than_the_truth
 def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch):
     core = _native.regression
     n_early = 0
-    for seed in range(30):
+    for seed in range(15):
         drawn = random_problem(np.random.default_rng([77, seed]), loss, max_samples=9)
         costs = np.arange(1.0, drawn.n_features + 1)
         columns = drawn.features + 0.01 * np.arange(len(drawn.features))[:, None]
@@ -101,7 +101,7 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
             early = exact_regression(problem)
             assert Fraction(early.bound) <= least, (seed, last)
             n_early += early.stop is Stop.NODES
-    assert n_early > 30
+    assert n_early > 15
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)

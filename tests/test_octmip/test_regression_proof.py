@@ -18,7 +18,7 @@ from octmip.trees.regression.exact import exact_regression
 from octmip.trees.regression.proof_log import write_proof
 from octmip.trees.solution import Stop
 
-N_RANDOM = 25
+N_RANDOM = 12
 
 
 def strains(loss: str, depth: int = 3) -> Problem:

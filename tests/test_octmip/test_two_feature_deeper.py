@@ -23,7 +23,7 @@ def mixed(depth: int) -> Problem:
 
 def test_a_bound_of_depth_three_is_never_above_the_optimum_of_enumeration() -> None:
     n_positive = 0
-    for seed in range(80):
+    for seed in range(50):
         rng = np.random.default_rng([3, seed])
         problem = random_two_feature_problem(rng, depth=3, max_samples=7)
         # Few different points: where lines part all samples, the optimum is 0 and so is every bound.
@@ -33,7 +33,7 @@ def test_a_bound_of_depth_three_is_never_above_the_optimum_of_enumeration() -> N
         optimum = float(least_cost(problem))
         assert solution.bound <= optimum <= solution.objective, f"seed {seed}"
         n_positive += solution.bound > 0
-    assert n_positive >= 5
+    assert n_positive >= 3
 
 
 def test_the_bound_is_twice_that_of_depth_two_less_what_all_samples_cost() -> None:

@@ -18,7 +18,7 @@ from octmip.trees.proof import check_proof
 @pytest.mark.parametrize("depth", [1, 2])
 def test_every_log_proves_the_optimum_of_enumeration(depth: int, tmp_path: Path) -> None:
     path = tmp_path / "proof.log"
-    for seed in range(50):
+    for seed in range(25):
         rng = np.random.default_rng([71, depth, seed])
         problem = random_two_feature_problem(rng, depth=depth, max_samples=9)
         solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=path))
@@ -26,7 +26,7 @@ def test_every_log_proves_the_optimum_of_enumeration(depth: int, tmp_path: Path)
         assert report.bound == pytest.approx(float(least_cost(problem)), rel=1e-12), f"seed {seed}"
 
 
-@pytest.mark.parametrize("first", [2000, 2040])
+@pytest.mark.parametrize("first", [2000])
 def test_no_corruption_that_changes_the_claim_is_accepted(first: int) -> None:
     assert not [seed for seed in range(first, first + 40) if corrupted("two features", seed)[1] == "wrong"]
 

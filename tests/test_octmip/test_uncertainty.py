@@ -109,7 +109,7 @@ def test_the_brier_score_is_the_sum_of_its_parts_with_weights_too():
 def test_randomised_sets_hold_the_truth_as_often_as_said_and_no_more(n):
     rng = np.random.default_rng(n)
     hits = []
-    for _ in range(1500):
+    for _ in range(800):
         table, codes = coin(rng, n + 20)
         found = calibrate_sets(table[:n], codes[:n], coverage=0.8, rng=rng)
         hits.append(found.sets(table[n:], rng)[np.arange(20), codes[n:]].mean())
@@ -201,7 +201,7 @@ def noisy(n, seed):
 
 def test_shares_of_training_rows_are_too_high_and_those_corrected_out_of_fold_are_not():
     errors = {0.0: [], "out-of-fold": []}
-    for seed in range(6):
+    for seed in range(4):
         fresh, codes = noisy(20_000, seed + 100)
         for smoothing, found in errors.items():
             model = OptimalTreeClassifier(max_depth=2, smoothing=smoothing).fit(*noisy(1500, seed))
