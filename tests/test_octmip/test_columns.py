@@ -122,13 +122,6 @@ def test_numbers_among_texts_are_found_again_where_a_reader_took_them_for_number
     assert columns.encode(pd.DataFrame({"code": [2.0, 1.0]})).tolist() == [[0, 1, 0], [1, 0, 0]]
 
 
-def test_words_for_missing_among_numbers_are_missing():
-    columns = Columns.learn(pd.DataFrame({"x": ["1.5", "?", "NA", "0.1"]}))
-    assert columns.columns[0].has_missing
-    assert columns.columns[0].least == 0.1
-    np.testing.assert_array_equal(columns.encode(pd.DataFrame({"x": ["1.5", "?"]})), [[1.5], [np.nan]])
-
-
 def test_a_question_mark_among_texts_is_missing():
     columns = Columns.learn(pd.DataFrame({"x": ["a", "?", "b", "NA"]}))
     assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")
@@ -175,12 +168,6 @@ def test_texts_are_values_up_to_half_of_the_rows_and_a_hundred(n_values, n_rows,
     table = pd.DataFrame({"x": [f"t{k % n_values}" for k in range(n_rows)]})
     with pytest.raises(ColumnsError, match=sentence) if sentence else nullcontext():
         assert len(Columns.learn(table).feature_names) == n_values
-
-
-@pytest.mark.parametrize(("option", "column"), [({"categories": "refuse"}, "colour"), ({"missing": "refuse"}, "age")])
-def test_encoding_can_be_refused(option, column):
-    with pytest.raises(ColumnsError, match=column):
-        Columns.learn(frame()[[column]], **option)
 
 
 def test_a_column_without_missing_readings_in_training_refuses_them_later():

@@ -169,13 +169,6 @@ def test_the_families_are_those_of_the_study_of_tables(problem, words):
     assert [family.words for family in default_families(problem)] == words
 
 
-def test_of_noise_nothing_is_expected():
-    rng = np.random.default_rng(1)
-    noise = Problem(rng.random((120, 3)), rng.integers(2, size=120), depth=1)
-    found = answer_of(noise)
-    assert found.choice.expectation.tree.low < 0.5 < found.choice.expectation.tree.high
-
-
 def test_rows_too_few_to_choose_by_get_one_split_and_the_reason():
     found = answer_of(Problem([[0.0], [1.0]], ["a", "b"], depth=1))
     assert found.choice is None

@@ -65,12 +65,6 @@ def test_costs_weigh_the_errors():
         assert fitted.predict([[0]]) == [told]
 
 
-def test_a_class_weight_that_is_none_is_refused():
-    for wrong in ("heavy", {"z": 2.0}):
-        with pytest.raises(ValueError, match="class"):
-            OptimalTreeClassifier(class_weight=wrong).fit([[0.0], [1.0]], ["a", "b"])
-
-
 def test_threads_and_seeds_are_what_scikit_learn_means_by_them():
     assert (threads_of(None), threads_of(3), threads_of(-1)) == (1, 3, joblib.cpu_count())
     with joblib.parallel_config(n_jobs=2):

@@ -64,19 +64,6 @@ def test_every_bound_of_costs_is_valid_by_itself(seed):
         assert alone.objective == alone.bound == least, kept
 
 
-@pytest.mark.parametrize("seed", range(2))
-@pytest.mark.parametrize("n_features", [3, 8, 9, 12, 20])
-def test_gains_are_the_same_for_groups_of_few_features_as_by_walks(n_features, seed):
-    problem = cost_problem(np.random.default_rng([78, seed]), 150, n_features, 2)
-    errors = 1.0 - np.eye(len(problem.costs))
-    large = np.random.default_rng(seed).integers(1, 500, errors.shape) * errors  # sums of 32 bits: groups half as large
-    for costs in (problem.costs, errors, large):
-        asked = replace(problem, loss=ClassCosts(costs), leaf_size=1)
-        with without("buckets"):
-            plain = branch_and_bound(asked)
-        assert branch_and_bound(asked).objective == plain.objective
-
-
 def in_smaller_units(problem, **options):
     """Return a problem whose costs are 20 times as much, and 7 more whatever is predicted for the first class."""
     costs = problem.costs * 20

@@ -1,7 +1,6 @@
 """Every formulation against exhaustive enumeration, known optima, and what HiGHS must not be believed."""
 
 import csv
-import math
 import re
 from functools import partial
 from pathlib import Path
@@ -12,14 +11,12 @@ import pytest
 from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.errors import SolverError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
-from octmip.trees.mip.rows_file import write_rows
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
@@ -173,19 +170,6 @@ def test_a_gap_that_is_reached_stops_and_says_so():
     assert solution.gap <= 0.9
 
 
-def test_ctrl_c_returns_incumbent_and_bound():
-    def interrupt(state):
-        if state.seconds > 0.3:
-            raise KeyboardInterrupt
-
-    problem = uci("iris", depth=2)
-    solution = solve_oct(problem, limits=Limits(seconds=60), progress=interrupt)
-    certify(problem, solution)
-    assert solution.stop is Stop.INTERRUPTED
-    assert solution.objective == 6
-    assert math.isfinite(solution.bound)
-
-
 def test_what_progress_raises_comes_out():
     def fail(state):
         raise ValueError("no progress bar here")
@@ -194,22 +178,9 @@ def test_what_progress_raises_comes_out():
         solve_oct(uci("iris", depth=2), limits=Limits(seconds=60), progress=fail)
 
 
-def test_progress_is_reported_and_the_bound_never_falls():
-    states = []
-    solve_oct(uci("iris", depth=2), limits=Limits(seconds=1.0), progress=states.append)
-    bounds = [state.bound for state in states]
-    assert len(states) > 5
-    assert bounds == sorted(bounds)
-
-
 def test_highs_says_nothing_on_standard_output(capfd):
     solve_oct(blobs(depth=2))
     assert capfd.readouterr() == ("", "")
-
-
-def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):
-    with pytest.raises(SolverError, match=r"\.mps or \.lp"):
-        write_rows(encode(blobs(depth=1)).rows, tmp_path / "model.txt", "a model")
 
 
 @pytest.mark.parametrize("seed", range(100, 110))

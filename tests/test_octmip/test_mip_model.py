@@ -14,7 +14,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import hyperplane_problem, random_problem
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify
-from octmip.errors import DataError, ProblemError, SolverError
+from octmip.errors import ProblemError, SolverError
 from octmip.trees.mip import rows_file
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.model_rows import Answer, model_of
@@ -121,13 +121,6 @@ def test_costs_that_are_no_whole_numbers_come_back_in_the_units_of_the_problem()
     solution = octmip.solution_of(model, solved(model))
     assert solution.objective == pytest.approx(optimum(problem).objective)
     assert solution.is_optimal
-
-
-def test_a_file_of_another_model_is_refused(tmp_path):
-    file = tmp_path / "m.sol"
-    file.write_text("x(1) 1\ny 2\n")
-    with pytest.raises(DataError, match="gives no column"):
-        model_of(small(), "oct").read(file)
 
 
 def test_a_written_start_is_a_solution(tmp_path):

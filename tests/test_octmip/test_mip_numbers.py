@@ -95,14 +95,6 @@ def test_prices_bound_the_true_objective_on_both_sides():
                 assert true <= priced.unit * price + priced.below + room
 
 
-def test_small_whole_problems_are_priced_as_they_stand():
-    problem = wild(1, "large")
-    small = Problem(problem.features, problem.targets, depth=1, weights=np.arange(1, problem.n_samples + 1))
-    priced = prices.whole_prices(small, 3.0)
-    assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
-    assert priced.weights is small.weights
-
-
 def test_decimal_weights_are_whole_in_their_last_digit():
     problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1, weights=[0.1, 0.7, 0.3])
     priced = prices.whole_prices(problem, 0.4)

@@ -103,16 +103,6 @@ def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
     assert solution.objective == 1
 
 
-def test_ctrl_c_returns_a_tree_of_no_more_splits(monkeypatch):
-    def interrupted(problem, **options):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("octmip.trees.mip.flow.solve_flow", interrupted)
-    solution = solve(replace(stairs(), max_splits=1), "flow", incumbent=ONE)
-    assert solution.stop is Stop.INTERRUPTED
-    assert (complexity(solution.tree), solution.objective) == (1, 1)
-
-
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):

@@ -52,12 +52,6 @@ def test_every_page_bears_the_readers_heading(diagnosis):
         assert "14 March 2026" in page
 
 
-def test_a_page_without_a_masthead_keeps_its_own_heading(diagnosis):
-    page = report_page(diagnosis)
-    assert "<h1>Diagnosis of the asset</h1>" in page
-    assert 'class="asset"' not in page
-
-
 def test_the_command_gives_a_page_its_heading(tmp_path: Path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("t.csv").write_text("a,side\n0,no\n1,yes\n")

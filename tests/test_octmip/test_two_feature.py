@@ -1,7 +1,5 @@
 """Two-feature splits: what the returned tree must hold, and stops. The fuzz holds the optimum against enumeration."""
 
-import signal
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -105,16 +103,6 @@ def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() ->
     bounds = [bound for bound, _ in seen]
     assert bounds == sorted(bounds)
     assert all(bound <= objective for bound, objective in seen)
-
-
-def test_ctrl_c_returns_the_best_tree_and_a_bound() -> None:
-    problem = published_like(1500, 8)
-    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
-    timer.start()
-    solution = two_feature_branch_and_bound(problem)
-    timer.join()
-    assert solution.stop is Stop.INTERRUPTED
-    certify(problem, solution)
 
 
 def parted_by(seed: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], int]:

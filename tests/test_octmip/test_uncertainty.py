@@ -82,14 +82,6 @@ def test_bins_hold_their_mean_probability_and_their_hits():
     assert [(b.probability, b.hits, b.weight) for b in told] == [(0.1, 0.0, 0.25), (0.3, 1.0, 0.75)]
 
 
-def test_true_probabilities_are_calibrated_and_sharpened_ones_are_not():
-    table, codes = coin(np.random.default_rng(1), 40_000)
-    assert calibration_error(table, codes) < 0.01
-    sharper = table**2 / (table**2).sum(axis=1, keepdims=True)
-    assert calibration_error(sharper, codes) > 0.05
-    assert brier_score(table, codes).score < brier_score(sharper, codes).score
-
-
 def test_the_brier_score_is_the_sum_of_its_parts_with_weights_too():
     rng = np.random.default_rng(2)
     table, codes = coin(rng, 500)
@@ -235,19 +227,6 @@ def test_all_refits_of_leaves_together_have_the_seconds_and_judge_rows_they_have
     line = leaves_on_fresh_rows(problem, solve(problem, "cart").tree, seconds=50.0).line
     assert asked == [(5.0, 180)] * 10
     assert line[0] + 0.9 * line[1] < 0.7  # of labels by chance no leaf says much
-
-
-def test_leaves_say_how_their_probabilities_were_made():
-    features, labels = noisy(100, 0)
-    made = [
-        OptimalTreeClassifier(1, smoothing=s).fit(features, labels).leaf_distribution_.made
-        for s in (0, 2, "out-of-fold")
-    ]
-    assert made == [
-        "training shares",
-        "training shares, smoothed by 2",
-        "training shares, the greatest corrected by rows held out of refits",
-    ]
 
 
 def test_probabilities_are_corrected_by_default_when_they_are_first_asked_for(monkeypatch):

@@ -81,18 +81,6 @@ def test_predict_needs_only_the_features_that_the_tree_reads(run, tree, tmp_path
     assert "'a' is not in the table" in err
 
 
-@pytest.mark.parametrize("command", ["certify", "predict", "report"])
-@pytest.mark.parametrize("content", ["", "{", "[]", '{"format": "pmml"}', '{"format": "octmip-tree", "version": 4}'])
-def test_a_bad_tree_file_ends_in_one_line(data, run, tmp_path, command, content):
-    (tmp_path / "bad.json").write_text(content)
-    words = [] if command == "report" else [data]
-    code, out, err = run(command, tmp_path / "bad.json", *words)
-    assert code == 2
-    assert out == ""
-    assert "bad.json" in err
-    assert err.count("\n") == 1
-
-
 def test_labels_unseen_at_training_are_refused(data, run, tree):
     data.write_text(data.read_text().replace("low", "lower"))
     for command in (["certify", tree, data], ["predict", tree, data, "--label", "y"]):
