@@ -22,11 +22,10 @@ from octmip.trees.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods import shared_work
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.shared_work import shared_problem
 from octmip.trees.proof import check_proof
-from octmip.trees.tradeoff import choose_tree
 
 pytestmark = pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 """Where a killed worker comes back slowly; what says so has a test of its own."""
@@ -142,16 +141,6 @@ def test_the_tree_of_a_search_is_that_of_one_machine(asked: Client, options: dic
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
 
 
-def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(asked: Client) -> None:
-    """More workers than a group has restarts: several groups at once, also where one of them ends the search."""
-    for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
-        alone = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2))
-        with patch.object(Cluster, "n_threads", 25):
-            effort = SearchOptions(restarts=restarts, perturbations=2, cluster=Cluster(asked))
-            shared = local_search(problem, options=effort)
-        assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
-
-
 def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> None:
     problem = hard(4000, 5)
     reports: list[Progress] = []
@@ -173,12 +162,6 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
 
 
-def test_folds_are_taken_by_the_workers_that_the_options_name(client: Client) -> None:
-    problem = hard(40, 2)
-    shared = choose_tree(problem, folds=2, most_solves=3, options=Options(cluster=client))
-    assert shared.table() == choose_tree(problem, folds=2, most_solves=3).table()
-
-
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.2)
     with (
@@ -186,12 +169,6 @@ def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
         open_cluster("tcp://127.0.0.1:9"),
     ):
         pass
-
-
-def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.trees._native.__version__", "0.0.0")
-    with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
-        branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
 
 
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:

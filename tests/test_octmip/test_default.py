@@ -17,8 +17,8 @@ from octmip.trees.methods.pruning import priced_prunings, prunings
 from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
-from octmip.trees.tradeoff import choose_default, default_families, solve_default
 from octmip.trees.tradeoff import default as default_module
+from octmip.trees.tradeoff import default_families, solve_default
 from octmip.trees.tradeoff.choice import RULES
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
@@ -55,16 +55,6 @@ def test_for_every_price_some_pruning_that_is_kept_is_as_good_as_any(problem):
         assert min(problem.objective(t) + price * n_splits(t) for t in [tree, *kept]) == pytest.approx(best)
     assert [n_splits(t) for t in kept] == sorted({n_splits(t) for t in kept}, reverse=True)
     assert n_splits(kept[-1]) == 0
-
-
-def test_the_prunings_of_a_large_tree_are_thinned_but_end_with_all_the_small_ones():
-    rng = np.random.default_rng(0)
-    noise = Problem(rng.random((600, 4)), rng.integers(2, size=600), depth=20)
-    tree = greedy_tree(noise).tree
-    sizes = [n_splits(t) for t in prunings(noise, tree)]
-    assert n_splits(tree) > 100
-    assert len(sizes) < 40
-    assert all(b >= 24 and a >= b * 1.15 for a, b in itertools.pairwise(sizes) if a > 24 and b >= 24)
 
 
 def test_cuts_are_at_quantiles_and_a_tree_over_intervals_is_the_same_over_readings():
@@ -140,16 +130,6 @@ def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
     assert weighed.choice.chosen == repeated.choice.chosen
 
 
-def test_numbers_are_chosen_for_by_the_same_mechanism():
-    rng = np.random.default_rng(0)
-    X = rng.random((40, 2))
-    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=40) / 5, depth=1, loss=SquaredError())
-    found = answer_of(problem)
-    assert certify(found.problem, found.solution).n_splits <= 3
-    assert found.solution.tree.feature == 0
-    assert found.choice.expectation.tree.mean < 0.2
-
-
 CARTS = ["CART's tree, pruned", "CART's tree, pruned by impurity"]
 FEW, ANY = "searched, depth 8 or less, at most 10 cuts of a feature", "searched, any depth"
 
@@ -174,13 +154,6 @@ def test_rows_too_few_to_choose_by_get_one_split_and_the_reason():
     assert found.choice is None
     assert depth(found.solution.tree) == 1
     assert found.solution.details["choice"] == {"reason": "too few rows to cross-validate"}
-
-
-def test_a_time_limit_leaves_out_families_but_not_cart():
-    choice = choose_default(IRIS, seconds=0.0)
-    assert {step.family.method for step in choice.steps} == {"cart"}
-    assert choice.paths[0].is_whole  # cut short, its steps would not stand for the trees of the folds
-    assert choice.chosen.validation_cost < 0.1
 
 
 def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitted_to_all():

@@ -16,10 +16,8 @@ from octmip.monitor import Library, ModelSelector
 @pytest.mark.parametrize(
     ("cell", "sentence"),
     [
-        ("9" * 30, "line 3, column 'x': 999999999999999999999999999999 is beyond 2"),
         ("9" * 400, "line 3, column 'x': a whole number of more than 60 digits is beyond 2"),
         ("-9223372036854775807", "line 3, column 'x': -9223372036854775807 is beyond 2"),
-        ("1e999", "line 3, column 'x': inf is not finite"),
         ('"1,000"', "column 'x' holds '1,000', which may be 1000 or 1"),
         *((cell, f"line 3, column 'x': '{cell}' is no number") for cell in ("1_000", "\u0661\u0662", "0x10", "True")),
         ("a" * 100_000, r"'aaa[a]*\.\.\. is no number"),

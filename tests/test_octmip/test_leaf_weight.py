@@ -69,17 +69,6 @@ def test_weight_k_is_k_samples_in_objective_and_leaf_sizes(loss, method):
         certify(repeats, replace(other, tree=one.tree, objective=repeats.objective(one.tree)))
 
 
-@pytest.mark.parametrize("split_size", [1, 2])
-def test_lines_and_splits_asked_for_keep_the_weight(split_size):
-    problem = weighted(3, "whole")
-    problem = replace(problem, features=np.nan_to_num(problem.features), depth=1, leaf_weight=4.0)
-    asked = replace(problem, max_splits=1) if split_size == 1 else replace(problem, split="hyperplane", split_size=2)
-    found = octmip.solve(asked, "exact")
-    assert found.is_optimal
-    assert found.objective <= optimum(problem).objective
-    certify(asked, found)
-
-
 def test_a_leaf_of_too_little_weight_fails_its_certificate_and_is_no_incumbent():
     problem = Problem(*STRIPES, depth=2, weights=[1, 1, 1, 4], leaf_weight=3)
     free = octmip.solve(replace(problem, leaf_weight=None), "exact")

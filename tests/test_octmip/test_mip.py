@@ -12,7 +12,6 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
@@ -66,24 +65,6 @@ def test_the_optimum_is_that_of_enumeration(method, case):
     assert solution.stop is Stop.OPTIMAL
     assert solution.is_optimal
     assert solution.details["start"]["accepted"], solution.details["start"]
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
-    from octmip.trees.mip.flow import encode as encode_flow
-
-    problem = CASES[case]
-    for fix, class_count in ((0, True), (1, True), (2, False), (0, False)):
-        request = engine.Request("flow")
-        solution = engine.solve_formulation(
-            problem,
-            lambda problem, known, options, f=fix, k=class_count: encode_flow(
-                problem, known.tree, fix=f, class_count=k, prices=known.prices
-            ),
-            request,
-        )
-        assert solution.objective == pytest.approx(optimum(problem).objective, abs=1e-6)
-        assert solution.is_optimal
 
 
 @pytest.mark.parametrize(("depth", "errors"), [(1, 50), (2, 6)])
@@ -152,14 +133,6 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
     assert solution.bound < 6 == solution.objective
 
 
-def test_a_memory_limit_stops():
-    problem = blobs(60, depth=3)
-    solution = solve_oct(problem, limits=Limits(seconds=300, memory=2e6))
-    certify(problem, solution)
-    assert solution.stop is Stop.MEMORY
-    assert solution.bound < solution.objective
-
-
 def test_a_node_limit_stops():
     assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 
@@ -192,11 +165,3 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
         certify(problem, solution)
         assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
         assert solution.is_optimal
-
-
-@pytest.mark.parametrize(("name", "errors"), [("iris", 6), ("wine", 6)])
-def test_pairs_of_cuts_prove_known_optima_at_depth_two(name, errors):
-    problem = uci(name, depth=2)
-    solution = solve_flow(problem, incumbent=local_search(problem).tree)
-    certify(problem, solution)
-    assert (solution.objective, solution.bound) == (errors, errors)

@@ -141,16 +141,6 @@ def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
     assert printed.details["mu"] == strong.details["mu"]
 
 
-def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
-    features = np.array([[0.0], [0.5], [0.5 + 1e-7], [1.0]])
-    problem = Problem(features, [0, 0, 1, 1], depth=1, split="hyperplane", split_size=None)
-    problem = Problem(np.hstack([features, features[::-1]]), [0, 0, 1, 1], depth=1, split="hyperplane")
-    solution = solve_oct_h(problem)
-    certify(problem, solution)
-    assert solution.objective == 0
-    assert not solution.details["start"]["accepted"]
-
-
 @pytest.mark.parametrize("solver", [solve_oct_h, solve_flow])
 def test_what_is_proven_of_mu_separated_trees_stays_where_a_narrower_tree_is_better(solver):
     rng = np.random.default_rng(0)

@@ -11,14 +11,14 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import least_cost
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
-from octmip.trees.mip import engine, prices
+from octmip.trees.mip import prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import claims, highs
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
-from octmip.trees.tree import HyperplaneSplit, Split
+from octmip.trees.tree import Split
 
 SIZES = {
     "large": lambda rng, n: rng.integers(10**11, 10**12, n).astype(float),
@@ -93,17 +93,6 @@ def test_prices_bound_the_true_objective_on_both_sides():
             assert true >= min(Fraction(known), priced.lower_bound(price)) - room
             if true <= known:
                 assert true <= priced.unit * price + priced.below + room
-
-
-def test_decimal_weights_are_whole_in_their_last_digit():
-    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1, weights=[0.1, 0.7, 0.3])
-    priced = prices.whole_prices(problem, 0.4)
-    assert priced.unit == Fraction(1, 10)
-    assert priced.weights.tolist() == [1, 6, 3]
-    assert priced.above + priced.below < Fraction(1, 10**15)
-    problem = Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[3, 3 * prices.LARGEST - 3])
-    priced = prices.whole_prices(problem, 3.0 * prices.LARGEST)
-    assert (priced.unit, priced.above, priced.below) == (3, 0, 0)
 
 
 def test_a_bound_is_lowered_by_the_gap_and_by_what_reduced_costs_allow():
@@ -184,29 +173,3 @@ def test_scaled_features_lie_in_the_unit_range_at_any_size():
     assert space.x.min(axis=0).tolist() == [0.0] * 4
     assert space.x.max(axis=0).tolist() == [1.0] * 4
     assert space.x[:, 1].tolist() == [0.5, 0.0, 1.0]
-
-
-def test_a_normal_goes_through_features_of_extreme_size_and_back():
-    problem = Problem([[-1e300, 1.0], [1e300, 2.0], [0.0, 1.5]], [0, 1, 0], depth=1, split="hyperplane")
-    space = space_of(problem)
-    normal = np.array([0.25, -0.75])
-    coefficients = space.coefficients_of(normal)
-    split = HyperplaneSplit((0, 1), tuple(coefficients.tolist()), 0.0, Leaf(0), Leaf(1))
-    assert np.allclose(space.normal_of(split), normal, rtol=1e-14)
-
-
-def test_sensors_are_kept_within_a_budget_of_any_unit():
-    for unit in (1e-12, 1e12):
-        cost = [3 * unit, 2 * unit]
-        problem = Problem(
-            [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
-        )
-        solution = engine.solve_formulation(problem, _oct, engine.Request("oct"))
-        assert solution.objective == optimum(problem).objective
-        assert solution.is_optimal
-
-
-def _oct(problem, known, options):
-    from octmip.trees.mip.oct import encode
-
-    return encode(problem, prices=known.prices, rows=known.rows)

@@ -1,7 +1,6 @@
 """`max_splits` holds for every method that takes it: in the start, in the trees found, and on every way out."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,16 +10,13 @@ from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
 from octmip.trees import solver_call
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.incumbent import canonicalise, pruned
+from octmip.trees.mip.incumbent import pruned
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
-from octmip.trees.tradeoff import trace_path
 from octmip.trees.tree import HyperplaneSplit, Node, complexity
 
 METHODS = {"oct": solve_oct, "flow": solve_flow}
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))
-
-ONE = Split(0, 0.5, Leaf(0), Leaf(1))
 
 
 def stairs(**options: object) -> Problem:
@@ -107,19 +103,3 @@ def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(replace(stairs(), max_splits=1), "search")
-
-
-def test_a_path_over_splits_is_never_worse_than_cart_nor_than_its_prunings():
-    rng = np.random.default_rng(1)
-    features = rng.normal(size=(150, 6))
-    labels = (features[:, 0] * features[:, 1] + 0.5 * rng.normal(size=150) > 0).astype(int) + (features[:, 2] > 1)
-    problem = Problem(features, labels, depth=3)
-    path = trace_path(problem, method="oct", limits=Limits(seconds=0.2))
-    cart = solve(problem, "cart").tree
-    for most in range(complexity(cart) + 1):
-        tree = pruned(problem, canonicalise(problem, cart), most)
-        for penalty in (0.0, 1.0, 5.0):
-            best = path.best_at(penalty)
-            priced = replace(problem, leaf_penalty=penalty)
-            assert best.cost + penalty * best.complexity <= priced.objective(tree)
-    assert all(larger.cost < smaller.cost for larger, smaller in pairwise(path.trees))

@@ -90,14 +90,6 @@ def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
     assert time.process_time() - start < 5.0
 
 
-def test_polishing_stops_when_asked_to_and_keeps_the_planes():
-    rng = np.random.default_rng(26)
-    problem = Problem(rng.normal(size=(30, 3)), rng.integers(0, 2, 30), depth=1, split="hyperplane")
-    plane = HyperplaneSplit((0, 1), (0.123456789, 1.0), 0.0, Leaf(0), Leaf(1))
-    assert polished(problem, plane, lambda: False) == plane
-    assert polished(problem, plane) != plane
-
-
 def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():
     rng = np.random.default_rng(27)
     sizes = [value for value in VALUES if value]

@@ -93,18 +93,6 @@ def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: 
         assert solution.is_optimal <= (solution.objective == pytest.approx(least)), seconds
 
 
-def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() -> None:
-    seen: list[tuple[float, float]] = []
-    two_feature_branch_and_bound(
-        published_like(1500, 8),
-        limits=Limits(seconds=1.0),
-        progress=lambda state: seen.append((state.bound, state.objective)),
-    )
-    bounds = [bound for bound, _ in seen]
-    assert bounds == sorted(bounds)
-    assert all(bound <= objective for bound, objective in seen)
-
-
 def parted_by(seed: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], int]:
     """Return samples, their sides of a line with whole-numbered coefficients, and the limit of these."""
     rng = np.random.default_rng([80, seed])

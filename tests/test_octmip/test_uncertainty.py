@@ -62,15 +62,6 @@ def test_bayes_rule_with_and_without_a_prior():
         posterior(np.log([[0.0, 1.0]]), [1, 0])
 
 
-def test_the_classifier_gives_the_same_leaf_distributions():
-    rng = np.random.default_rng(0)
-    features, labels = rng.normal(size=(60, 2)), rng.integers(0, 3, 60)
-    model = OptimalTreeClassifier(max_depth=2, smoothing=3.0).fit(features, labels, rng.integers(1, 4, 60))
-    assert np.array_equal(model.predict_proba(features), model.leaf_distribution_.predict(features))
-    assert (model.predict_proba(features) > 0).all()
-    assert np.allclose(model.predict_proba(features, prior=[0, 0, 1]), [0, 0, 1])
-
-
 def test_bins_hold_their_mean_probability_and_their_hits():
     bins = reliability([[0.9, 0.1], [0.7, 0.3], [0.75, 0.25], [0.5, 0.5]], [0, 1, 0, 0], n_bins=4)
     assert [(b.probability, b.hits, b.weight) for b in bins] == [
@@ -142,13 +133,6 @@ def test_a_score_at_the_threshold_is_in_the_set_and_by_lot_where_ties_are_broken
     row, rng = [[0.75, 0.25], [0.8, 0.2]], np.random.default_rng(0)
     assert never.sets(row, rng)[:, 0].tolist() == [False, True]
     assert always.sets(row, rng)[:, 0].tolist() == [True, True]
-
-
-def test_too_few_samples_put_the_class_into_every_set():
-    found = calibrate_sets([[0.9, 0.1]] * 5, [0] * 5, coverage=0.9, by_class=True)
-    assert np.isinf(found.thresholds).all()
-    assert found.sets([[1.0, 0.0]]).all()
-    assert found.assured().tolist() == [1.0, 1.0]
 
 
 def test_a_weight_of_two_counts_as_two_samples_and_a_heavy_one_widens_the_sets():

@@ -113,16 +113,6 @@ def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_pa
     assert answer["mae"] < 0.5
 
 
-def test_predict_reads_no_column_that_the_tree_does_not_ask_for(houses, run, tmp_path):
-    tree = tmp_path / "t.json"
-    solved(run, houses, "--out", tree, "--depth", 1)
-    pd.DataFrame({"area": [50, 150]}).to_csv(tmp_path / "new.csv", index=False)
-    code, out, err = run("predict", tree, tmp_path / "new.csv")
-    assert (code, err) == (0, "")
-    assert len(out.splitlines()) == 3
-    assert "adds shares of classes" in run("predict", tree, houses, "--proba")[2]
-
-
 def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp_path):
     table, tree = tmp_path / "far.csv", tmp_path / "t.json"
     table.write_text("x,w,price\n0,.1,1000000000.3\n1,.3,.1\n2,.7,.2\n3,.9,5\n")
@@ -153,10 +143,3 @@ def test_numbers_are_compared_and_have_a_frontier_by_the_measures_of_their_loss(
     assert [point["depth"] for point in points] == [1, 2]
     (whole,) = json.loads(run("compare", *words, "--methods", "exact", "--json")[1])["rows"]
     assert points[1]["objective"] == whole["objective"] < points[0]["objective"]
-
-
-@pytest.mark.parametrize("command", ["near-optimal", "sensors"])
-def test_commands_about_classes_say_so_of_a_target_of_numbers(houses, run, command):
-    code, out, err = run(command, houses, "--target", "price", "--depth", 1)
-    assert (code, out) == (2, "")
-    assert "this command is about classes; name a column of them with --label" in err

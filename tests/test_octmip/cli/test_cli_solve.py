@@ -8,17 +8,6 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.trees import registry, solver
 
 
-def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
-    out_file = tmp_path / "t.json"
-    code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "cart", "--out", out_file)
-    assert code == 0
-    assert err == ""
-    assert "1 of 30 samples wrong" in out
-    assert "if a <= 11.5" in out
-    assert str(out_file) in out
-    assert read_tree_file(out_file).target_column == "y"
-
-
 def test_solve_json_is_one_object_and_nothing_else(data, run):
     code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "search", "--json")
     answer = json.loads(out)
