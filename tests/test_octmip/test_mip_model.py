@@ -37,7 +37,7 @@ def solved(model, solver: str = "appsi_highs"):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_two_interfaces_of_pyomo_give_the_certified_optimum(seed, method):
     problem = random_problem(np.random.default_rng(seed), max_samples=9, max_depth=2)
     for solver in ("appsi_highs", "highs"):
@@ -149,7 +149,7 @@ def test_solvers_outside_prove_published_tables_from_a_file_and_are_certified(so
     assert solution.is_optimal
 
 
-@pytest.mark.parametrize("seed", range(90_500, 90_506))
+@pytest.mark.parametrize("seed", [90_500, 90_501])
 def test_six_programs_have_one_optimum(seed):
     problem = random_problem(np.random.default_rng(seed), max_samples=9, max_features=2)
     by_others, refused = by_pyomo(problem, 60.0)
@@ -172,7 +172,7 @@ def test_a_false_bound_of_a_solver_is_refused_by_a_tree_that_it_denies():
 @pytest.mark.parametrize("method", [*METHODS, "oct_h"])
 def test_a_model_is_read_by_others_as_it_is_and_has_no_empty_row(method, suffix, tmp_path):
     draw = hyperplane_problem if method == "oct_h" else random_problem
-    for seed in range(12):
+    for seed in range(5):
         rows = model_of(draw(np.random.default_rng(seed), max_samples=6, max_features=2), method).formulation.rows
         rows_file.write_rows(rows, tmp_path / f"m{suffix}", "a model")
         highs = highspy.Highs()

@@ -13,7 +13,7 @@ from octmip.trees.tree import Leaf
 
 
 @pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(15))
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=10, max_depth=3)

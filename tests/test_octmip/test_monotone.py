@@ -97,7 +97,7 @@ def test_leaves_out_of_order_get_one_prediction():
 @pytest.mark.parametrize(("loss", "depth"), [(SquaredError(), 3), (AbsoluteError(), 2), (QuantileError(0.8), 2)])
 def test_ordered_numbers_are_no_worse_than_an_ordered_tree_that_is_known(depth, loss):
     kept = 0
-    for seed in range(4):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         features = rng.normal(size=(40, 3))
         targets = features @ rng.uniform(0, 1, 3) + rng.uniform(0, 1) * rng.normal(size=40)

