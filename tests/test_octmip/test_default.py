@@ -238,15 +238,6 @@ def test_a_sample_is_as_many_rows_as_its_weight_holds_units_of_its_class():
     assert weightless.weights.tolist() == [5, 1, 1, 1, 5, 1, 0]
 
 
-def test_a_table_of_few_patterns_that_repeat_is_learned_by_heart():
-    rng = np.random.default_rng(0)
-    X = rng.integers(2, size=(400, 5))
-    y = rng.integers(2, size=32)[X @ [16, 8, 4, 2, 1]]  # 32 patterns, each with a class of its own
-    found = answer_of(Problem(X, y, depth=1))
-    assert found.choice.chosen.validation_cost == 0
-    assert replace(found.problem, leaf_penalty=0.0).objective(found.solution.tree) == 0
-
-
 def test_the_expected_cost_is_corrected_for_the_choice():
     rng = np.random.default_rng(0)
     losses = [(rng.random((60, 40)) < 0.5).astype(float) for _ in range(3)]  # forty trees that know nothing
