@@ -79,3 +79,8 @@ def test_the_structure_at_its_ports_is_the_condensed_structure(coarser: Wing) ->
     assert ports.own.min() > 0.0
     assert ports.own.max() < 1.0
     assert np.array_equal(ports.across, ports.across.T)
+
+
+def test_rows_without_a_name_get_a_sentence(coarser: Wing) -> None:
+    with pytest.raises(InputError, match="1 output names but 82 rows; expected one name per row"):
+        port_flexibility(coarser.structure, coarser.lift, coarser.strain_rows, ("g01",))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from femlib.errors import InputError
 from femlib.rom import ReducedModes, reduce_modes
 from femlib.wing import Wing, mass_matrix, vibrate
 
@@ -43,3 +44,10 @@ def test_shapes_are_modes_of_the_full_model(tiny: Wing, model: ReducedModes) -> 
     assert shapes @ (mass @ shapes.T) == pytest.approx(np.eye(N_MODES), abs=1e-8)
     full = vibrate(tiny, {"mu1": 0.3, "mu2": 0.9}, 1)[0].shape
     assert abs(shapes[0] @ (mass @ full)) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_wrong_requests_get_their_sentence(tiny: Wing, model: ReducedModes) -> None:
+    with pytest.raises(InputError, match="expected a loss of stiffness from 0 to below 1"):
+        model.frequencies(np.array([[1.0, 0.0]]))
+    with pytest.raises(InputError, match="n_joint -1"):
+        reduce_modes(tiny.structure, mass_matrix(tiny), n_joint=-1)

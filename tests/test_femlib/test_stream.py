@@ -161,6 +161,14 @@ def test_a_changed_file_is_refused(tmp_path: Path) -> None:
         open_dataset(path)
 
 
+def test_a_gauge_reads_the_same_in_any_set_and_order_of_gauges(tmp_path: Path) -> None:
+    whole = stream_dataset(tmp_path / "a.parquet", Slope(), library(), noisy()).read()
+    some = ["g03", "g01"]
+    part = stream_dataset(tmp_path / "b.parquet", Slope(), library(), noisy(gauges=some)).read()
+    assert part[some].equals(whole[some])
+    assert part["is_train"].equals(whole["is_train"])
+
+
 def test_a_random_library_is_the_same_in_any_pieces() -> None:
     states = random_states(["a", "b", "c"], 5000, seed=2, n_damaged=2, largest=0.5)
     whole = states.between(0, 5000)

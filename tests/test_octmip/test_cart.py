@@ -16,6 +16,7 @@ from octmip import (
     Limits,
     Problem,
     Solution,
+    Split,
     SquaredError,
     Stop,
     certify,
@@ -70,6 +71,11 @@ def test_a_budget_takes_the_sensor_that_pays_most():
     assert tree is not None
     assert features_used(tree) == (1,)
     assert greedy_tree(problem).objective == 0
+
+
+def test_thresholds_lie_midway_between_the_samples_of_the_node():
+    solution = greedy_tree(Problem([[0.0], [1.0], [4.0], [9.0]], [0, 0, 1, 1], depth=1))
+    assert solution.tree == Split(0, 2.5, Leaf(0), Leaf(1))
 
 
 def test_samples_of_weight_zero_are_routed_and_have_no_say_in_labels():

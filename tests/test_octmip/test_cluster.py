@@ -171,6 +171,12 @@ def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -
         pass
 
 
+def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("octmip.trees._native.__version__", "0.0.0")
+    with pytest.raises(SolverError, match=r"a worker has octmip .*; expected 0.0.0"):
+        branch_and_bound(hard(100), options=ExactOptions(cluster=Cluster(client)))
+
+
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}

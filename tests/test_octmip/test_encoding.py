@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import problems, random_tree
 from octmip import ClassCosts, Leaf, Problem, predict
+from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.reached import without_empty_sides
 
@@ -60,3 +61,11 @@ def test_no_objective_overflows_whatever_the_numbers(settings):
     best = int(problem.class_costs().argmin())
     held = costs.value(costs.whole_objective(problem, Leaf(best)))
     assert 0 <= problem.baseline - held <= costs.tolerance + 1e-15 * problem.baseline
+
+
+def test_a_threshold_between_neighbouring_floats_sends_the_upper_one_right():
+    low = 1.0
+    high = np.nextafter(low, 2)
+    assert low <= midpoint(low, high) < high
+    assert midpoint(-1e308, 1e308) == 0.0
+    assert midpoint(1e308, 1.5e308) < 1.5e308

@@ -14,7 +14,7 @@ from sklearn.datasets import load_iris
 from sklearn.exceptions import ConvergenceWarning, NotFittedError
 
 import octmip
-from octmip import OptimalTreeClassifier, Stop
+from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, Stop, solve
 from octmip.errors import ProblemError, SolverError
 from octmip.interfaces.estimator import fitted as fitted_tree
 from octmip.interfaces.estimator.settings import seed_of, threads_of
@@ -65,6 +65,12 @@ def test_costs_weigh_the_errors():
         assert fitted.predict([[0]]) == [told]
 
 
+def test_a_class_weight_that_is_none_is_refused():
+    for wrong in ("heavy", {"z": 2.0}):
+        with pytest.raises(ValueError, match="class"):
+            OptimalTreeClassifier(class_weight=wrong).fit([[0.0], [1.0]], ["a", "b"])
+
+
 def test_threads_and_seeds_are_what_scikit_learn_means_by_them():
     assert (threads_of(None), threads_of(3), threads_of(-1)) == (1, 3, joblib.cpu_count())
     with joblib.parallel_config(n_jobs=2):
@@ -106,6 +112,21 @@ def test_a_wrong_parameter_is_refused_by_its_own_name(wrong, message):
 
 
 HARD = np.random.default_rng(0).random((200, 8)), np.random.default_rng(1).integers(0, 2, 200)
+
+
+def test_estimators_take_leaves():
+    features, labels = HARD[0][:40, :3], HARD[1][:40]
+    tree = OptimalTreeClassifier(max_depth=4, max_leaf_nodes=3).fit(features, labels)
+    assert tree.objective_ == solve(Problem(features, labels, depth=4, max_splits=2)).objective
+    numbers = OptimalTreeRegressor(max_depth=3, max_leaf_nodes=2, method="search").fit(features, features[:, 1])
+    assert numbers.get_n_leaves() == 2
+    for wrong, message in (
+        ({"max_depth": 2, "max_leaf_nodes": 0}, "max_leaf_nodes is 0"),
+        ({"max_leaf_nodes": 3}, "max_leaf_nodes is 3 with max_depth='auto'"),
+        ({"max_depth": 2, "split": "hyperplane", "max_leaf_nodes": 3}, "max_leaf_nodes is 3 but split is 'hyperplane'"),
+    ):
+        with pytest.raises(ProblemError, match=message):
+            OptimalTreeClassifier(**wrong).fit(features, labels)
 
 
 def test_a_proof_that_a_limit_ends_warns_with_the_gap():

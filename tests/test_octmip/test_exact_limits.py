@@ -62,6 +62,13 @@ def table_bytes(problem: Problem, n_jobs: int = 1) -> float:
     return _native.exact_bytes(native, n_jobs)
 
 
+def test_memory_too_small_for_the_tables_ends_before_the_search() -> None:
+    problem = hard()
+    solution = branch_and_bound(problem, limits=Limits(memory=table_bytes(problem) - 1))
+    assert (solution.stop, solution.n_nodes) == (Stop.MEMORY, 0)
+    assert certify(problem, solution).bound == 0
+
+
 def test_memory_too_small_for_the_queue_ends_the_search_with_the_best_tree_and_bound() -> None:
     problem = hard()
     solution = branch_and_bound(problem, limits=Limits(memory=table_bytes(problem) + 1, seconds=20))

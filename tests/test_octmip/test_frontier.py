@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from octmip import Leaf, Problem, Solution, Stop, certify, solve
+from octmip import Leaf, Limits, Problem, Solution, Stop, certify, solve
 from octmip.errors import ProblemError
 from octmip.trees.tradeoff.frontier import Point, _with_bounds_of_wider_limits, default_values, trace_frontier
 from octmip.trees.tradeoff.path import trace_path
@@ -53,6 +53,11 @@ def test_a_bound_that_is_taken_over_never_exceeds_the_tree_of_its_point():
     assert after[0].solution.stop is Stop.OPTIMAL
 
 
+def test_values_are_taken_in_order_whatever_order_they_come_in():
+    points = trace_frontier(PROBLEM, "depth", [2, 1], method="cart", limits=Limits(seconds=10))
+    assert [point.problem.depth for point in points] == [1, 2]
+
+
 @pytest.mark.parametrize(
     ("over", "values", "sentence"),
     [("depth", [1.5], r"depth is 1\.5"), ("budget", [-1], "sensor_budget is -1"), ("width", None, "over is 'width'")],
@@ -67,3 +72,8 @@ def test_budgets_must_be_named_where_sensors_differ_in_cost():
     with pytest.raises(ProblemError, match="name the values"):
         trace_frontier(expensive, "budget")
     assert len(trace_frontier(expensive, "budget", [2, 3], method="cart")) == 2
+
+
+def test_penalties_have_no_default_values_without_their_path():
+    with pytest.raises(ProblemError, match="over is 'penalty'; expected depth or budget"):
+        default_values(PROBLEM, "penalty")

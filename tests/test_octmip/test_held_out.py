@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from octmip import ClassCosts, Leaf, Problem, Split
+from octmip.errors import ProblemError
 from octmip.trees.tradeoff.held_out import Samples, beside_cart, held_out_rows, score
 
 
@@ -18,6 +19,12 @@ def test_each_class_gives_its_share_but_never_its_last_row():
 
 def test_the_rows_are_those_of_every_version():
     assert np.flatnonzero(held_out_rows(np.array([0, 1] * 6), 0.5, seed=0)).tolist() == [1, 2, 3, 6, 8, 11]
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0, -0.1, float("nan"), 0.01])
+def test_a_share_that_holds_nothing_out_is_refused(share):
+    with pytest.raises(ProblemError, match=r"share"):
+        held_out_rows(np.array([0, 1] * 5), share, seed=0)
 
 
 def test_tree_and_cart_are_counted_on_both_parts():

@@ -10,6 +10,7 @@ from octmip import Leaf, Split
 from octmip.errors import DataError, OctmipError, TreeError
 from octmip.formats.table import parquet as parquet_table
 from octmip.formats.table import read_table
+from octmip.gap import read_campaign
 from octmip.monitor import Library, ModelSelector
 
 
@@ -134,6 +135,20 @@ def test_states_of_one_name_are_not_written(tmp_path):
     library = Library(("mu",), states, ("g1",), np.zeros((2, 1)), np.ones(1))
     with pytest.raises(TreeError, match=r"state_names holds 'mu=0\.123457' 2 times"):
         ModelSelector(library, Split(0, 0.0, Leaf(0), Leaf(1))).write(tmp_path / "s.json")
+
+
+class Beam:
+    gauges, parameters, effects = ("g1", "g2"), ("mu1",), {}
+
+    def predict(self, state, load_factor):
+        return load_factor * np.array([900.0, 500.0])
+
+
+def test_a_load_beyond_all_loads_is_refused_before_the_twin_is_asked(tmp_path):
+    path = tmp_path / "campaign.csv"
+    path.write_text("test,load_factor,g1,g2\na,1,900,500\na,1e308,900,500\n")
+    with pytest.raises(DataError, match=r"row 3, column load_factor is 1e\+308; expected a load factor"):
+        read_campaign(path, Beam())
 
 
 def test_a_label_column_of_lists_is_no_column_of_labels(tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from octmip.errors import ProblemError
+from octmip.errors import DataError, ProblemError
 from octmip.monitor import (
     Belief,
     Filter,
@@ -138,6 +138,16 @@ def test_a_reading_that_no_state_explains_leaves_the_belief(cells):
     chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.0))
     sure = chain.start(1, state=0)
     assert np.array_equal(chain.observe(sure, 3.0 * cells.strains[63:], 3.0).weights, sure.weights)
+
+
+def test_readings_that_are_none_are_refused(cells):
+    chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.004))
+    with pytest.raises(DataError, match=r"shape \(1, 3\)"):
+        chain.observe(chain.start(), np.zeros((1, 3)), 3.0)
+    with pytest.raises(DataError, match="g02 is infinite"):
+        chain.observe(chain.start(), np.where(np.arange(20) == 1, np.inf, 0.0)[None], 3.0)
+    with pytest.raises(DataError, match="load_factor is -1"):
+        chain.observe(chain.start(), np.zeros((1, 20)), -1.0)
 
 
 def drawn(rng, probabilities):

@@ -135,6 +135,17 @@ def test_a_twin_that_is_not_linear_in_load_holds_for_one_load():
         library.checked_load(0.0)
 
 
+def test_a_library_refuses_what_it_cannot_hold():
+    with pytest.raises(ProblemError, match="lacks the gauges"):
+        small_library(gauges=("g99",))
+    with pytest.raises(ProblemError, match="twice"):
+        Library(("mu1",), [[0.0], [0.0]], ("a",), [[1.0], [2.0]], 1.0)
+    with pytest.raises(ProblemError, match="noise_sd is 0"):
+        Library(("mu1",), [[0.0]], ("a",), [[1.0]], 0.0)
+    with pytest.raises(ProblemError, match="has no state"):
+        small_library().index_of({"mu1": 0.1})
+
+
 def test_appended_trees_tell_what_each_tree_tells():
     selector = a_selector()
     assert n_splits(selector.tree) == 2 + 3 * 2

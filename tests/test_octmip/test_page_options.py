@@ -23,6 +23,12 @@ OWN = Masthead("Span 3 <b>", "Bridge & road", datetime.date(2026, 3, 14))
 GAUGES = tuple(f"g{k}" for k in range(1, 9))
 
 
+CARD = '{"readings": {"w1": "mm", "w2": "mm"}, "loads": ["force"], "parameters": {"k": [1, 0.5, 2, "kN/mm"]}}'
+
+
+MODEL = "def spring(p, loads):\n    return [loads['force'] / p['k'], 2 * loads['force'] / p['k']]\n"
+
+
 def bent(parameters, loads):
     return loads["force"] * np.linspace(810.0, 180.0, 8) - 12.0 * parameters["temperature"]
 
@@ -65,6 +71,22 @@ def test_the_command_gives_a_page_its_heading(tmp_path: Path, monkeypatch, capsy
     ):
         assert main(words) == 2
         assert told in capsys.readouterr().err
+
+
+def test_the_diagnosis_takes_the_same_heading_and_units_of_a_twin_that_names_none(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    Path("springs_of_test.py").write_text(MODEL)
+    Path("card.json").write_text(CARD)
+    rows = [f"pull,{f},{f + d},{2 * f - d}" for f in (1.0, 2.0, 3.0) for d in (-0.02, 0.0, 0.01, 0.01)]
+    Path("c.csv").write_text("\n".join(["test,force,w1,w2", *rows]))
+    asked = ["diagnose", "c.csv", "--twin", "python:springs_of_test:spring", "--card", "card.json"]
+    assert main([*asked, "--out", "p.html", "--asset", "Rig 1", "--unit", "mm"]) == 0
+    assert '<p class="asset">Rig 1</p>' in Path("p.html").read_text()
+    assert main([*asked, "--unit", "w2=N"]) == 2
+    assert "the twin says that 'w2' is in mm, but N was given" in capsys.readouterr().err
+    assert main([*asked, "--unit", "w3=mm"]) == 2
+    assert "--unit names 'w3', which is no reading of the twin" in capsys.readouterr().err
 
 
 def test_stated_units_are_those_of_the_twin():

@@ -17,6 +17,7 @@ from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.interfaces.report.tree.evidence import gather
 from octmip.trees.encoding.parts import with_given_thresholds
 from octmip.trees.part_check import n_changes
+from octmip.trees.parts import rules_of_columns
 from octmip.trees.solution import Stop
 from octmip.trees.tradeoff import choose_tree, edits
 from octmip.trees.tradeoff.edits import tree_edits
@@ -263,6 +264,14 @@ def test_a_threshold_of_the_old_tree_comes_back_unless_its_split_has_another_sid
     assert found == Split(0, threshold, Leaf(0), Leaf(1), missing=new)
     assert with_given_thresholds(problem, Split(0, 3.5, Leaf(0), Leaf(1))).threshold == 3.5  # parts others
     assert with_given_thresholds(problem, Split(1, 2.5, Leaf(0), Leaf(1))).threshold == 2.5
+
+
+def test_a_rule_of_one_column_is_refused():
+    for rule in (["apart", "a"], ["not-below", "a", "a"]):
+        with pytest.raises(ProblemError, match="2 or more different columns"):
+            rules_of_columns([rule], ["a", "b"])
+    with pytest.raises(ProblemError, match=r"one of the columns a, b$"):
+        rules_of_columns([["root-only", "z"]], ["a", "a", "b"])
 
 
 @pytest.mark.parametrize("parts", [{"fixed_splits": {"ROOT": 0}}, {"old_tree": OLD, "max_changes": 0}])

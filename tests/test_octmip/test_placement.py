@@ -18,6 +18,7 @@ from octmip.sensing import (
     place_sensors,
     placement_frontier,
     placement_on,
+    problem_on,
 )
 from octmip.trees.methods.options import SearchOptions
 
@@ -68,6 +69,14 @@ def test_a_placement_on_given_sensors_reads_no_others_and_is_the_same_tree_on_it
     assert certify(worse.problem, worse.solution).sensors
     with pytest.raises(ProblemError, match="s9"):
         placement_on(problem, ("s9",))
+
+
+def test_a_part_of_a_problem_keeps_which_features_may_meet():
+    problem = replace(readings(), split="hyperplane", allowed_splits=[[0, 2], [3, 6], [0, 1]])
+    part = problem_on(problem, ["s1", "s3"])
+    assert part.allowed_splits == ((0,), (1, 2))
+    assert part.feature_names == ("x2", "x3", "x6", "x7")
+    assert part.sensor_costs.tolist() == [2.0, 4.0]
 
 
 def test_the_frontier_is_proven_for_every_number_and_every_cost():

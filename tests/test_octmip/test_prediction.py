@@ -63,3 +63,9 @@ def test_a_table_that_lacks_a_column_is_refused_in_words(n):
     """Before: "index 3 is out of bounds", without a word of what to do."""
     with pytest.raises(TreeError, match="features has 2 columns, but the tree asks for feature 3"):
         octmip.predict(Split(3, 0.5, Leaf(0), Leaf(1)), np.zeros((n, 2)))
+
+
+def test_rows_in_another_order_and_hyperplanes_go_by_the_reference():
+    rows = np.asfortranarray(np.random.default_rng(0).normal(size=(LEAST_ROWS, 3)))
+    tree = Split(2, 0.1, Leaf(0), HyperplaneSplit((0, 1), (1.0, -1.0), 0.0, Leaf(1), Leaf(2)))
+    assert np.array_equal(octmip.predict(tree, rows), predict(tree, rows))

@@ -168,6 +168,14 @@ def test_a_tolerance_is_a_hundred_millionth_of_the_trees_own_objective():
         certify(problem, replace(good, bound=bound, tolerance=math.nextafter(good.objective - bound, 1.0)))
 
 
+def test_what_arithmetic_cannot_tell_apart_is_not_called_optimal():
+    targets, weights = [0.1, 0.3, 0.7, 0.2], [1e12, 1e-9, 1e-9, 1e12]
+    problem = Problem(np.arange(4.0)[:, None], targets, weights=weights, depth=1, loss=SquaredError())
+    solution = solve(problem)
+    assert certify(problem, solution).bound <= Runs(problem).least()
+    assert solution.stop is Stop.NUMERICS
+
+
 def test_a_log_that_closes_missing_readings_up_too_far_proves_less(tmp_path):
     problem, path = Problem(np.arange(4.0)[:, None], [0.0, 9.0, 0.0, 9.0], depth=1, loss=AbsoluteError()), tmp_path
     log = path / "proof.log"

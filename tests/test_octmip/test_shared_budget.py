@@ -142,6 +142,12 @@ def test_a_limit_leaves_trees_and_a_true_bound(limits):
         assert limited.gap <= limits.gap
 
 
+def test_a_label_says_what_it_gives_up_for_the_others():
+    joint = shared_budget(gauges_for_two(), 1.0)
+    assert sum(solution.bound for solution in joint.solutions) < joint.objective
+    assert [solution.bound for solution in joint.solutions] == [0.0, 0.0]
+
+
 def forged(joint: JointSolution) -> dict[str, JointSolution]:
     first, second = joint.solutions
     return {

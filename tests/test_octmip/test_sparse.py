@@ -8,6 +8,7 @@ import pytest
 from benchmarks.kinds.classes import SPARSE_KIND
 from octmip import Leaf, Problem, Split, solve
 from octmip.errors import ProblemError
+from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.trees.methods import exact, native_call
 from octmip.trees.tree import depth
 
@@ -91,3 +92,10 @@ def test_where_deeper_trees_might_pay_the_bound_says_for_which_it_holds(monkeypa
     solution = solve(priced(2.0), "exact")
     assert solution.bound > 3 * 2.0
     assert solution.details["scope"] == "trees of depth 2 or less"
+
+
+def test_an_estimator_takes_no_depth():
+    model = OptimalTreeClassifier(max_depth=None, leaf_penalty=2.0).fit(FEATURES, LABELS)
+    assert model.objective_ == solve(priced(2.0)).objective
+    with pytest.raises(ProblemError, match="depth is None"):
+        OptimalTreeClassifier(max_depth=None).fit(FEATURES, LABELS)

@@ -8,11 +8,11 @@ import pytest
 
 from benchmarks.oracles.rational import least_cost
 from benchmarks.oracles.two_feature_problems import random_two_feature_problem
-from octmip import Limits, Problem, Progress, Stop, certify
+from octmip import ClassCosts, Limits, Problem, Progress, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from octmip.trees.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
 
 
 def mixed(depth: int) -> Problem:
@@ -66,3 +66,17 @@ def test_a_limit_is_handed_down_and_logs_are_refused(tmp_path: Path) -> None:
     assert all(state.bound <= state.objective <= problem.baseline for state in seen)
     with pytest.raises(ProblemError, match="end at depth 2"):
         two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "file"))
+
+
+def test_products_that_only_look_whole_are_taken_as_rounded() -> None:
+    costs = np.full((2, 2), 10.0) - 10.0 * np.eye(2)
+    problem = Problem(
+        [[0.0, 1.0], [1.0, 0.0], [2.0, 2.0]],
+        [0, 1, 0],
+        depth=3,
+        split="hyperplane",
+        split_size=2,
+        weights=[0.1, 0.1, 0.1],  # times 10 is 1.0 as float64, and a little more in truth
+        loss=ClassCosts(costs),
+    )
+    assert 0.999 < _one_level_deeper(problem, 2.0) < 1.0

@@ -92,7 +92,7 @@ def test_the_brier_score_is_the_sum_of_its_parts_with_weights_too():
 def test_randomised_sets_hold_the_truth_as_often_as_said_and_no_more(n):
     rng = np.random.default_rng(n)
     hits = []
-    for _ in range(800):
+    for _ in range(1500):
         table, codes = coin(rng, n + 20)
         found = calibrate_sets(table[:n], codes[:n], coverage=0.8, rng=rng)
         hits.append(found.sets(table[n:], rng)[np.arange(20), codes[n:]].mean())
@@ -133,6 +133,13 @@ def test_a_score_at_the_threshold_is_in_the_set_and_by_lot_where_ties_are_broken
     row, rng = [[0.75, 0.25], [0.8, 0.2]], np.random.default_rng(0)
     assert never.sets(row, rng)[:, 0].tolist() == [False, True]
     assert always.sets(row, rng)[:, 0].tolist() == [True, True]
+
+
+def test_too_few_samples_put_the_class_into_every_set():
+    found = calibrate_sets([[0.9, 0.1]] * 5, [0] * 5, coverage=0.9, by_class=True)
+    assert np.isinf(found.thresholds).all()
+    assert found.sets([[1.0, 0.0]]).all()
+    assert found.assured().tolist() == [1.0, 1.0]
 
 
 def test_a_weight_of_two_counts_as_two_samples_and_a_heavy_one_widens_the_sets():

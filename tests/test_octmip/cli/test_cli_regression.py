@@ -73,6 +73,32 @@ def test_a_proof_log_is_written_checked_and_refused(houses, run, tmp_path):
     assert "the proof is refused" in err
 
 
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--label", "kind"], "named by --label and --target"),
+        (["--proof", "p.log", "--method", "search"], "takes no option 'proof'"),
+        (["--proof", "p.log", "--leaf-model", "linear"], "have no proof log"),
+        (["--write-problem", "p.json", "--leaf-model", "linear"], "of which a problem file says nothing"),
+        (["--cluster", "local"], "takes no option 'cluster'"),
+        (["--method", "oct"], "expected one of auto, cart, search, exact"),
+        (["--leaf-model", "linear", "--method", "exact"], "use method 'cart' or 'search'"),
+    ],
+)
+def test_what_regression_does_not_know_is_refused(houses, run, options, sentence):
+    code, out, err = solved(run, houses, *options)
+    assert (code, out) == (2, "")
+    assert sentence in err
+
+
+def test_a_column_of_words_is_no_target_and_a_loss_needs_one(houses, run):
+    assert "is no number" in run("solve", houses, "--target", "kind", "--depth", 1)[2]
+    assert "--target" in run("solve", houses, "--label", "kind", "--loss", "squared", "--depth", 1)[2]
+    for loss in ("cubic", "quantile", "quantile:1.5", "squared:2"):
+        assert "loss" in run("solve", houses, "--target", "price", "--loss", loss, "--depth", 1)[2]
+    assert "named by no option" in run("solve", houses, "--depth", 1)[2]
+
+
 def changed(tree, **training):
     content = json.loads(tree.read_text())
     content["training"] |= training

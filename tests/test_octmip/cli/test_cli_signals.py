@@ -62,6 +62,22 @@ def test_a_proof_that_is_terminated_writes_its_best_tree(
     assert main(["certify", str(tree), str(hard)]) == 0
 
 
+def test_a_proof_that_is_terminated_is_shown_though_its_log_is_not_written(
+    hard: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def signalled(*arguments: Any, **options: Any) -> Solution:
+        sent(signal.SIGTERM)
+        return solve(*arguments, **options)
+
+    monkeypatch.setattr("octmip.interfaces.cli.solve.solve", signalled)
+    log = hard.parent / "log"
+    assert main(["solve", str(hard), "--label", "y", "--depth", "4", "--proof", str(log)]) == 1
+    shown = capsys.readouterr()
+    assert "stop: interrupted" in shown.out
+    assert "the proof was interrupted; tree and bound stand without it" in shown.err
+    assert not log.exists()
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_signal_while_the_program_is_loaded_ends_it_without_a_traceback(number: int, code: int) -> None:
     # Everything that the program imports of its own sends the signal first.
@@ -145,6 +161,14 @@ def test_a_signal_that_a_finaliser_or_an_import_drops_is_sent_again(
     assert main(["doctor"]) == 143
     assert time.perf_counter() - start < 5
     assert capsys.readouterr().err == "octmip: terminated\n"
+
+
+def test_the_handlers_of_before_are_put_back() -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    with term_as_interrupt() as heard, pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGTERM)
+    assert heard.exit_code == 143
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
 
 
 def test_a_first_signal_waits_until_a_result_is_shown_and_a_second_does_not() -> None:
