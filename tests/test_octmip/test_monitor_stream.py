@@ -92,3 +92,9 @@ def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
     assert len(monitor.filter.likelihood._tables) <= 64
     assert len(monitor.watch._tables) <= 64
     assert len(SELECTOR.likelihood._tables) <= 8
+
+
+def test_parts_that_read_other_gauges_are_refused():
+    other = replace(SELECTOR.library, gauges=tuple(f"x{k}" for k in range(20)))
+    with pytest.raises(DataError, match="give all the same"):
+        Monitor(SELECTOR, watch=Watch(other))

@@ -64,6 +64,15 @@ def test_a_study_has_an_entry_for_each_question_and_leaves_what_a_limit_ended(tm
         solve(small(), "exact", options=Options(checkpoint=tmp_path / "kept"))
 
 
+def test_a_study_in_the_file_of_one_solve_and_that_solve_leave_each_other_alone(tmp_path):
+    path = tmp_path / "kept"
+    for options in (Options(checkpoint=path), Options(checkpoint=Study(path))) * 2:
+        last = solve(small(), "exact", options=options)
+        solve(small(), "exact", Limits(gap=0.5), options=options)
+    assert last.details["kept"]
+    assert len(path.read_bytes().splitlines()) == 4
+
+
 def test_the_command_goes_on_after_a_kill(tmp_path, capsys):
     rng, table, kept = np.random.default_rng(5), tmp_path / "table.csv", tmp_path / "kept"
     rows = np.column_stack([rng.normal(size=(90, 5)).round(2), rng.integers(0, 3, 90)])
