@@ -9,12 +9,14 @@ from octmip.monitor import (
     Candidate,
     Library,
     Watch,
+    effect_candidates,
     explain,
+    gauge_candidates,
     grid_states,
     library_of,
 )
 from octmip.monitor.parity import Parity
-from tests.test_octmip.beam_twin import ETA
+from tests.test_octmip.beam_twin import ETA, Field
 from tests.test_octmip.test_monitor_selector import LinearBeam
 
 SD = 31.6
@@ -139,6 +141,15 @@ def test_missing_gauges_are_done_without(watch):
     nothing = watch.observe(watch.start(1), np.full((1, 20), np.nan), 3.0)
     assert nothing.p_value[0] == 1.0
     assert not nothing.is_alarm[0]
+
+
+def test_the_effects_of_a_twin_are_suspects(library):
+    shape = Field("foreign damage", BUMP / LinearBeam().predict({}, 1.0), None, 10.0)
+    both = effect_candidates(LinearBeam(), shape, library)
+    assert both[0].name == "foreign damage"
+    assert set(both[0].sizes) == {10.0, -10.0, 20.0, -20.0, 40.0, -40.0}
+    assert both[0].signature == pytest.approx(BUMP)
+    assert [s.name for s in gauge_candidates(library)] == list(library.gauges)
 
 
 def test_a_watch_that_cannot_be_is_refused(library):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
+from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.options import SearchOptions
+from octmip.trees.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path
@@ -157,3 +160,15 @@ def test_a_tree_is_proven_for_an_interval_only_where_it_is_at_both_ends(monkeypa
     monkeypatch.setattr(paths, "solve_run", solved)
     largest = trace_path(problem, method="exact").trees[0]
     assert (largest.penalty_low, largest.penalty_high, largest.is_proven) == (0.0, 1.0, False)
+
+
+@pytest.mark.parametrize("by_impurity", [False, True])
+def test_prunings_end_when_the_time_is_up(by_impurity):
+    rng = np.random.default_rng(3)
+    problem = Problem(rng.normal(size=(300, 3)), rng.integers(0, 2, 300), depth=30)
+    grown = greedy_tree(problem)
+    trace = partial(paths.trace_impurity if by_impurity else paths.trace_run, problem, grown=grown)
+    whole, hurried = (trace(Run("cart", Limits(seconds=seconds))) for seconds in (math.inf, 0.0))
+    assert whole.is_whole
+    assert not hurried.is_whole
+    assert len(hurried.trees) < len(whole.trees)
