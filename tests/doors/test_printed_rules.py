@@ -5,6 +5,7 @@ The full run is `python -m benchmarks.run printed_rules`.
 
 from fractions import Fraction
 
+import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import given, settings
@@ -52,6 +53,18 @@ def test_a_threshold_lies_between_its_neighbours_and_is_no_longer_than_their_mea
     assert low <= cut < high
     mean = low / 2 + high / 2
     assert len(exact(cut)) <= len(exact(mean if low <= mean < high else low))
+
+
+@pytest.mark.parametrize(("low", "high", "text"), [
+    (1_700_000_960.0, 1_700_001_020.0, "1700001000"),
+    (48.1234727, 48.1234737, "48.1234732"),
+    (1.9, 3.0, "2.45"),
+    (0.1, 0.2, "0.15"),
+    (1.0, np.nextafter(1.0, 2.0), "1"),
+    (-1e-300, 1e-300, "0"),
+])  # fmt: skip
+def test_a_threshold_needs_few_digits(low, high, text):
+    assert exact(midpoint(low, high)) == text
 
 
 @pytest.mark.parametrize(("neighbours", "zone", "text"), [

@@ -81,6 +81,12 @@ def test_the_structure_at_its_ports_is_the_condensed_structure(coarser: Wing) ->
     assert np.array_equal(ports.across, ports.across.T)
 
 
+def test_a_structure_without_components_has_no_ports(coarser: Wing) -> None:
+    bare = DamagedStructure(coarser.structure.shells, coarser.structure.supports, ())
+    ports = port_flexibility(bare, coarser.lift, 1e6 * coarser.strain_rows, coarser.gauges.names)
+    assert ports.solve(np.zeros((1, 0)))[0] == pytest.approx(coarser.strain_microstrain({}, 1.0), rel=1e-8)
+
+
 def test_rows_without_a_name_get_a_sentence(coarser: Wing) -> None:
     with pytest.raises(InputError, match="1 output names but 82 rows; expected one name per row"):
         port_flexibility(coarser.structure, coarser.lift, coarser.strain_rows, ("g01",))

@@ -1,10 +1,12 @@
 """The exact core against itself with every prune switched off, and against enumeration with none on."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Solution
 from octmip.trees import _native
@@ -27,6 +29,14 @@ def test_the_optimum_stays_with_a_prune_switched_off(prune: str) -> None:
         problem = random_problem(np.random.default_rng(seed), max_samples=12)
         least = branch_and_bound(problem, n_jobs=1 + seed % 2).objective
         assert without(prune, problem).objective == pytest.approx(least, rel=1e-12), seed
+
+
+def test_the_optimum_stays_with_every_prune_switched_off() -> None:
+    for seed in range(2000, 2012):
+        problem = replace(random_problem(np.random.default_rng(seed), max_samples=12), depth=3)
+        with native_call.without(*_native.prunes()):
+            found = branch_and_bound(problem).objective
+        assert found == pytest.approx(optimum(problem).objective, rel=1e-12), seed
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.exact.boundaries import problem_of
-from octmip import certify
+from octmip import certify, solve
 from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
 from octmip.trees.methods.exact import branch_and_bound
@@ -76,6 +76,14 @@ def test_memory_too_small_for_the_queue_ends_the_search_with_the_best_tree_and_b
     assert solution.n_nodes > 0
     leaf = branch_and_bound(problem, limits=Limits(memory=1))
     assert certify(problem, solution).objective < leaf.objective
+
+
+def test_a_proof_that_memory_ends_is_followed_by_a_search_with_its_bound() -> None:
+    problem = hard()
+    leaf = branch_and_bound(problem, limits=Limits(memory=1))
+    found = solve(problem, "exact", limits=Limits(memory=1, seconds=3))
+    assert (found.stop, found.bound, found.details["tree_by"]) == (Stop.MEMORY, leaf.bound, "search")
+    assert certify(problem, found).objective < 0.8 * leaf.objective
 
 
 def test_the_bound_of_a_large_table_rises_step_by_step_before_its_proof_ends() -> None:

@@ -115,6 +115,12 @@ def test_a_tree_goes_to_columns_and_back():
         np.testing.assert_array_equal(predict(again, problem.features), predict(tree, problem.features))
 
 
+def test_extremes_of_float64_have_room_for_what_is_missing():
+    most = np.finfo(np.float64).max
+    problem = Problem([[-most], [most], [NAN], [0.0]], [0, 1, 2, 0], depth=2)
+    assert solve(problem).objective == 0
+
+
 # All methods
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.kinds.numbers import NUMBER_KINDS
 from benchmarks.oracles.regression_trees import least_objective, random_problem
-from octmip import Leaf, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
+from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.trees.losses import SPELLINGS, SquaredError, number_loss
 from octmip.trees.methods.options import ExactOptions, SearchOptions
@@ -72,6 +72,21 @@ def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     assert scanned.objective == pytest.approx(bucketed.objective, rel=1e-14)
     assert scanned.is_optimal
     assert bucketed.is_optimal
+
+
+@pytest.mark.parametrize("loss", SPELLINGS)
+def test_a_limit_gives_the_best_tree_so_far_and_a_bound_that_holds(loss):
+    features, targets = smooth(200, 5)
+    problem = Problem(features, targets, depth=3, loss=number_loss(loss))
+    best = solve(problem)
+    for nodes in (1, 30, 200):
+        early = solve(problem, limits=Limits(nodes=nodes))
+        certify(problem, early)
+        assert early.bound <= best.objective <= early.objective
+    gap = solve(problem, limits=Limits(gap=0.5))
+    assert gap.stop in (Stop.GAP, Stop.OPTIMAL)
+    assert gap.gap <= 0.5
+    assert solve(problem, limits=Limits(seconds=0)).stop is Stop.TIME
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)

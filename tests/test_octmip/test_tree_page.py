@@ -30,7 +30,7 @@ from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
-from octmip.interfaces.report.tree.words import Wording, figure, question
+from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
 from octmip.trees.registry import Run
 from octmip.trees.tree import leaf_index, leaves
 
@@ -81,6 +81,11 @@ def mixed() -> tuple[TreeFile, Problem, pd.DataFrame]:
 )  # fmt: skip
 def test_numbers_are_written_for_readers(value: float, words: str):
     assert figure(value) == words
+
+
+def test_shares_and_lists_are_written_for_readers():
+    assert [percent(share) for share in (0.0, 0.005167, 0.0811, 1.0)] == ["0 %", "0.52 %", "8.1 %", "100 %"]
+    assert listed(["a", "b", "c", "d"], 3) == "a, b and 2 more"
 
 
 def test_a_split_is_a_question_in_words_of_the_table():

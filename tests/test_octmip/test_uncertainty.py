@@ -62,6 +62,15 @@ def test_bayes_rule_with_and_without_a_prior():
         posterior(np.log([[0.0, 1.0]]), [1, 0])
 
 
+def test_the_classifier_gives_the_same_leaf_distributions():
+    rng = np.random.default_rng(0)
+    features, labels = rng.normal(size=(60, 2)), rng.integers(0, 3, 60)
+    model = OptimalTreeClassifier(max_depth=2, smoothing=3.0).fit(features, labels, rng.integers(1, 4, 60))
+    assert np.array_equal(model.predict_proba(features), model.leaf_distribution_.predict(features))
+    assert (model.predict_proba(features) > 0).all()
+    assert np.allclose(model.predict_proba(features, prior=[0, 0, 1]), [0, 0, 1])
+
+
 def test_bins_hold_their_mean_probability_and_their_hits():
     bins = reliability([[0.9, 0.1], [0.7, 0.3], [0.75, 0.25], [0.5, 0.5]], [0, 1, 0, 0], n_bins=4)
     assert [(b.probability, b.hits, b.weight) for b in bins] == [
