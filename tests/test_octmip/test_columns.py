@@ -122,6 +122,13 @@ def test_numbers_among_texts_are_found_again_where_a_reader_took_them_for_number
     assert columns.encode(pd.DataFrame({"code": [2.0, 1.0]})).tolist() == [[0, 1, 0], [1, 0, 0]]
 
 
+def test_words_for_missing_among_numbers_are_missing():
+    columns = Columns.learn(pd.DataFrame({"x": ["1.5", "?", "NA", "0.1"]}))
+    assert columns.columns[0].has_missing
+    assert columns.columns[0].least == 0.1
+    np.testing.assert_array_equal(columns.encode(pd.DataFrame({"x": ["1.5", "?"]})), [[1.5], [np.nan]])
+
+
 def test_a_question_mark_among_texts_is_missing():
     columns = Columns.learn(pd.DataFrame({"x": ["a", "?", "b", "NA"]}))
     assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from benchmarks.oracles.strategies import problems, random_tree
-from octmip import ClassCosts, Leaf, Problem, predict
+from octmip import ClassCosts, Leaf, Problem, Split, predict
 from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.reached import without_empty_sides
@@ -28,6 +28,12 @@ def test_ranks_of_rows_are_taken_by_the_core_and_survive_a_journey():
         table.of_rows(np.array([4]))
     with pytest.raises(IndexError, match="feature 2 of 2"):
         table.column(2)
+
+
+def test_a_cut_comes_back_as_the_midpoint_of_its_neighbours():
+    ranks = rank_features(Problem([[0.5], [1.5], [4.0]], [0, 1, 0], depth=1))
+    rows = [{"feature": 0, "cut": 1, "left": 1, "right": 2}, {"label": 1}, {"label": 0}]
+    assert tree_from_rows(rows, ranks) == Split(0, 2.75, Leaf(1), Leaf(0))
 
 
 @given(problems(max_samples=12), st.integers(0, 2**32 - 1))

@@ -11,7 +11,7 @@ from benchmarks.oracles.enumeration import optimum
 from benchmarks.oracles.rational import least_cost
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
-from octmip.trees.mip import prices
+from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import claims, highs
@@ -95,6 +95,25 @@ def test_prices_bound_the_true_objective_on_both_sides():
                 assert true <= priced.unit * price + priced.below + room
 
 
+def test_small_whole_problems_are_priced_as_they_stand():
+    problem = wild(1, "large")
+    small = Problem(problem.features, problem.targets, depth=1, weights=np.arange(1, problem.n_samples + 1))
+    priced = prices.whole_prices(small, 3.0)
+    assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
+    assert priced.weights is small.weights
+
+
+def test_decimal_weights_are_whole_in_their_last_digit():
+    problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 0], depth=1, weights=[0.1, 0.7, 0.3])
+    priced = prices.whole_prices(problem, 0.4)
+    assert priced.unit == Fraction(1, 10)
+    assert priced.weights.tolist() == [1, 6, 3]
+    assert priced.above + priced.below < Fraction(1, 10**15)
+    problem = Problem([[0.0], [1.0]], [0, 1], depth=1, weights=[3, 3 * prices.LARGEST - 3])
+    priced = prices.whole_prices(problem, 3.0 * prices.LARGEST)
+    assert (priced.unit, priced.above, priced.below) == (3, 0, 0)
+
+
 def test_a_bound_is_lowered_by_the_gap_and_by_what_reduced_costs_allow():
     exact = claims.Accuracy(tolerance=1e-6, dual_tolerance=1e-7, error=0.04)
     ended = {"values": None, "n_nodes": 1, "seconds": 0.0, "first_incumbent": 7.0, "root_bound": 0.0, "status": ""}
@@ -173,3 +192,20 @@ def test_scaled_features_lie_in_the_unit_range_at_any_size():
     assert space.x.min(axis=0).tolist() == [0.0] * 4
     assert space.x.max(axis=0).tolist() == [1.0] * 4
     assert space.x[:, 1].tolist() == [0.5, 0.0, 1.0]
+
+
+def test_sensors_are_kept_within_a_budget_of_any_unit():
+    for unit in (1e-12, 1e12):
+        cost = [3 * unit, 2 * unit]
+        problem = Problem(
+            [[0, 0], [0, 1], [1, 0], [1, 1]], [0, 1, 1, 0], depth=2, sensor_cost=cost, sensor_budget=4 * unit
+        )
+        solution = engine.solve_formulation(problem, _oct, engine.Request("oct"))
+        assert solution.objective == optimum(problem).objective
+        assert solution.is_optimal
+
+
+def _oct(problem, known, options):
+    from octmip.trees.mip.oct import encode
+
+    return encode(problem, prices=known.prices, rows=known.rows)
