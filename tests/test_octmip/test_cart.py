@@ -73,6 +73,13 @@ def test_a_budget_takes_the_sensor_that_pays_most():
     assert greedy_tree(problem).objective == 0
 
 
+def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
+    problem = random_problem(0, sensor_budget=1.0)
+    solution = greedy_tree(problem, limits=Limits(seconds=0))
+    assert solution.stop is Stop.TIME
+    certify(problem, solution)
+
+
 def test_thresholds_lie_midway_between_the_samples_of_the_node():
     solution = greedy_tree(Problem([[0.0], [1.0], [4.0], [9.0]], [0, 0, 1, 1], depth=1))
     assert solution.tree == Split(0, 2.5, Leaf(0), Leaf(1))

@@ -18,7 +18,7 @@ from octmip.trees.mip.highs import claims, highs
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
-from octmip.trees.tree import Split
+from octmip.trees.tree import HyperplaneSplit, Split
 
 SIZES = {
     "large": lambda rng, n: rng.integers(10**11, 10**12, n).astype(float),
@@ -192,6 +192,15 @@ def test_scaled_features_lie_in_the_unit_range_at_any_size():
     assert space.x.min(axis=0).tolist() == [0.0] * 4
     assert space.x.max(axis=0).tolist() == [1.0] * 4
     assert space.x[:, 1].tolist() == [0.5, 0.0, 1.0]
+
+
+def test_a_normal_goes_through_features_of_extreme_size_and_back():
+    problem = Problem([[-1e300, 1.0], [1e300, 2.0], [0.0, 1.5]], [0, 1, 0], depth=1, split="hyperplane")
+    space = space_of(problem)
+    normal = np.array([0.25, -0.75])
+    coefficients = space.coefficients_of(normal)
+    split = HyperplaneSplit((0, 1), tuple(coefficients.tolist()), 0.0, Leaf(0), Leaf(1))
+    assert np.allclose(space.normal_of(split), normal, rtol=1e-14)
 
 
 def test_sensors_are_kept_within_a_budget_of_any_unit():

@@ -169,3 +169,10 @@ def test_numbers_are_compared_and_have_a_frontier_by_the_measures_of_their_loss(
     assert [point["depth"] for point in points] == [1, 2]
     (whole,) = json.loads(run("compare", *words, "--methods", "exact", "--json")[1])["rows"]
     assert points[1]["objective"] == whole["objective"] < points[0]["objective"]
+
+
+@pytest.mark.parametrize("command", ["near-optimal", "sensors"])
+def test_commands_about_classes_say_so_of_a_target_of_numbers(houses, run, command):
+    code, out, err = run(command, houses, "--target", "price", "--depth", 1)
+    assert (code, out) == (2, "")
+    assert "this command is about classes; name a column of them with --label" in err
