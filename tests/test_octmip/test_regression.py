@@ -74,7 +74,7 @@ def test_buckets_find_what_scans_of_all_samples_find(n, n_values, loss):
     assert bucketed.is_optimal
 
 
-@pytest.mark.parametrize("loss", SPELLINGS)
+@pytest.mark.parametrize("loss", ["squared", "quantile:0.9"])
 def test_a_limit_gives_the_best_tree_so_far_and_a_bound_that_holds(loss):
     features, targets = smooth(200, 5)
     problem = Problem(features, targets, depth=3, loss=number_loss(loss))
