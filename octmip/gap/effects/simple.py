@@ -50,6 +50,9 @@ class SimpleEffect:
         of the finite difference that is its signature, over the prior sd.
     signature_error
         relative sd of what it changes: models of one thing differ by some parts in a hundred.
+    slope
+        state and load -> what a unit of its size changes about 0 (n_gauges,), where that is known without asking the
+        twin; None, there or as a whole: by a finite difference.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -69,6 +72,7 @@ class SimpleEffect:
     says: tuple[str, str] = ("", "")
     step: float = 0.1
     signature_error: float = SIGNATURE_ERROR
+    slope: Callable[[State, Any], Floats | None] | None = None
     n_arguments: int = field(init=False)
 
     def __post_init__(self) -> None:
@@ -89,7 +93,10 @@ class SimpleEffect:
         return self.at
 
     def signature(self, twin: Twin, state: State, load_factor: Any, place: str = "", time: float = 0.0) -> Floats:
-        """Return the change of the readings (n_gauges,) per unit of size, by a finite difference about 0."""
+        """Return the change of the readings (n_gauges,) per unit of size about 0."""
+        known = None if self.slope is None else self.slope(state, load_factor)
+        if known is not None:
+            return known
         readings = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
         step = self.step * self.prior_sd
         ahead, behind = min(step, self.bounds[1]), max(-step, self.bounds[0])

@@ -60,7 +60,7 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
             own = ratio if getattr(candidates[j].effect, "load_power", None) != 0 else 1.0
             signatures[:, j] = own * rows[model.average, model.gauge] / size
         signatures.flags.writeable = False
-        model = replace(model, signatures=signatures)
+        model = replace(model, signatures=signatures, chords=dict(chords))
     return model
 
 
