@@ -207,13 +207,13 @@ def middle_operators(mesh: Mesh, elements: IntArray) -> dict[int, StrainOperator
     for corners, first in ((mesh.quads, 0), (mesh.trias, len(mesh.quads))):
         own = elements[(first <= elements) & (elements < first + len(corners))]
         if own.size:
-            many = _middles(mesh.nodes[corners[own - first]])
+            many = middles(mesh.nodes[corners[own - first]])
             each = zip(many.membrane, many.curvature, many.axes, strict=True)
             found |= {int(element): StrainOperator(*parts) for element, parts in zip(own, each, strict=True)}
     return found
 
 
-def _middles(points: FloatArray) -> StrainOperator:
+def middles(points: FloatArray) -> StrainOperator:
     """Return the strain rows at the middles of elements (n, 4, 3) or (n, 3, 3), all arrays with a leading axis."""
     if points.shape[1] == quad4.N_NODES:
         many = quad4.strain_operators(points, [(0.0, 0.0)])
@@ -231,18 +231,6 @@ def _strain_row(operator: StrainOperator, direction: FloatArray, height: float, 
     c, s = along[0] / length, along[1] / length
     weights = np.array([c * c, s * s, c * s])
     return np.asarray(weights @ (operator.membrane + height * operator.curvature))
-
-
-def middle_strains(points: FloatArray, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return strain (n,) and its growth by height (n,) [1/m] along an axis at the middles of elements (n, k, 3)."""
-    operator = _middles(points)
-    along = axis @ operator.axes
-    c, s = along[:, :2].T / np.hypot(along[:, 0], along[:, 1])
-    weights = np.stack([c * c, s * s, c * s], axis=1)
-    strain, growth = (
-        np.einsum("ec,eci,ei->e", weights, rows, moved) for rows in (operator.membrane, operator.curvature)
-    )
-    return strain, growth
 
 
 def element_weights(

@@ -12,6 +12,7 @@ import numpy as np
 from femlib.arrays import FloatArray, IntArray
 from femlib.errors import InputError
 from femlib.files import whole_file
+from femlib.sensors import middles
 
 SHAPES = {2: 3, 3: 5, 4: 9}
 """The format's numbers of a line, a triangle and a quadrilateral, by their corners."""
@@ -64,3 +65,15 @@ def _array(name: str, values: FloatArray | IntArray, kind: str) -> str:
     width = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
     words = " ".join(f"{v:.9g}" for v in values.ravel())
     return f'<DataArray type="{kind}" Name="{name}"{width} format="ascii">\n{words}\n</DataArray>'
+
+
+def middle_strains(points: FloatArray, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return strain (n,) and its growth by height (n,) [1/m] along an axis at the middles of elements (n, k, 3)."""
+    operator = middles(points)
+    along = axis @ operator.axes
+    c, s = along[:, :2].T / np.hypot(along[:, 0], along[:, 1])
+    weights = np.stack([c * c, s * s, c * s], axis=1)
+    strain, growth = (
+        np.einsum("ec,eci,ei->e", weights, rows, moved) for rows in (operator.membrane, operator.curvature)
+    )
+    return strain, growth

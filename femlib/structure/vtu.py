@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.export.vtu import vtu_path, write_fields
-from femlib.sensors import STEEPEST, middle_strains
+from femlib.export.vtu import middle_strains, vtu_path, write_fields
+from femlib.sensors import STEEPEST
 from femlib.structure.model import MICRO, Structure
 
 

@@ -239,3 +239,33 @@ def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation(
     assert not found.which[0].effects
     run = read(twin, under(), 4, sd=np.array([0.02, 0.1]))
     assert not diagnose(run, twin, commissioning=run).constants
+
+
+@pytest.mark.parametrize(
+    ("values", "places"),
+    [((9.0, 7.0), {"test May", "test June"}), ((10.0, 8.0), {"test June"}), ((8.0, 8.0), {""}), ((10.0, 10.0), set())],
+)
+def test_a_parameter_may_have_another_size_in_every_test(values, places):
+    rng = np.random.default_rng(3)
+    months = list(zip(("May", "June"), values, strict=True))
+    now = [
+        Recorded(
+            np.array(springs({"k1": k1, "k2": 12.0, "arm": 0.5}, load)) + SD * rng.standard_normal((20, 4)),
+            load,
+            test=month,
+        )
+        for month, k1 in months
+        for load in under()
+    ]
+    found = diagnose(gathered(SPRINGS, now), SPRINGS, commissioning=read(SPRINGS, under(), 4))
+    first = found.which[0]
+    assert {p.effect for p in first.parameters} <= {"k1"}
+    assert {p.place for p in first.parameters} == places
+    for p in first.parameters:
+        wanted = dict(months).get(p.place.removeprefix("test "), values[0]) - 10.0
+        assert p.low <= wanted <= p.high
+    # the corrected twin is the asset of the last test
+    assert found.augmented(SPRINGS).predict({}, 50.0)[0] == pytest.approx(50.0 / values[1], rel=0.02)
+    if len(places) == 2:
+        assert "in test May" in recommend(found)
+        assert "in test June" in recommend(found)

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}
