@@ -19,6 +19,7 @@ import scipy.sparse as sparse
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements import quad4, tria3
 from femlib.elements.frame import StrainOperator
+from femlib.elements.middle import middles
 from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import Mesh, dofs_of_nodes
@@ -211,15 +212,6 @@ def middle_operators(mesh: Mesh, elements: IntArray) -> dict[int, StrainOperator
             each = zip(many.membrane, many.curvature, many.axes, strict=True)
             found |= {int(element): StrainOperator(*parts) for element, parts in zip(own, each, strict=True)}
     return found
-
-
-def middles(points: FloatArray) -> StrainOperator:
-    """Return the strain rows at the middles of elements (n, 4, 3) or (n, 3, 3), all arrays with a leading axis."""
-    if points.shape[1] == quad4.N_NODES:
-        many = quad4.strain_operators(points, [(0.0, 0.0)])
-    else:
-        many = tria3.strain_operators(points, tria3.MIDDLE)
-    return StrainOperator(many.membrane[:, 0], many.curvature[:, 0], many.axes[:, 0])
 
 
 def _strain_row(operator: StrainOperator, direction: FloatArray, height: float, name: str) -> FloatArray:

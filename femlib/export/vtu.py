@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.elements.middle import middles
 from femlib.errors import InputError
 from femlib.files import whole_file
-from femlib.sensors import middles
 
 SHAPES = {2: 3, 3: 5, 4: 9}
 """The format's numbers of a line, a triangle and a quadrilateral, by their corners."""
