@@ -18,6 +18,8 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.elements import quad4, tria3
+from femlib.elements.frame import StrainOperator
+from femlib.elements.middle import middles
 from femlib.elements.surface import shape
 from femlib.errors import InputError, frozen_floats, is_number
 from femlib.mesh import Mesh, dofs_of_nodes
@@ -126,13 +128,14 @@ def element_rows(mesh: Mesh, thickness: FloatArray, gauges: Sequence[StrainGauge
     if (thickness <= 0.0).any():
         bad = int(np.flatnonzero(thickness <= 0.0)[0])
         raise InputError(f"thickness of element {bad} is {thickness[bad]} m; expected more than 0; correct it")
+    of_gauges = element_weights(mesh, gauges, thickness)
+    operators = middle_operators(mesh, np.unique([element for weights in of_gauges for element in weights]))
     rows = []
-    for gauge, weights in zip(gauges, element_weights(mesh, gauges, thickness), strict=True):
+    for gauge, weights in zip(gauges, of_gauges, strict=True):
         parts = {}
         for element, weight in weights.items():
             height = gauge.side * thickness[element] / 2.0
-            corners = mesh.nodes[mesh.corners_of(element)]
-            parts[element] = weight * point_strain_row(corners, 0.0, 0.0, gauge.direction, height, gauge.name)
+            parts[element] = weight * _strain_row(operators[element], gauge.direction, height, gauge.name)
         rows.append(parts)
     return rows
 
@@ -199,12 +202,20 @@ def _places(mesh: Mesh, elements: IntArray, position: FloatArray) -> tuple[Float
     return places, over
 
 
-def point_strain_row(
-    points: FloatArray, xi: float, eta: float, direction: FloatArray, height: float, name: str
-) -> FloatArray:
-    """Return the row (24,) or (18,) of strain at one point of one element, without averaging, at `height` [m]."""
-    is_triangle = len(points) == tria3.N_NODES
-    operator = tria3.strain_operator(points) if is_triangle else quad4.strain_operator(points, xi, eta)
+def middle_operators(mesh: Mesh, elements: IntArray) -> dict[int, StrainOperator]:
+    """Return the strain rows at the middle of each of some elements."""
+    found: dict[int, StrainOperator] = {}
+    for corners, first in ((mesh.quads, 0), (mesh.trias, len(mesh.quads))):
+        own = elements[(first <= elements) & (elements < first + len(corners))]
+        if own.size:
+            many = middles(mesh.nodes[corners[own - first]])
+            each = zip(many.membrane, many.curvature, many.axes, strict=True)
+            found |= {int(element): StrainOperator(*parts) for element, parts in zip(own, each, strict=True)}
+    return found
+
+
+def _strain_row(operator: StrainOperator, direction: FloatArray, height: float, name: str) -> FloatArray:
+    """Return the row (24,) or (18,) of strain at the middle of one element, without averaging, at `height` [m]."""
     along = operator.axes.T @ direction
     length = np.hypot(along[0], along[1])
     if length < STEEPEST * np.linalg.norm(direction):

@@ -9,8 +9,11 @@ import pytest
 
 from tests.installed import Installed, installed, shared_folder
 
-LONG = ("test_installed", "test_blind", "test_tutorial", "test_site", "test_uav_study")
-"""Files of few and long tests: begun first, so that no process is left alone with them at the end."""
+LONG = (
+    *("test_installed", "test_site", "test_blind", "test_examples", "test_tutorial", "test_uav_study"),
+    *("test_fuzz_everything", "test_cluster", "test_gap_units", "test_gap_diagnosis"),
+)
+"""The longest files: begun first, so that no process is left alone with one at the end."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -51,7 +51,3 @@ def test_the_wheel_names_its_rust_parts(tmp_path_factory):
     with zipfile.ZipFile(wheel) as archive:
         (name,) = [name for name in archive.namelist() if "/sboms/" in name]
         assert b"pyo3" in archive.read(name)
-
-
-def test_the_packages_say_that_they_are_typed():
-    assert {"octmip/py.typed", "femlib/py.typed"} <= tracked("*.typed")

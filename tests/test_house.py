@@ -6,6 +6,7 @@ What is frozen keeps nothing, and octmip knows nothing of femlib's effects.
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -22,9 +23,15 @@ LONGEST_LINE = 120
 EFFECTS = ROOT / "femlib" / "wing" / "effects"
 
 
+@cache
+def parsed(code: str) -> ast.Module:
+    """Return the tree of a module; several rules read the same ones."""
+    return ast.parse(code)
+
+
 def frozen_classes(code: str) -> Iterator[ast.ClassDef]:
     """Yield the dataclasses of a module that say they are frozen."""
-    for node in ast.walk(ast.parse(code)):
+    for node in ast.walk(parsed(code)):
         decorators = node.decorator_list if isinstance(node, ast.ClassDef) else []
         for call in (d for d in decorators if isinstance(d, ast.Call)):
             words = {keyword.arg: keyword.value for keyword in call.keywords}
@@ -136,7 +143,7 @@ def test_no_line_of_a_comment_is_long():
 
 def wing_cards() -> list[dict[str, object]]:
     """Return name and seen_by of every effect of the wing, as its file says them."""
-    calls = [node for file in sorted(EFFECTS.rglob("*.py")) for node in ast.walk(ast.parse(file.read_text()))]
+    calls = [node for file in sorted(EFFECTS.rglob("*.py")) for node in ast.walk(parsed(file.read_text()))]
     cards = []
     for call in (node for node in calls if isinstance(node, ast.Call)):
         words = {keyword.arg: keyword.value for keyword in call.keywords}
@@ -149,7 +156,7 @@ def test_octmip_names_no_effect_of_the_wing():
     names = {card["name"] for card in wing_cards()}
     assert len(names) >= 13
     for file in sorted((ROOT / "octmip").rglob("*.py")):
-        words = {node.value for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.Constant)}
+        words = {node.value for node in ast.walk(parsed(file.read_text())) if isinstance(node, ast.Constant)}
         assert not names & words, file
 
 

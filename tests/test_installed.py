@@ -130,15 +130,6 @@ def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Install
     assert all("[arg-type]" in fault for fault in faults)
 
 
-def test_every_extra_is_installed_where_make_asked_for_all(tmp_path: Path) -> None:
-    used = "import octmip.interfaces.plot, octmip.interfaces.report.page, femlib.wing, pyarrow, onnx, jinja2"
-    wing = "femlib.wing.uav_wing(refinement=0.25)"
-    done = subprocess.run(
-        [sys.executable, "-c", f"{used}\n{wing}"], capture_output=True, text=True, cwd=tmp_path, env=stranger()
-    )
-    assert done.returncode == 0, done.stderr
-
-
 def test_what_builds_the_wheel_is_in_this_environment() -> None:
     rules = tomllib.loads((ROOT / "pyproject.toml").read_text())
     assert set(rules["build-system"]["requires"]) <= set(rules["project"]["optional-dependencies"]["test"])

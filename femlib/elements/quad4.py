@@ -71,15 +71,6 @@ def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -
     return matrices.reshape(-1, N_DOFS, N_DOFS)
 
 
-def strain_operator(points: FloatArray, xi: float = 0.0, eta: float = 0.0) -> StrainOperator:
-    """Return the strain rows at natural coordinates `xi`, `eta` in [-1, 1] of one element with corners (4, 3) [m].
-
-    At the middle these are its strains; elsewhere the enhanced ones, zero in the middle, are left out.
-    """
-    many = strain_operators(points[None], [(xi, eta)])
-    return StrainOperator(many.membrane[0, 0], many.curvature[0, 0], many.axes[0, 0])
-
-
 def strain_operators(
     points: FloatArray,
     places: Sequence[tuple[float, float]],

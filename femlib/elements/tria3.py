@@ -61,12 +61,6 @@ def mass(points: FloatArray, laminates: Sequence[Laminate], section: IntArray) -
     return matrices.reshape(-1, N_DOFS, N_DOFS)
 
 
-def strain_operator(points: FloatArray) -> StrainOperator:
-    """Return the strain rows at the middle, which are also the means, of one element with corners (3, 3) [m]."""
-    many = strain_operators(points[None], MIDDLE)
-    return StrainOperator(many.membrane[0, 0], many.curvature[0, 0], many.axes[0, 0])
-
-
 def strain_operators(
     points: FloatArray,
     places: FloatArray,

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -99,95 +100,63 @@ def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any) -> 
     return Row(door, writer, f"order of classes: {case}", make, ask, answer)
 
 
+def at_solve(writer: str, name: str, *words: str, answer: Any = None) -> Row:
+    """Return the row of `octmip solve` on a table of some levels, which are found in their order unless refused."""
+    levels = LEVELS[name]
+    case, right = " ".join((name, *words)), answer or (0, True, levels)
+    return row("octmip solve TABLE", writer, case, written(writer, levels), lambda path: solved(path, *words), right)
+
+
+def at_estimator(writer: str, name: str, make: Callable[[tuple[str, ...]], Any], **options: Any) -> Row:
+    """Return the row of the classifier on labels of some levels; lists have no order of their own."""
+    levels = LEVELS[name]
+    right = (0.0, True, levels, True) if options or writer != "lists" else NO_ORDER
+    case = " ".join((name, *options))
+    ask = partial(fitted, levels, **options)
+    return row("OptimalTreeClassifier", writer, case, lambda _: make(levels), ask, right)
+
+
+def at_problem(writer: str, case: str, y: Any, answer: Any, **options: Any) -> Row:
+    return row("Problem", writer, case, lambda _: y, partial(asked_of_python, LEVELS["wear"], **options), answer)
+
+
+def labels(levels: tuple[str, ...]) -> list[str]:
+    return samples(levels)[1]
+
+
+def of_pandas(levels: tuple[str, ...]) -> Any:
+    return pandas_frame(levels)["state"]
+
+
+def of_polars(levels: tuple[str, ...]) -> Any:
+    polars = pytest.importorskip("polars")
+    return polars.Series(labels(levels), dtype=polars.Enum(levels))
+
+
+WEAR = LEVELS["wear"]
+NUMBERS = pd.Series([value for value in (1, 2.5, 3) for _ in range(ROWS_OF_EACH)], dtype=object)
 ROWS: list[Row] = [
+    *(at_solve(writer, name) for name in LEVELS for writer in ("pandas", "polars Enum", "pyarrow")),
     *(
-        row("octmip solve TABLE", writer, name, written(writer, levels), solved, (0, True, levels))
-        for name, levels in LEVELS.items()
-        for writer in ("pandas", "polars Enum", "pyarrow")
-    ),
-    *(
-        row(
-            "octmip solve TABLE",
-            writer,
-            f"{name}, given",
-            written(writer, levels),
-            lambda path, levels=levels: solved(path, "--class-order", ",".join(levels)),
-            (0, True, levels),
-        )
+        at_solve(writer, name, "--class-order", ",".join(levels))
         for name, levels in LEVELS.items()
         for writer in ("pandas csv", "polars Categorical")
     ),
-    *(
-        row("octmip solve TABLE", "pandas csv", f"{name}, none", written("pandas csv", levels), solved, NO_ORDER)
-        for name, levels in LEVELS.items()
-    ),
-    row(
-        "octmip solve TABLE",
-        "pandas csv",
-        "one class left out",
-        written("pandas csv", LEVELS["wear"]),
-        lambda path: solved(path, "--class-order", "sound,failed"),
-        Refused(("lacks 'worn'", "from low to high")),
+    *(at_solve("pandas csv", name, answer=NO_ORDER) for name in LEVELS),
+    at_solve(
+        "pandas csv", "wear", "--class-order", "sound,failed", answer=Refused(("lacks 'worn'", "from low to high"))
     ),
     *(
         row(f"octmip {name}", "pandas csv", "check", written("pandas csv", LEVELS["check"]), other_command(name), True)
         for name in ("compare", "frontier")
     ),
-    *(
-        row(
-            "OptimalTreeClassifier",
-            "pandas Categorical",
-            name,
-            lambda _, levels=levels: pandas_frame(levels)["state"],
-            lambda y, levels=levels: fitted(levels, y),
-            (0.0, True, levels, True),
-        )
-        for name, levels in LEVELS.items()
-    ),
-    row(
-        "OptimalTreeClassifier",
-        "polars Enum",
-        "wear",
-        lambda _: pytest.importorskip("polars").Series(
-            samples(LEVELS["wear"])[1], dtype=pytest.importorskip("polars").Enum(LEVELS["wear"])
-        ),
-        lambda y: fitted(LEVELS["wear"], y),
-        (0.0, True, LEVELS["wear"], True),
-    ),
-    *(
-        row(
-            "OptimalTreeClassifier",
-            "lists",
-            f"{name}, {'given' if given else 'none'}",
-            lambda _, levels=levels: samples(levels)[1],
-            lambda y, levels=levels, given=given: fitted(levels, y, class_order=levels if given else None),
-            (0.0, True, levels, True) if given else NO_ORDER,
-        )
-        for name, levels in LEVELS.items()
-        for given in (True, False)
-    ),
-    *(
-        row(
-            "Problem",
-            writer,
-            f"wear, {how}",
-            lambda _, y=y: y,
-            lambda y, options=options: asked_of_python(LEVELS["wear"], y, **options),
-            (0.0, True, LEVELS["wear"]) if how != "none" else NO_ORDER,
-        )
-        for writer, how, y, options in (
-            ("pandas Categorical", "its own", pandas_frame(LEVELS["wear"])["state"], {}),
-            ("lists", "class_order", samples(LEVELS["wear"])[1], {"class_order": LEVELS["wear"]}),
-            ("lists", "class_names", samples(LEVELS["wear"])[1], {"class_names": LEVELS["wear"]}),
-            ("lists", "none", samples(LEVELS["wear"])[1], {}),
-        )
-    ),
-    row(
-        "Problem",
-        "lists",
-        "whole numbers beside others",
-        lambda _: [value for value in (1, 2.5, 3) for _ in range(ROWS_OF_EACH)],
-        lambda y: asked_of_python(LEVELS["wear"], pd.Series(y, dtype=object)),
-        (0.0, True, (1, 2.5, 3)),
-    ),
+    *(at_estimator("pandas Categorical", name, of_pandas) for name in LEVELS),
+    at_estimator("polars Enum", "wear", of_polars),
+    *(at_estimator("lists", name, labels) for name in LEVELS),
+    *(at_estimator("lists", name, labels, class_order=levels) for name, levels in LEVELS.items()),
+    at_problem("pandas Categorical", "wear", of_pandas(WEAR), (0.0, True, WEAR)),
+    at_problem("lists", "wear, class_order", labels(WEAR), (0.0, True, WEAR), class_order=WEAR),
+    at_problem("lists", "wear, class_names", labels(WEAR), (0.0, True, WEAR), class_names=WEAR),
+    at_problem("lists", "wear, none", labels(WEAR), NO_ORDER),
+    at_problem("pandas", "whole numbers beside others", NUMBERS, (0.0, True, (1, 2.5, 3))),
 ]

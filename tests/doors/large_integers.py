@@ -75,68 +75,54 @@ def classes_of(path: Path) -> list[Any]:
     return list(json.loads(tree.read_text())["class_names"])
 
 
-def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any) -> Row:
+def row(door: str, writer: str, case: str, make: Any, ask: Any, answer: Any = REFUSED) -> Row:
     return Row(door, writer, f"whole numbers: {case}", make, ask, answer)
 
 
+def of_table(door: str, writer: str, case: str = "a feature", values: Any = LARGE, answer: Any = REFUSED) -> Row:
+    """Return the row of a table of features."""
+    ask = objective if door == "Problem" else fitted
+    return row(door, writer, case, lambda _: table_of(writer, values), ask, answer)
+
+
+def of_file(writer: str, case: str, values: Sequence[int | None], ask: Any, answer: Any = REFUSED) -> Row:
+    return row("octmip solve TABLE", writer, case, lambda folder: file_of(writer, folder, values), ask, answer)
+
+
+def of_labels(door: str, case: str, ask: Any, answer: Any) -> Row:
+    return row(door, "numpy int64", case, lambda _: np.array(LARGE), ask, answer)
+
+
+def as_feature(path: Path) -> str:
+    return solved(path, "--label", "y")
+
+
+def as_target(path: Path) -> str:
+    return solved(path, "--target", "t", "--drop", "y")
+
+
 WRITERS = ("numpy int64", "numpy uint64", "numpy object", "lists", "pandas int64", "pandas Int64", "pandas arrow")
+FILES = ("pandas csv", "pandas csv, quoted", "pandas tsv", "pandas parquet")
 ROWS: list[Row] = [
+    *(of_table("Problem", writer) for writer in (*WRITERS, "polars", "pyarrow")),
+    *(of_table("OptimalTreeClassifier", writer) for writer in WRITERS),
     *(
-        row(name, writer, "a feature", lambda _, writer=writer: table_of(writer, LARGE), ask, REFUSED)
-        for name, ask, writers in (
-            ("Problem", objective, (*WRITERS, "polars", "pyarrow")),
-            ("OptimalTreeClassifier", fitted, WRITERS),
-        )
-        for writer in writers
-    ),
-    *(
-        row(
-            "Problem",
-            writer,
-            "a feature, one missing",
-            lambda _, w=writer: table_of(w, [*LARGE[:3], None]),
-            objective,
-            REFUSED,
-        )
+        of_table("Problem", writer, "a feature, one missing", HOLED)
         for writer in ("pandas Int64", "pandas arrow", "polars", "pyarrow")
     ),
-    *(
-        row("Problem", writer, "a feature, exact", lambda _, w=writer: table_of(w, EXACT), objective, 0.0)
-        for writer in (*WRITERS, "polars", "pyarrow")
-    ),
-    *(
-        row(
-            "octmip solve TABLE",
-            w,
-            "a feature",
-            lambda folder, w=w: file_of(w, folder),
-            lambda path: solved(path, "--label", "y"),
-            REFUSED,
-        )
-        for w in ("pandas csv", "pandas parquet", "Excel csv")
-    ),
-    *(
-        row("octmip solve TABLE", w, f"{case}, one missing", lambda folder, w=w: file_of(w, folder, HOLED), ask, answer)
-        for case, ask, answer in (
-            ("a feature", lambda path: solved(path, "--label", "y"), REFUSED),
-            ("targets", lambda path: solved(path, "--target", "t", "--drop", "y"), REFUSED),
-            ("classes", classes_of, LARGE[:3]),
-        )
-        for w in ("pandas csv", "pandas csv, quoted", "pandas tsv", "pandas parquet", "pandas parquet of categories")
-        if case == "a feature" or "categories" not in w
-    ),
-    *(
-        row(name, "numpy int64", "targets", lambda _: np.array(LARGE), ask, REFUSED)
-        for name, ask in (
-            ("Problem", lambda y: solve(Problem(READINGS, y, depth=2, loss=SquaredError())).objective),
-            ("OptimalTreeRegressor", lambda y: OptimalTreeRegressor(2).fit(READINGS, y).objective_),
-        )
-    ),
-    *(
-        row(name, "numpy int64", "classes", lambda _: np.array(LARGE), ask, LARGE)
-        for name, ask in (
-            ("Problem", lambda y: list(Problem(READINGS, y, depth=2).class_names)),
-            ("OptimalTreeClassifier", lambda y: OptimalTreeClassifier(2).fit(READINGS, y).predict(READINGS).tolist()),
-        )
+    *(of_table("Problem", writer, "a feature, exact", EXACT, 0.0) for writer in (*WRITERS, "polars", "pyarrow")),
+    *(of_file(writer, "a feature", LARGE, as_feature) for writer in ("pandas csv", "pandas parquet", "Excel csv")),
+    *(of_file(writer, "a feature, one missing", HOLED, as_feature) for writer in FILES),
+    of_file("pandas parquet of categories", "a feature, one missing", HOLED, as_feature),
+    *(of_file(writer, "targets, one missing", HOLED, as_target) for writer in FILES),
+    *(of_file(writer, "classes, one missing", HOLED, classes_of, LARGE[:3]) for writer in FILES),
+    of_labels("Problem", "targets", lambda y: Problem(READINGS, y, depth=2, loss=SquaredError()), REFUSED),
+    of_labels("OptimalTreeRegressor", "targets", lambda y: OptimalTreeRegressor(2).fit(READINGS, y), REFUSED),
+    of_labels("Problem", "classes", lambda y: list(Problem(READINGS, y, depth=2).class_names), LARGE),
+    of_labels(
+        "OptimalTreeClassifier",
+        "classes",
+        lambda y: OptimalTreeClassifier(2).fit(READINGS, y).predict(READINGS).tolist(),
+        LARGE,
     ),
 ]

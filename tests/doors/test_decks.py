@@ -14,7 +14,7 @@ from femlib.export.calculix_results import element_points, read_buckling_factors
 from femlib.material import Ply, isotropic_plate, laminate
 from femlib.structure import NamedMesh, Structure
 from femlib.structure.calculix import write_deck
-from tests.doors.decks import GRIDS, NASTRAN
+from tests.doors.decks import GRIDS
 from tests.test_femlib.own_meshes import ALUMINIUM, corner_spring, plate_mesh, plate_with_mast
 
 meshio = pytest.importorskip("meshio")
@@ -26,14 +26,6 @@ def quietly_read(path: Path) -> NamedMesh:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", LeftOutWarning)
         return femlib.read(path, corners_only=True)
-
-
-@pytest.mark.parametrize("case", NASTRAN)
-def test_all_writings_of_a_plate_are_one_mesh(case: str, tmp_path: Path) -> None:
-    (tmp_path / "a.bdf").write_text(NASTRAN[case][0])
-    mesh = quietly_read(tmp_path / "a.bdf")
-    np.testing.assert_array_equal(mesh.nodes, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    np.testing.assert_array_equal(mesh.quads, [[0, 1, 2, 3]])
 
 
 def with_triangles(mesh: Any) -> Any:

@@ -1,9 +1,6 @@
 """Exports of random trees over columns of every type answer as `predict` does, and nothing where it refuses."""
 
-import ctypes
-import shutil
 import sqlite3
-import subprocess
 from contextlib import closing
 
 import numpy as np
@@ -14,13 +11,8 @@ from benchmarks.cases.doors.sql_engines import outcome
 from octmip import OptimalTreeClassifier
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
-from octmip.formats.columns.cells import read_cells
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
-from tests.oracles.export_runs import C_FLAGS
-from tests.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
-
-STREAM = 61
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -28,50 +20,6 @@ def test_sql_of_random_trees_is_predict_in_every_database_that_is_here(seed):
     line = outcome(seed, n_trees=10)
     assert "SQLite" in line["wrong"]
     assert set(line["wrong"].values()) == {0}, line
-
-
-def cells_of(table, frame):
-    """Return the codes and numbers of a table as C takes them (n, n_columns), and as ONNX takes each column."""
-    codes, inputs = [], []
-    for column in table.columns.columns:
-        cells = read_cells(frame[column.name], column.form)
-        if column.kind == "number":
-            codes.append(cells.numbers)
-            inputs.append(cells.numbers)
-            continue
-        words, code = column.words_of(cells), {word: float(k) for k, word in enumerate(column.values)}
-        codes.append(np.array([code.get(word, -1.0) if word is not None else np.nan for word in words]))
-        inputs.append(np.array(["" if word is None else word for word in words], dtype=object))
-    return np.ascontiguousarray(np.column_stack(codes)), inputs
-
-
-@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
-@pytest.mark.parametrize("seed", [0, 2])
-def test_c_and_onnx_of_random_trees_are_predict(seed, tmp_path):
-    runtime, parquet = pytest.importorskip("onnxruntime"), pytest.importorskip("pyarrow.parquet")
-    rng = np.random.default_rng([STREAM, seed])
-    kinds = [kind for kind in TYPES if seed or kind not in ("text", "category")]  # once all are numbers
-    table = random_table(rng, tmp_path / "t.parquet", tuple(rng.choice(kinds, 4, replace=False)), doubled=seed == 2)
-    codes, inputs = cells_of(table, parquet.read_table(table.path).to_pandas(ignore_metadata=True))
-    names = [ANSWERS[k % len(ANSWERS)] if k % 5 else () for k in range(10)]
-    trees = [random_tree(rng, table, len(classes), int(rng.integers(5))) for classes in names]
-    asked = list(zip(trees, names, strict=True))
-    sources = [c_source(tree, table.columns, n, name=f"tree_{k}") for k, (tree, n) in enumerate(asked)]
-    (tmp_path / "t.c").write_text("".join(sources))
-    flags = [*C_FLAGS, "-march=native", "-ffp-contract=fast", "-shared", "-fPIC"]
-    subprocess.run(["cc", *flags, "-o", tmp_path / "t.so", tmp_path / "t.c"], check=True)
-    library = ctypes.CDLL(str(tmp_path / "t.so"))
-    for k, (tree, classes) in enumerate(asked):
-        right = answers_of(tree, table, classes)
-        predicted = library[f"tree_{k}"]
-        is_text = bool(classes) and isinstance(classes[0], str)
-        predicted.restype = ctypes.c_char_p if is_text else ctypes.c_double
-        found = [predicted((ctypes.c_double * codes.shape[1])(*row)) for row in codes]
-        assert [one.decode() if is_text else one for one in found] == right
-        session = runtime.InferenceSession(onnx_model(tree, table.columns, classes).SerializeToString())
-        own = {column.name: cells[:, None] for column, cells in zip(table.columns.columns, inputs, strict=True)}
-        feed = {one.name: codes if one.name == "readings" else own[one.name] for one in session.get_inputs()}
-        assert session.run(None, feed)[0].tolist() == right
 
 
 TRAINED = pd.DataFrame({"text": ["a", "b", "c"], "number": [1.0, 2.0, 3.0], "flag": [True, False, True]})
@@ -144,14 +92,6 @@ def test_classes_are_needed_and_of_one_kind(classes, words):
     for export in (sql_expression, c_source, onnx_model):
         with pytest.raises(TreeError, match=words):
             export(Split(0, 0.5, *ONE), ["a"], classes)
-
-
-def test_a_doubled_column_that_parts_no_rows_is_no_question():
-    columns = Columns.learn(pd.DataFrame({"a": [1.0, None, 3.0]}), doubled=True)
-    beyond = columns.columns[0].beyond
-    for feature, threshold, side in ((0, beyond[0] - 1, "y"), (1, beyond[1], "x")):
-        assert sql_expression(Split(feature, threshold, *ONE), columns, "xy").endswith(f"'{side}'")
-    assert "IS NULL" in sql_expression(Split(0, beyond[0], *ONE), columns, "xy")
 
 
 def test_names_of_features_speak_of_the_columns_and_classes_without_names_are_their_indices():

@@ -5,14 +5,12 @@ The clock of Python is set by hand here: a stage that takes a second moves it by
 
 import math
 import time
-import tracemalloc
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from benchmarks.cases.doors import limits as benchmark
 from octmip import Problem, certify
 from octmip.interfaces.report.new_rows import choice_text
 from octmip.trees import drawn_rows
@@ -118,22 +116,3 @@ def test_two_classes_differ_by_the_most_that_a_row_of_any_class_tells(n_classes:
     mean = np.array([weights[codes == k].mean() for k in range(n_classes)])
     expected = [[max(mean * np.abs(costs[:, a] - costs[:, b])) for b in range(n_classes)] for a in range(n_classes)]
     assert ClassCosts(costs).contrasts(weights, codes) == pytest.approx(np.array(expected), rel=1e-12)
-
-
-def test_many_classes_are_compared_in_the_memory_of_their_costs():
-    codes = np.arange(400)
-    tracemalloc.start()
-    ClassCosts(1.0 - np.eye(400)).contrasts(np.ones(400), codes)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 10 * 8 * 400**2
-
-
-def test_the_benchmark_asks_every_door_of_every_shape(monkeypatch):
-    monkeypatch.setattr(benchmark, "SHAPES", {"rows": (300, 3, 2, 0), "levels": (300, 3, 2, 50)})
-    monkeypatch.setattr(benchmark, "SECONDS", (0.05, 99.0))
-    lines = list(benchmark.results(0.05, [1]))
-    assert [(line["size"], line["asked"]) for line in lines] == [
-        (size, asked) for size in ("rows", "levels") for asked in ("depth 3", "default", "estimator")
-    ]
-    assert benchmark.summary(lines).count("\n") == len(lines) + 1

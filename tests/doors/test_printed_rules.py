@@ -102,14 +102,6 @@ def test_a_printed_duration_is_the_last_one_that_goes_left(span):
         assert ([Fraction(one.value, 10**9) <= said for one in around] == (days <= cut)).all()
 
 
-def test_times_are_the_same_days_in_every_unit():
-    stamps = pd.Series(
-        pd.to_datetime(["2024-03-01 10:00:00.123456", "1969-07-20 20:17:40", "2148-01-01"], format="ISO8601")
-    )
-    found = [read_cells(stamps.astype(f"datetime64[{unit}]")).numbers for unit in ("us", "ns")]
-    assert (found[0] == found[1]).all()
-
-
 @given(st.lists(st.text("ab", min_size=1, max_size=40), min_size=2, max_size=6, unique=True), st.integers(6, 20))
 @settings(max_examples=200, deadline=None)
 def test_different_names_stay_different_when_they_are_cut(names, longest):

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.doors.recordings import measured
 from benchmarks.recordings import BEAM, CARD, START, UNITS, write_tdms
 from octmip.errors import DataError, MissingExtraError
 from octmip.gap.doors import open_twin
@@ -93,25 +92,16 @@ def test_one_command_tells_of_a_recording_what_the_table_of_the_same_truth_tells
     assert any("run.tdms is a recording (TDMS)" in note for note in found["notes"])
 
 
-def test_the_benchmark_of_ten_million_samples_runs_on_few():
-    line = measured("mf4", 100_000)
-    assert "gain g2 is 1.2" in line["verdict"].lower()
-    assert line["megabytes"] > 50
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         ("run.tdms", "run.tdms is a recording (TDMS); expected --steady, or --windows START,END"),
         ("run.tdms --steady --readings g1=Beam/g9", "run.tdms has no channel 'Beam/g9'; expected one of its 5"),
-        ("run.tdms --steady --readings g7=Beam/g1", "the twin has no reading 'g7'; expected 'g1', 'g2', 'g3'"),
         ("run.mseed --steady", "run.mseed: no channel is the load 'force'; expected --loads force=CHANNEL"),
         ("run.tdms --steady --readings g1=Beam/g2", "channel 'Beam/g2' is g1 and g2; expected a channel for each"),
-        ("run.tdms --steady --load-units force=mm", "channel Beam/force is in 'N'; expected mm"),
         ("volts.tdms --steady", "column g1 is in 'V'; expected microstrain"),
         ("run.tdms --steady --least 9", "no window of at least 9 s in which Beam/force stays within 1.6 N"),
         ("run.tdms --windows 50,60", "no valid sample from 50 s to 60 s; its samples go from 0 s to 40.99 s"),
-        ("run.tdms --windows 5,4", "window '5,4'; expected START,END in seconds, or START,END,TEST"),
         ("run.tdms --windows 1,4 3,5", "windows 1,4 and 3,5 overlap; expected each sample in one window"),
         ("run.csv --least 3", "--least is for a recording, and run.csv is a table"),
         ("far.tdms --steady", "channel Beam/g2 holds -9999 40 times from"),

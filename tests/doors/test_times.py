@@ -170,14 +170,3 @@ def test_a_frame_and_its_text_hold_the_same_days(unit: str, zone: str | None) ->
     spans = SPANS.dt.floor("s").astype(f"timedelta64[{unit}]")
     text = pd.Series([None if gone else str(one) for one, gone in zip(spans, spans.isna(), strict=True)], dtype=object)
     np.testing.assert_array_equal(read_cells(spans).numbers, read_cells(text).numbers)
-
-
-def test_times_of_polars_and_arrow_are_those_of_their_csv(tmp_path: Path) -> None:
-    polars = pytest.importorskip("polars")
-    frame = polars.from_pandas(pd.DataFrame({"at": STAMPS}))
-    frame = frame.with_columns(frame["at"].dt.date().alias("day"))
-    frame.select("at", "day").write_csv(tmp_path / "t.csv")
-    texts = pd.read_csv(tmp_path / "t.csv", dtype=str)
-    for name in ("at", "day"):
-        arrow = pd.Series(frame[name].to_arrow().to_pandas(types_mapper=pd.ArrowDtype))
-        np.testing.assert_array_equal(read_cells(texts[name]).numbers, read_cells(arrow).numbers)

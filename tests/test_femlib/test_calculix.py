@@ -89,19 +89,15 @@ def test_other_forces_a_gradient_and_a_temperature_by_element_reach_the_deck(coa
 
 
 @pytest.mark.skipif(not has_ccx(), reason="CalculiX (ccx) is not installed")
-@pytest.mark.parametrize(("kind", "alike"), [("gradient", 0.85), ("one warm skin", 0.98)])
-def test_calculix_feels_the_same_heat(kind: str, alike: float, tmp_path: Path) -> None:
+def test_calculix_feels_the_same_heat_of_one_skin(tmp_path: Path) -> None:
     wing = tapered_wing(refinement=0.15)
     mesh = wing.structure.shells.mesh
     top = np.isin(mesh.patch_of_element, [mesh.patches.index(name) for name in ("top", "R1", "R2")])
-    warming, gradient = (0.0, 5000.0) if kind == "gradient" else (20.0 * top, 0.0)
-    write_deck(wing, tmp_path / "wing.inp", {}, 0.0, warming=warming, gradient=gradient)
+    write_deck(wing, tmp_path / "wing.inp", {}, 0.0, warming=20.0 * top)
     run_deck(tmp_path / "wing.inp")
-    n = mesh.n_elements
-    heat = thermal_load(wing.structure.shells, np.broadcast_to(warming, n), np.full(n, gradient))
+    heat = thermal_load(wing.structure.shells, 20.0 * top, np.zeros(mesh.n_elements))
     ours, theirs = wing.strain_microstrain({}, 1.0, heat), read_gauges(wing, tmp_path / "wing.dat")
-    # a gradient strains a closed section only where it cannot curve: at the ribs, which this mesh hardly resolves
-    assert ours @ theirs > alike * np.linalg.norm(ours) * np.linalg.norm(theirs)
+    assert ours @ theirs > 0.98 * np.linalg.norm(ours) * np.linalg.norm(theirs)
     assert np.linalg.norm(ours) == pytest.approx(np.linalg.norm(theirs), rel=0.25)
 
 

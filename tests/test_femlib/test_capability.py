@@ -16,7 +16,7 @@ STATES = np.array([[0.0, 0.0], [0.55, 0.0], [0.0, 0.85], [0.7, 0.3]])
 
 @pytest.fixture(scope="module")
 def capable(tiny, tiny_reduced) -> Capability:
-    return wing_capability(tiny, tiny_reduced, n_states=24, n_checks=1)
+    return wing_capability(tiny, tiny_reduced, n_states=16, n_checks=1)
 
 
 def test_reduced_limits_are_those_of_the_full_wing_in_states_that_were_not_sampled(tiny, capable):

@@ -6,7 +6,7 @@ import pytest
 
 from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.modes import blade, cylinder_frequency
-from benchmarks.shells.plates import razzaque_skew_plate, square_plate
+from benchmarks.shells.plates import razzaque_skew_plate
 from benchmarks.shells.strips import curved_beam, raasch_hook, straight_beam
 from femlib.assembly.quality import MOST_ERROR
 from femlib.errors import FemlibError, SolveError
@@ -47,12 +47,6 @@ def test_strips_and_plates_that_were_too_stiff_without_a_word_are_refused(case) 
     assert quality.displacement_error > max(MOST_ERROR, 0.4 * (1.0 - ratio))
     with pytest.raises(SolveError, match="by a coarse mesh"):
         quality.refuse()
-
-
-def test_good_meshes_are_accepted_with_an_estimate_of_the_order_of_their_error() -> None:
-    for case in (square_plate(8, True), straight_beam("rectangular", "w"), razzaque_skew_plate(16)):
-        ratio, quality = case.judged()
-        assert 0.8 * abs(1.0 - ratio) < quality.displacement_error < MOST_ERROR
 
 
 def test_a_blade_of_triangles_that_buckles_sideways_too_early_is_refused() -> None:

@@ -7,8 +7,6 @@ import pytest
 
 from femlib.material import Ply, isotropic_plate, laminate
 
-CARBON = Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 0.125e-3, expansion_1=-0.5e-6, expansion_2=30e-6, density=1600.0)
-
 
 def turned(angle: float) -> Ply:
     return Ply(140e9, 10e9, 0.3, 5e9, 5e9, 3e9, 0.125e-3, np.radians(angle), 1600.0, -0.5e-6, 30e-6)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from femlib.errors import MeshError
-from femlib.geometry import Naca4, grid_lines
+from femlib.geometry import grid_lines
 from femlib.mesh import Mesh
 from tests.test_femlib.plates import grid_mesh
 
@@ -47,13 +47,6 @@ def test_grid_lines_hold_every_stop_and_no_step_is_too_long() -> None:
     assert set(np.round([0.0, 0.24, 0.39, 1.0], 12)) <= set(np.round(lines, 12))
     assert np.diff(lines).max() <= 0.1 + 1e-12
     assert np.diff(lines).min() > 0
-
-
-def test_the_section_is_that_of_the_series() -> None:
-    upper, lower = Naca4(0.04, 0.4, 0.15).heights([0.0, 0.3, 1.0])
-    assert (upper - lower)[1] == pytest.approx(0.15, abs=2e-4)
-    assert upper[[0, 2]] == pytest.approx([0, 0], abs=1e-12)
-    assert 0.5 * (upper + lower)[1] == pytest.approx(0.0375)
 
 
 @pytest.mark.parametrize("shape", ["quads", "trias"])

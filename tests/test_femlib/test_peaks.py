@@ -159,13 +159,13 @@ CASES: dict[str, Made] = {
     **{f"cantilever, triangles {n}": partial(strip, n, True) for n in (8, 16)},
     **{f"clamped strip {n}": partial(clamped_strip, n) for n in (4, 8, 16, 32)},
     "clamped strip, triangles": partial(clamped_strip, 8, True),
-    **{f"clamped plate {n}": partial(CLAMPED, n) for n in (4, 8, 16)},
+    **{f"clamped plate {n}": partial(CLAMPED, n) for n in (4, 8)},
     "clamped plate, triangles": partial(CLAMPED, 8, True),
     **{f"supported plate {n}": partial(SUPPORTED, n) for n in (2, 4, 8)},
     "supported plate, triangles": partial(SUPPORTED, 8, True),
     **{f"cylinder {n}": partial(cylinder, n) for n in (4, 8)},
     "cylinder, triangles": partial(cylinder, 8, True),
-    **{f"corner of a region {n}": partial(singular, n, "corner of a region") for n in (8, 16)},
+    "corner of a region": partial(singular, 8, "corner of a region"),
     "point load": partial(singular, 12, "point load"),
 }
 

@@ -114,12 +114,6 @@ def test_more_modes_are_better(ports: PortFlexibility) -> None:
     assert errors[0] > 10 * errors[1]
 
 
-def test_without_damage_the_reduced_model_is_exact(coarser: Wing, model: ReducedModel) -> None:
-    pristine = coarser.strain_microstrain({}, 1.0)
-    assert model.solve(np.zeros((1, 2)))[0, :-1] == pytest.approx(pristine, rel=1e-9)
-    assert model.error_bound(np.zeros((1, 2))).max() < 1e-4
-
-
 def test_displacements_are_those_of_the_full_model(coarser: Wing, reduced: ReducedWing) -> None:
     for state in ({}, {"mu1": 0.7}, {"mu1": 0.4, "mu2": 0.8}):
         full = coarser.solve(state, 3.0)
@@ -144,17 +138,6 @@ def test_turns_that_do_not_settle_are_solved_together(ports: PortFlexibility, mo
     settled = model.solve(states)
     monkeypatch.setattr("femlib.rom.sweeps.MOST_TURNS", 1)
     assert model.solve(states) == pytest.approx(settled, rel=1e-8)
-
-
-def test_the_reduced_wing_answers_as_the_wing_does(coarser: Wing, reduced: ReducedWing) -> None:
-    assert reduced.gauges == coarser.gauges.names
-    assert reduced.parameters == coarser.parameters
-    state = {"mu2": 0.5}
-    assert reduced.strain_microstrain(state, 3.0) == pytest.approx(coarser.strain_microstrain(state, 3.0), abs=0.01)
-    with pytest.raises(InputError, match="mu9"):
-        reduced.strain_microstrain({"mu9": 0.5}, 3.0)
-    with pytest.raises(InputError, match="load_factor is nan"):
-        reduced.solve({}, np.nan)
 
 
 def test_a_load_of_ones_own_is_reduced(coarser: Wing) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from femlib.material import isotropic_plate
 from femlib.mesh import Mesh
-from femlib.sensors import StrainGauge, locate, strain_rows
+from femlib.sensors import StrainGauge, strain_rows
 from tests.test_femlib.plates import grid_mesh, patch
 
 THICKNESS = 2e-3
@@ -53,10 +53,3 @@ def test_a_gauge_on_triangles_reads_membrane_and_bending_at_any_angle_and_side(a
     row = strain_rows(shells.mesh, np.full(shells.mesh.n_elements, THICKNESS), [here])
     exact = along[:2] @ (strain + side * THICKNESS / 2.0 * curvature) @ along[:2]
     assert (row @ u.ravel())[0] == pytest.approx(exact, rel=1e-10)
-
-
-def test_the_place_of_a_gauge_is_found_in_natural_coordinates(mesh: Mesh) -> None:
-    spot = locate(mesh, gauge(0.175, 0.18, (1, 0, 0)))
-    assert spot.element == 4
-    assert spot.xi == pytest.approx(0.0)
-    assert spot.eta == pytest.approx(0.2)

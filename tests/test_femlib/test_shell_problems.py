@@ -10,7 +10,6 @@ from benchmarks.shells.random_panels import random_shape
 from benchmarks.shells.strips import curved_beam, straight_beam, twisted_beam
 from femlib.assembly.quality import MOST_ERROR
 from femlib.material import Ply
-from femlib.mesh import Mesh
 
 # the largest error of the ratio at 8 and 16 elements a side: measured, plus a margin of a tenth of it
 ERROR = {
@@ -81,12 +80,6 @@ def test_randomly_warped_and_skewed_panels_are_right_or_refused() -> None:
             accepted += 1
             assert work == pytest.approx(shape(32, None).ratio(), rel=0.05)
     assert accepted >= 2
-
-
-def test_a_triangle_is_never_warped() -> None:
-    nodes = np.array([[0, 0, 0], [1, 0, 0.5], [0, 1, 0.7]], dtype=float)
-    none, one = np.zeros((0, 4), dtype=np.int64), np.array([[0, 1, 2]])
-    assert Mesh(nodes, none, one, ("p",), np.zeros(1, dtype=np.int64)).n_elements == 1
 
 
 def test_the_elasticity_of_a_thick_plate_is_that_of_its_shells_where_one_ply_leaves_no_doubt() -> None:

@@ -46,10 +46,6 @@ def test_the_factor_of_tsai_wu_lies_on_its_surface():
     np.testing.assert_allclose(index, 1.0, atol=1e-12)
 
 
-def test_von_mises_of_tension_shear_and_equal_tension():
-    np.testing.assert_allclose(von_mises(np.array([[3.0, 0, 0], [0, 0, 1], [2, 2, 0]])), [3.0, np.sqrt(3), 2.0])
-
-
 def test_a_metal_yields_by_von_mises_in_every_criterion_of_stresses():
     stress, metal = np.random.default_rng(1).normal(size=(40, 3)) * 1e8, yielding_at(250e6)
     np.testing.assert_allclose(tsai_wu_factors(metal, stress), 250e6 / von_mises(stress))

@@ -8,10 +8,8 @@ import pytest
 from femlib.arrays import FloatArray
 from femlib.errors import InputError
 from femlib.geometry import Planform
-from femlib.rom.capability import full_limits
 from femlib.wing import FlightPoint, Wing, uav_wing
 from femlib.wing.model import reshaped
-from femlib.wing.strength import wing_capability, wing_limits
 from femlib.wing.structure import WingMaterials
 from femlib.wing.trim import TrimmedWing, harmonic_lift, lifting_line, trim_wing, twist_rows
 
@@ -89,10 +87,3 @@ def test_trim_is_the_fixed_point_of_the_full_wing_at_the_same_lift(tiny: Wing, t
     np.testing.assert_allclose(trimmed.strains_microstrain(STATES)[1], full, rtol=1e-4)
     with pytest.raises(InputError, match="load_factor is 0; expected another"):
         trim_wing(tiny, FAST, 0.0)
-
-
-def test_the_wing_in_trim_bears_what_the_full_wing_bears_under_the_lift_in_trim(tiny: Wing) -> None:
-    trimmed = trim_wing(tiny, FAST, n_harmonics=2)
-    found = wing_capability(tiny, trimmed, n_states=8, n_checks=0).limits(STATES[1:])[0]
-    full = full_limits(tiny.structure, wing_limits(tiny), trimmed.lift(STATES[1]), STATES[1])
-    np.testing.assert_allclose(found, full, rtol=2e-4)

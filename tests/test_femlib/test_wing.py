@@ -36,15 +36,6 @@ def test_region_edges_and_the_front_row_lie_on_grid_lines(coarse: Wing) -> None:
     assert np.isclose(coarse.grid.eta[:, None], coarse.gauges.eta[:16]).any(axis=0).all()
 
 
-def test_lines_crowd_where_a_rib_has_a_gauge_and_nowhere_else(wing: Wing) -> None:
-    steps, middles = np.diff(wing.grid.eta), 0.5 * (wing.grid.eta[1:] + wing.grid.eta[:-1])
-    assert steps.max() <= 0.02 + 1e-9
-    assert steps.min() > 0.002
-    assert steps[(middles > 0.25) & (middles < 0.75)].max() <= 0.011 + 1e-9
-    for rib in np.array([4, 8]) / 12:
-        assert steps[np.abs(middles - rib) < 0.0075].max() <= 0.005 + 1e-9
-
-
 def test_the_lift_has_its_total_its_ellipse_and_its_quarter_chord(coarse: Wing) -> None:
     force = coarse.lift.reshape(-1, DOFS_PER_NODE)[:, 2]
     x, y, _ = coarse.structure.shells.mesh.nodes.T
@@ -124,7 +115,6 @@ def test_a_gauges_distance_from_a_region_is_that_along_the_skin(coarse: Wing) ->
 
 def test_the_model_hash_tells_models_apart(tiny: Wing, coarse: Wing) -> None:
     assert tiny.model_hash == uav_wing(refinement=0.25).model_hash
-    assert tiny.model_hash != uav_wing(candidates=True, refinement=0.25).model_hash
     assert tiny.model_hash != uav_wing(refinement=0.25, effective_mass=24.0).model_hash
     assert tiny.model_hash != coarse.model_hash
 
@@ -132,11 +122,6 @@ def test_the_model_hash_tells_models_apart(tiny: Wing, coarse: Wing) -> None:
 @pytest.fixture(scope="module")
 def tapered() -> Wing:
     return tapered_wing(refinement=0.3)
-
-
-def test_its_regions_are_rib_bays(tiny: Wing) -> None:
-    for region, ribs in zip(tiny.regions, ([3, 4], [8, 9]), strict=True):
-        assert [12 * region.eta_min, 12 * region.eta_max] == pytest.approx(ribs)
 
 
 def test_all_28_regions_lie_on_rib_bays() -> None:

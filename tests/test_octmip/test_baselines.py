@@ -42,7 +42,7 @@ def test_numbers_have_no_classes_and_weights_leave_out_what_takes_none():
     assert "discriminant" not in baselines_of(replace(IRIS, weights=1 + Y))
 
 
-@pytest.mark.parametrize(("offset", "unit"), [(1e9, 1.0), (0.0, 1e-12), (0.0, 1e30), (-1e-3, 1e-12)])
+@pytest.mark.parametrize(("offset", "unit"), [(1e9, 1.0), (-1e-3, 1e-12)])
 def test_offset_and_unit_of_the_numbers_change_no_baseline_and_not_cart(offset, unit):
     rows = np.arange(40.0)[:, None]
     steps = np.repeat([0.0, 1.0, 3.0, 4.0], 10)

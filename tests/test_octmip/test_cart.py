@@ -25,7 +25,6 @@ from octmip import (
 )
 from octmip.trees.methods import cart
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.shape import MAX_DEPTH
 from octmip.trees.tree import depth, features_used, leaf_index, n_splits
 
 
@@ -74,26 +73,11 @@ def test_a_budget_takes_the_sensor_that_pays_most():
     assert greedy_tree(problem).objective == 0
 
 
-def test_a_sensor_dearer_than_the_budget_is_never_read():
-    features = np.arange(8, dtype=float)[:, None]
-    problem = Problem(features, np.arange(8) > 3, depth=1, sensor_cost=[2.0], sensor_budget=1.0)
-    assert greedy_tree(problem).tree == Leaf(0)
-
-
 def test_out_of_time_in_the_choice_of_sensors_returns_the_tree_so_far():
     problem = random_problem(0, sensor_budget=1.0)
     solution = greedy_tree(problem, limits=Limits(seconds=0))
     assert solution.stop is Stop.TIME
     certify(problem, solution)
-
-
-def test_a_table_of_many_levels_without_time_for_them_gets_one():
-    features = np.random.default_rng(0).normal(size=(6000, 30))
-    problem = Problem(features, features[:, 0] + features[:, 1] > 0, depth=MAX_DEPTH)
-    solution = greedy_tree(problem, limits=Limits(seconds=0))
-    assert solution.stop is Stop.TIME
-    assert solution.tree is not None
-    assert depth(solution.tree) == 1
 
 
 def test_thresholds_lie_midway_between_the_samples_of_the_node():

@@ -80,7 +80,7 @@ def test_a_proof_in_pieces_ends_where_one_proof_does(problem, n_jobs, tmp_path):
 
 
 def test_small_problems_of_every_kind_have_the_optimum_of_enumeration_after_a_pause(tmp_path):
-    for seed in range(40):
+    for seed in range(20):
         rng = np.random.default_rng([62, seed])
         problem = (wide_problem if seed % 2 else random_problem)(rng)
         options = ExactOptions(checkpoint=tmp_path / str(seed), every=0.0)
@@ -260,36 +260,24 @@ def numbered(edit):
     [
         (hard(), changed(grid="0"), "holds costs on another grid"),
         (hard(), changed(bound=1e9), "claims the bound .* above that of its tree"),
-        (hard(), changed(bound="nan"), "holds something else"),
         (hard(), changed(tree=split(77)), "holds something else"),
-        (hard(), changed(tree={"label": 99}), "holds something else"),
         (
             hard(sensor_budget=1),
             changed(tree=split(0, threshold=40.5, left=split(1, threshold=40.5))),
             "holds a tree that is none of this problem",
         ),
-        (hard(), changed(tree={"left": 1}), "holds something else"),
-        (hard(), changed(known="nothing"), "holds something else"),
         (hard(), lambda content: content.update(nodes="many"), "holds something else"),
-        (hard(), lambda content: content.update(seconds=None), "holds something else"),
         (hard(), lambda content: content["state"].pop("known"), "holds something else"),
-        (hard(), known(7, 2**80), "holds something else"),
-        (hard(), known(1, "no number"), "holds something else"),
         (hard(), known(3, 1), "holds what cannot be proven: failed to extract field"),
         (hard(), known(0, 9), "holds what cannot be proven: level 9"),
         (hard(), known(1, 900), "holds what cannot be proven: bounds 900"),
-        (hard(), known(6, [[[True], [False]]]), "holds what cannot be proven: a set"),
         (hard(), cut(0, 1, 5, 0), "holds what cannot be proven: "),
         (hard(), cut(99, 1, 0, 0), "holds what cannot be proven: feature 99 of 5"),
+        (hard(), known(6, [[[True], [False]]]), "holds what cannot be proven: a set"),
         (hard(), cut(0, 10**6, 0, 0), "holds what cannot be proven: feature 0 has no cut"),
-        (lines(), numbered(lambda values: values.pop()), "holds "),
         (lines(), numbered(lambda values: values.append(0)), "holds "),
-        (lines(), numbered(lambda values: values.__setitem__(0, -1)), "holds "),
         (lines(), numbered(lambda values: values.__setitem__(5, 2**62)), "holds "),
-        (lines(), numbered(lambda values: values.__setitem__(6, 2**40)), "holds "),
         (lines(), changed(packed="no bytes"), "holds something else"),
-        (lines(), changed(numbers=[-3, 0, 0]), "holds something else"),
-        (lines(), changed(best=split(7)), "holds something else"),
         (lines(), changed(**{"grid tree": split(0, left=split(1, left=split(2)))}), "holds a tree"),
         (lines(), lambda content: content["state"].pop("packed"), "holds something else"),
     ],

@@ -7,7 +7,6 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import nullcontext
-from dataclasses import replace
 from unittest.mock import Mock, patch
 
 import dask
@@ -19,16 +18,14 @@ from distributed import Client, LocalCluster
 from octmip import Limits, Problem, Progress, Stop
 from octmip.errors import DataError, SolverError
 from octmip.interfaces.cli import main
-from octmip.trees import _native
 from octmip.trees.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods import shared_work
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
+from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.methods.search import local_search
-from octmip.trees.methods.shared_work import shared_problem, solve_cut
+from octmip.trees.methods.shared_work import shared_problem
 from octmip.trees.proof import check_proof
-from octmip.trees.tradeoff import choose_tree, trace_frontier
 
 pytestmark = pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 """Where a killed worker comes back slowly; what says so has a test of its own."""
@@ -69,7 +66,7 @@ def hard(n: int = 400, depth: int = 3, **options: object) -> Problem:
     return Problem(rng.integers(0, 90, (n, 5)).astype(float), rng.integers(0, 3, n), depth=depth, **options)
 
 
-@pytest.mark.parametrize("options", [{}, {"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
+@pytest.mark.parametrize("options", [{"sensor_budget": 2}, {"loss": ClassCosts(COSTS)}])
 def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: dict[str, object]) -> None:
     problem = hard(150, **options)
     alone = branch_and_bound(problem)
@@ -78,9 +75,8 @@ def test_tree_bound_and_cuts_are_those_of_one_machine(asked: Client, options: di
     assert shared.n_nodes == alone.n_nodes
 
 
-@pytest.mark.parametrize("options", [{"leaf_size": 4}, {"loss": ClassCosts(COSTS)}])
-def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path, options: dict[str, object]) -> None:
-    problem = hard(150, **options)
+def test_the_parts_of_a_log_are_joined_and_checked(asked: Client, tmp_path) -> None:
+    problem = hard(120, leaf_size=4)
     alone, threads, shared = (tmp_path / name for name in ("alone", "threads", "shared"))
     found = branch_and_bound(problem, options=ExactOptions(proof=alone))
     branch_and_bound(problem, n_jobs=3, options=ExactOptions(proof=threads))
@@ -144,16 +140,6 @@ def test_the_tree_of_a_search_is_that_of_one_machine(asked: Client, options: dic
     assert (threads.tree, threads.n_nodes) == (alone.tree, alone.n_nodes)
 
 
-def test_groups_of_restarts_are_begun_at_once_and_end_with_the_tree_of_one_machine(asked: Client) -> None:
-    """More workers than a group has restarts: several groups at once, also where one of them ends the search."""
-    for problem, restarts in ((hard(120), 30), (hard(30, 4), 30), (hard(60, 4), 30)):
-        alone = local_search(problem, options=SearchOptions(restarts=restarts, perturbations=2))
-        with patch.object(Cluster, "n_threads", 25):
-            effort = SearchOptions(restarts=restarts, perturbations=2, cluster=Cluster(asked))
-            shared = local_search(problem, options=effort)
-        assert (shared.tree, shared.objective) == (alone.tree, alone.objective)
-
-
 def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> None:
     problem = hard(4000, 5)
     reports: list[Progress] = []
@@ -173,23 +159,6 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
     assert local_search(problem, options=effort, progress=stop).stop is Stop.INTERRUPTED
     # Turns that nobody waits for are given up by the workers, which are free for others.
     assert client.submit(len, "free", pure=False, priority=-1).result(timeout=5) == 4
-
-
-@pytest.mark.parametrize(("over", "method"), [("depth", "exact"), ("budget", "search"), ("penalty", "search")])
-def test_the_points_of_a_frontier_are_those_of_one_machine(asked: Client, over: str, method: str) -> None:
-    problem = hard(60)
-    options = Options() if method == "exact" else SearchOptions(restarts=2, perturbations=2)
-    alone = trace_frontier(problem, over, method=method, options=options)
-    shared = trace_frontier(problem, over, method=method, options=replace(options, cluster=asked))
-    assert [(point.value, point.solution.tree) for point in shared] == [
-        (point.value, point.solution.tree) for point in alone
-    ]
-
-
-def test_folds_are_taken_by_the_workers_that_the_options_name(client: Client) -> None:
-    problem = hard(40, 2)
-    shared = choose_tree(problem, folds=2, most_solves=3, options=Options(cluster=client))
-    assert shared.table() == choose_tree(problem, folds=2, most_solves=3).table()
 
 
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -248,24 +217,3 @@ def test_a_turn_that_is_cut_short_leaves_no_solver_behind(monkeypatch: pytest.Mo
         with pytest.raises(OSError) if is_whole is None else nullcontext():  # noqa: PT011
             shared_work.take_turn(problem, "turn", {"seconds": 1.0, "gap": 0.0, "nodes": 9.0, "memory": 1e9})
         assert (problem.digest in shared_work._kept) == bool(is_whole)
-
-
-def test_a_cut_of_another_problem_is_refused() -> None:
-    arguments = {
-        "ranks": _native.RankTable(np.zeros((1, 3), np.uint32)),
-        "n_ranks": [1],
-        "labels": np.zeros(3, np.uint32),
-        "weights": np.ones(3, np.int64),
-        "costs": np.eye(2, dtype=np.int64),
-        "penalty": 0,
-        "depth": 3,
-        "leaf_size": 1,
-        "sensor_of_feature": [0],
-        "sensor_cost": [1.0],
-        "sensor_limit": 5.0,
-        "allowed": [True],
-    }
-    problem = shared_problem(arguments, [], False)
-    cut = {"feature": 0, "position": 2, "bounds": [0, 0], "free": [0, 0], "target": 5, "is_free": False, "slack": 0}
-    with pytest.raises(ValueError, match="feature 0 has no cut at 2"):
-        solve_cut(problem, 3, cut)

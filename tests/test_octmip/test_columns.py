@@ -177,12 +177,6 @@ def test_texts_are_values_up_to_half_of_the_rows_and_a_hundred(n_values, n_rows,
         assert len(Columns.learn(table).feature_names) == n_values
 
 
-@pytest.mark.parametrize(("option", "column"), [({"categories": "refuse"}, "colour"), ({"missing": "refuse"}, "age")])
-def test_encoding_can_be_refused(option, column):
-    with pytest.raises(ColumnsError, match=column):
-        Columns.learn(frame()[[column]], **option)
-
-
 def test_a_column_without_missing_readings_in_training_refuses_them_later():
     columns = Columns.learn(frame()[["load", "colour"]])
     with pytest.raises(ColumnsError) as caught:

@@ -17,8 +17,8 @@ from octmip.trees.methods.pruning import priced_prunings, prunings
 from octmip.trees.registry import Run
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tradeoff import choice as choice_module
-from octmip.trees.tradeoff import choose_default, default_families, solve_default
 from octmip.trees.tradeoff import default as default_module
+from octmip.trees.tradeoff import default_families, solve_default
 from octmip.trees.tradeoff.choice import RULES
 from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
@@ -57,16 +57,6 @@ def test_for_every_price_some_pruning_that_is_kept_is_as_good_as_any(problem):
     assert n_splits(kept[-1]) == 0
 
 
-def test_the_prunings_of_a_large_tree_are_thinned_but_end_with_all_the_small_ones():
-    rng = np.random.default_rng(0)
-    noise = Problem(rng.random((600, 4)), rng.integers(2, size=600), depth=20)
-    tree = greedy_tree(noise).tree
-    sizes = [n_splits(t) for t in prunings(noise, tree)]
-    assert n_splits(tree) > 100
-    assert len(sizes) < 40
-    assert all(b >= 24 and a >= b * 1.15 for a, b in itertools.pairwise(sizes) if a > 24 and b >= 24)
-
-
 def test_cuts_are_at_quantiles_and_a_tree_over_intervals_is_the_same_over_readings():
     readings = np.array([1.0, 1, 2, 5, 6, 9])[:, None]
     coarse = Coarse.of(Problem(readings, [0, 0, 0, 1, 1, 0], depth=2), 2)
@@ -93,8 +83,13 @@ def answer_of(problem, **run):
     return solve_default(problem, Run("auto", Limits(), 0, **run))
 
 
-def test_the_default_is_the_best_step_of_all_families_and_is_certified():
-    found = answer_of(IRIS)
+@pytest.fixture(scope="module")
+def of_iris():
+    return answer_of(IRIS)
+
+
+def test_the_default_is_the_best_step_of_all_families_and_is_certified(of_iris):
+    found = of_iris
     certify(found.problem, found.solution)
     assert {step.family.words for step in found.choice.steps} == {family.words for family in default_families(IRIS)}
     least = min(step.validation_cost for step in found.choice.steps)
@@ -118,9 +113,9 @@ def test_the_family_of_any_tree_begins_at_the_trees_of_all_others():
     assert best[-1] == min(best) == 2.0 * 15
 
 
-def test_one_seed_gives_one_choice_on_one_thread_and_on_two():
+def test_one_seed_gives_one_choice_on_one_thread_and_on_two(of_iris):
     """Processes are asked in `test_choice`, which takes the folds by the same lines."""
-    alone, threads = answer_of(IRIS, n_jobs=1), answer_of(IRIS, n_jobs=2)
+    alone, threads = of_iris, answer_of(IRIS, n_jobs=2)
     assert threads.choice.steps == alone.choice.steps
     assert threads.solution.tree == alone.solution.tree
     assert threads.solution.bound == alone.solution.bound
@@ -128,28 +123,11 @@ def test_one_seed_gives_one_choice_on_one_thread_and_on_two():
 
 
 def test_rows_repeated_and_rows_weighed_are_chosen_for_alike():
-    weights = RNG.integers(1, 3, 150)
-    weighed = answer_of(replace(IRIS, weights=weights))
-    repeated = answer_of(
-        replace(
-            IRIS,
-            features=np.repeat(IRIS.features, weights, 0),
-            targets=np.repeat(IRIS.targets, weights),
-            weights=np.ones(weights.sum()),
-        )
-    )
+    features, targets, weights = IRIS.features[::3, 1:], IRIS.targets[::3], RNG.integers(1, 3, 50)
+    weighed = answer_of(Problem(features, targets, depth=1, weights=weights))
+    repeated = answer_of(Problem(np.repeat(features, weights, 0), np.repeat(targets, weights), depth=1))
     assert weighed.solution.tree == repeated.solution.tree
     assert weighed.choice.chosen == repeated.choice.chosen
-
-
-def test_numbers_are_chosen_for_by_the_same_mechanism():
-    rng = np.random.default_rng(0)
-    X = rng.random((80, 2))
-    problem = Problem(X, np.where(X[:, 0] > 0.5, 3.0, 1.0) + rng.normal(size=80) / 5, depth=1, loss=SquaredError())
-    found = answer_of(problem)
-    assert certify(found.problem, found.solution).n_splits <= 3
-    assert found.solution.tree.feature == 0
-    assert found.choice.expectation.tree.mean < 0.2
 
 
 CARTS = ["CART's tree, pruned", "CART's tree, pruned by impurity"]
@@ -171,25 +149,11 @@ def test_the_families_are_those_of_the_study_of_tables(problem, words):
     assert [family.words for family in default_families(problem)] == words
 
 
-def test_of_noise_nothing_is_expected():
-    rng = np.random.default_rng(1)
-    noise = Problem(rng.random((120, 3)), rng.integers(2, size=120), depth=1)
-    found = answer_of(noise)
-    assert found.choice.expectation.tree.low < 0.5 < found.choice.expectation.tree.high
-
-
 def test_rows_too_few_to_choose_by_get_one_split_and_the_reason():
     found = answer_of(Problem([[0.0], [1.0]], ["a", "b"], depth=1))
     assert found.choice is None
     assert depth(found.solution.tree) == 1
     assert found.solution.details["choice"] == {"reason": "too few rows to cross-validate"}
-
-
-def test_a_time_limit_leaves_out_families_but_not_cart():
-    choice = choose_default(IRIS, seconds=0.0)
-    assert {step.family.method for step in choice.steps} == {"cart"}
-    assert choice.paths[0].is_whole  # cut short, its steps would not stand for the trees of the folds
-    assert choice.chosen.validation_cost < 0.1
 
 
 def test_rows_for_which_there_is_no_time_are_drawn_from_and_the_leaves_are_fitted_to_all():
@@ -272,15 +236,6 @@ def test_a_sample_is_as_many_rows_as_its_weight_holds_units_of_its_class():
     assert counted(Problem(features, targets, depth=1, leaf_size=2)).n_samples == 5
     weightless = counted(Problem([*features, [1e300]], [*targets, "b"], depth=1, weights=[5, 2, 1, 5, 1, 0]))
     assert weightless.weights.tolist() == [5, 1, 1, 1, 5, 1, 0]
-
-
-def test_a_table_of_few_patterns_that_repeat_is_learned_by_heart():
-    rng = np.random.default_rng(0)
-    X = rng.integers(2, size=(400, 5))
-    y = rng.integers(2, size=32)[X @ [16, 8, 4, 2, 1]]  # 32 patterns, each with a class of its own
-    found = answer_of(Problem(X, y, depth=1))
-    assert found.choice.chosen.validation_cost == 0
-    assert replace(found.problem, leaf_penalty=0.0).objective(found.solution.tree) == 0
 
 
 def test_the_expected_cost_is_corrected_for_the_choice():

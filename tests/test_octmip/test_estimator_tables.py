@@ -44,17 +44,6 @@ def test_a_table_is_encoded_as_columns_encodes_it():
     assert model.n_features_in_ == 4 < model.problem_.n_features
 
 
-@pytest.mark.parametrize("kind", [np.float32, np.int16, np.bool_, object])
-def test_an_array_of_finite_numbers_is_its_own_features(kind):
-    rng = np.random.default_rng(1)
-    array, labels = rng.integers(0, 2, (30, 3)).astype(kind), rng.integers(0, 2, 30)
-    model = fitted(array, labels)
-    assert model.columns_.is_plain
-    assert np.array_equal(model.problem_.features, array.astype(np.float64))
-    assert model.problem_.feature_names == ("x0", "x1", "x2")
-    assert (model.predict(array) == fitted(pd.DataFrame(array), labels).predict(pd.DataFrame(array))).all()
-
-
 def test_a_value_missing_only_later_is_refused_with_a_cure():
     model = fitted(FRAME[["size"]].assign(age=FRAME["age"].fillna(0)), takes_missing=False)
     with pytest.raises(DataError, match=r"'age' has .* missing cells, and had none in training; fill in"):
@@ -66,12 +55,10 @@ def test_a_value_missing_only_later_is_refused_with_a_cure():
 @pytest.mark.parametrize(
     ("X", "settings", "message"),
     [
-        (FRAME, {"categories": "refuse"}, r"2 of 4 columns cannot be used: 'colour' .*'size'"),
         (FRAME, {"missing": "refuse"}, r"2 of 4 columns cannot be used: 'age' .*'colour'"),
         (FRAME, {"split": "hyperplane"}, "cells are missing in 'age'; a hyperplane adds"),
         ([[np.nan]] * 60, {"split": "hyperplane"}, r"X is NaN at \[0, 0\] \(60 missing values in all\)"),
         ([[1.0], [np.nan]] * 30, {"missing": "refuse"}, r"X is NaN at \[1, 0\].* missing='either-side'"),
-        ([[1.0], [np.inf]] * 30, {}, "infinity"),
         ([[1j], [2.0]] * 30, {}, "Complex data not supported"),
     ],
 )

@@ -12,7 +12,7 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 
-BLOCK = 50
+BLOCK = 30
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")
 
 
@@ -42,7 +42,7 @@ def cost_problem(rng, n, p, depth):
     )
 
 
-@pytest.mark.parametrize("first", range(0, 200, BLOCK))
+@pytest.mark.parametrize("first", range(0, 60, BLOCK))
 def test_the_optimum_stays_without_the_bounds_of_costs(first):
     for seed in range(first, first + BLOCK):
         rng = np.random.default_rng([72, seed])
@@ -53,7 +53,7 @@ def test_the_optimum_stays_without_the_bounds_of_costs(first):
         assert certify(problem, solution).objective == solution.bound == plain.objective == plain.bound, f"seed {seed}"
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_every_bound_of_costs_is_valid_by_itself(seed):
     rng = np.random.default_rng([76, seed])
     problem = cost_problem(rng, int(rng.integers(40, 80)), 1 + seed % 10, 3)
@@ -62,19 +62,6 @@ def test_every_bound_of_costs_is_valid_by_itself(seed):
         with without(*(name for name in COST_BOUNDS if name != kept)):
             alone = branch_and_bound(problem)
         assert alone.objective == alone.bound == least, kept
-
-
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("n_features", [3, 8, 9, 12, 20])
-def test_gains_are_the_same_for_groups_of_few_features_as_by_walks(n_features, seed):
-    problem = cost_problem(np.random.default_rng([78, seed]), 150, n_features, 2)
-    errors = 1.0 - np.eye(len(problem.costs))
-    large = np.random.default_rng(seed).integers(1, 500, errors.shape) * errors  # sums of 32 bits: groups half as large
-    for costs in (problem.costs, errors, large):
-        asked = replace(problem, loss=ClassCosts(costs), leaf_size=1)
-        with without("buckets"):
-            plain = branch_and_bound(asked)
-        assert branch_and_bound(asked).objective == plain.objective
 
 
 def in_smaller_units(problem, **options):
@@ -86,7 +73,7 @@ def in_smaller_units(problem, **options):
 
 @pytest.mark.parametrize("budget", [None, 2])
 def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, tmp_path):
-    for seed in range(12):
+    for seed in range(4):
         rng = np.random.default_rng([73, seed])
         problem = cost_problem(rng, 80, 4, 2 + seed % 2)
         if budget is not None:
@@ -100,7 +87,7 @@ def test_costs_of_a_common_factor_are_searched_and_logged_as_without_it(budget, 
 
 @pytest.mark.parametrize("unit", [0.2, 1 / 3, 1e-7])
 def test_costs_that_are_multiples_but_for_rounding_are_counted_in_whole_numbers(unit, tmp_path):
-    for seed in range(8):
+    for seed in range(3):
         rng = np.random.default_rng([75, seed])
         whole = cost_problem(rng, 60, 3, 3)
         whole = replace(whole, loss=ClassCosts(np.round(whole.costs)), leaf_penalty=np.round(whole.leaf_penalty))

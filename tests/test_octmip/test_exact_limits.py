@@ -44,12 +44,12 @@ def hard(n_features: int = 12, **options: object) -> Problem:
 
 def test_a_search_that_is_stopped_keeps_the_bound_of_the_level_below(tmp_path) -> None:
     generator = np.random.default_rng(3)
-    features, labels = generator.normal(size=(900, 10)), generator.integers(0, 6, 900)
+    features, labels = generator.normal(size=(500, 8)), generator.integers(0, 6, 500)
     below = branch_and_bound(Problem(features, labels, depth=3))
     problem, limits = Problem(features, labels, depth=4), Limits(nodes=below.n_nodes / 2)
     stopped = branch_and_bound(problem, limits=limits)
     assert stopped.stop is Stop.NODES
-    assert 0.0 < stopped.bound <= 2.0 * below.objective - 900.0
+    assert 0.0 < stopped.bound <= 2.0 * below.objective - 500.0
     with without("level_below"):
         assert branch_and_bound(problem, limits=limits).bound == 0.0
     logged = branch_and_bound(problem, limits=limits, options=ExactOptions(proof=tmp_path / "log"))

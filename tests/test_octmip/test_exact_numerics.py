@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from octmip import ClassCosts, Leaf, Problem, Split, certify, predict
-from octmip.errors import CertificateError, ProblemError
+from octmip.errors import ProblemError
 from octmip.trees.encoding import costs as grid
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.proof import check_proof
 from octmip.trees.solution import Stop, closing_tolerance
 from octmip.trees.tree import n_splits
 from tests.oracles.enumeration import optimum
@@ -40,7 +38,7 @@ def check(problem, solution, best):
         assert not solution.is_optimal
 
 
-@pytest.mark.parametrize("first", range(0, 80, BLOCK))
+@pytest.mark.parametrize("first", range(0, 60, BLOCK))
 def test_the_optimum_is_proven_unless_float64_cannot_tell_two_trees_apart(first):
     for seed in range(first, first + BLOCK):
         problem = wide_problem(np.random.default_rng([51, seed]))
@@ -58,41 +56,9 @@ def test_with_weights_and_costs_rounded_each_for_itself_every_bound_still_holds(
         check(problem, branch_and_bound(problem), exact_objective(problem, optimum(problem).tree))
 
 
-REAL = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 2, 1], depth=1, weights=[0.1, 0.7, 1e-9, 3e5])
-
-
-@pytest.mark.parametrize(
-    ("change", "complaint"),
-    [
-        (("unit", lambda numbers: [numbers[0] - 1]), "line 7: sample 0, class 1: .* is above the true cost"),
-        (("unit", lambda numbers: [9999]), 'line 4: got "unit 9999", expected "unit"'),
-        (("unit", lambda numbers: numbers * 2), "line 4: got"),
-        (("costs", lambda numbers: [2 * n for n in numbers]), "line 7: sample 0, class 1"),
-        (("costs", lambda numbers: numbers[1:]), "line 5: got 8 costs, expected rows of 3"),
-        (("rows", lambda numbers: numbers[1:]), "line 6: got 3 rows of samples, expected 4"),
-        (("rows", lambda numbers: [n + 9 for n in numbers]), "line 6: got 4 rows of samples, expected 4 below"),
-        (("weights", lambda numbers: [n + 1 for n in numbers]), "line 7: sample 0, class 1"),
-        (("weights", lambda numbers: [10**30 for n in numbers]), 'line 7: got "weights 1000'),
-        (("penalty", lambda numbers: [1]), "line 8: the penalty 1 is above the problem's"),
-        (("claim", lambda numbers: [numbers[0] + 1]), "line 10: this proves"),
-        (("claim", lambda numbers: [2**70]), 'line 9: got "claim 118'),
-    ],
-)
-def test_numbers_above_the_true_ones_are_refused(tmp_path, change, complaint):
-    path = tmp_path / "proof.log"
-    branch_and_bound(REAL, options=ExactOptions(proof=path))
-    name, edit = change
-    lines = path.read_text().splitlines()
-    place = next(i for i, line in enumerate(lines) if line.startswith(name + " "))
-    lines[place] = " ".join(map(str, [name, *edit([int(word) for word in lines[place].split()[1:]])]))
-    path.write_text("\n".join(lines) + "\n")
-    with pytest.raises(CertificateError, match=complaint):
-        check_proof(REAL, path)
-
-
 @pytest.mark.parametrize("scale", [1e-275, 1e-200, 1e200, 1e298])
 def test_the_ends_of_float64_give_a_tree_and_a_bound_that_holds(scale):
-    for seed in range(12):
+    for seed in range(6):
         rng = np.random.default_rng([55, seed])
         n = int(rng.integers(3, 9))
         features, labels = rng.integers(0, 4, (n, 2)).astype(float), rng.integers(0, 3, n)

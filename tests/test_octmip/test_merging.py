@@ -4,23 +4,11 @@ import numpy as np
 import pytest
 
 from octmip import Problem, certify
-from octmip.trees.encoding import rank_features
 from octmip.trees.methods.merging import merged
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 
 FEATURES = [[1.0, 2.0], [0.0, 5.0], [1.0, 2.0], [1.0, 2.0], [-0.0, 5.0]]
-
-
-def test_equal_samples_are_one_sample_of_their_weights_in_the_order_of_their_values():
-    problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 2, 3, 4, 0.5])
-    fewer, ranks = merged(problem)
-    assert fewer.features.tolist() == [[0, 5], [1, 2], [1, 2]]
-    assert fewer.targets.tolist() == ["b", "a", "b"]
-    assert fewer.weights.tolist() == [2.5, 4, 4]
-    again = rank_features(fewer)
-    assert np.array_equal(ranks.ranks, again.ranks)
-    assert all(np.array_equal(a, b) for a, b in zip(ranks.values, again.values, strict=True))
 
 
 def test_rows_without_weight_are_left_out_unless_they_make_up_a_class_or_lie_far_outside():
@@ -29,12 +17,6 @@ def test_rows_without_weight_are_left_out_unless_they_make_up_a_class_or_lie_far
     assert merged(Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, weights=[1, 0, 3, 0, 0]))[0].n_samples == 3
     far = Problem([*FEATURES, [1e300, 0.0]], ["a", "b", "a", "b", "b", "a"], depth=1, weights=[1, 2, 3, 4, 1, 0])
     assert merged(far)[0].n_samples == 4
-
-
-def test_samples_that_leaves_count_stay_apart_in_one_order():
-    problem = Problem(FEATURES, ["a", "b", "a", "b", "b"], depth=1, leaf_size=2)
-    fewer, _ = merged(problem)
-    assert fewer.targets.tolist() == ["b", "b", "a", "a", "b"]
 
 
 @pytest.mark.parametrize("options", [{}, {"split": "hyperplane"}, {"split": "hyperplane", "split_size": 2}])

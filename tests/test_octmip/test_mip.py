@@ -1,7 +1,6 @@
 """Every formulation against exhaustive enumeration, known optima, and what HiGHS must not be believed."""
 
 import csv
-import math
 import re
 from functools import partial
 from pathlib import Path
@@ -10,14 +9,11 @@ import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.errors import SolverError
 from octmip.trees.losses import ClassCosts
-from octmip.trees.methods.search import local_search
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
-from octmip.trees.mip.rows_file import write_rows
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 
@@ -76,7 +72,7 @@ def test_the_optimum_stays_without_fixing_and_without_class_counts(case):
     from octmip.trees.mip.flow import encode as encode_flow
 
     problem = CASES[case]
-    for fix, class_count in ((0, True), (1, True), (2, False), (0, False)):
+    for fix, class_count in ((0, True), (2, False)):
         request = engine.Request("flow")
         solution = engine.solve_formulation(
             problem,
@@ -155,14 +151,6 @@ def test_a_time_limit_returns_the_start_and_an_honest_bound():
     assert solution.bound < 6 == solution.objective
 
 
-def test_a_memory_limit_stops():
-    problem = blobs(60, depth=3)
-    solution = solve_oct(problem, limits=Limits(seconds=300, memory=2e6))
-    certify(problem, solution)
-    assert solution.stop is Stop.MEMORY
-    assert solution.bound < solution.objective
-
-
 def test_a_node_limit_stops():
     assert solve_oct(uci("iris", depth=1), limits=Limits(nodes=2)).stop is Stop.NODES
 
@@ -173,19 +161,6 @@ def test_a_gap_that_is_reached_stops_and_says_so():
     assert solution.gap <= 0.9
 
 
-def test_ctrl_c_returns_incumbent_and_bound():
-    def interrupt(state):
-        if state.seconds > 0.3:
-            raise KeyboardInterrupt
-
-    problem = uci("iris", depth=2)
-    solution = solve_oct(problem, limits=Limits(seconds=60), progress=interrupt)
-    certify(problem, solution)
-    assert solution.stop is Stop.INTERRUPTED
-    assert solution.objective == 6
-    assert math.isfinite(solution.bound)
-
-
 def test_what_progress_raises_comes_out():
     def fail(state):
         raise ValueError("no progress bar here")
@@ -194,25 +169,12 @@ def test_what_progress_raises_comes_out():
         solve_oct(uci("iris", depth=2), limits=Limits(seconds=60), progress=fail)
 
 
-def test_progress_is_reported_and_the_bound_never_falls():
-    states = []
-    solve_oct(uci("iris", depth=2), limits=Limits(seconds=1.0), progress=states.append)
-    bounds = [state.bound for state in states]
-    assert len(states) > 5
-    assert bounds == sorted(bounds)
-
-
 def test_highs_says_nothing_on_standard_output(capfd):
     solve_oct(blobs(depth=2))
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_model_file_of_an_unknown_kind_is_refused(tmp_path):
-    with pytest.raises(SolverError, match=r"\.mps or \.lp"):
-        write_rows(encode(blobs(depth=1)).rows, tmp_path / "model.txt", "a model")
-
-
-@pytest.mark.parametrize("seed", range(100, 110))
+@pytest.mark.parametrize("seed", range(100, 105))
 def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
     problem = random_problem(np.random.default_rng(seed), max_samples=8, max_features=2, max_depth=3)
     worst = Leaf(int(problem.class_costs().argmin()))
@@ -221,11 +183,3 @@ def test_fixing_never_takes_away_the_optimum_at_depth_three(seed):
         certify(problem, solution)
         assert solution.objective == pytest.approx(optimum(problem).objective, rel=1e-6, abs=1e-6)
         assert solution.is_optimal
-
-
-@pytest.mark.parametrize(("name", "errors"), [("iris", 6), ("wine", 6)])
-def test_pairs_of_cuts_prove_known_optima_at_depth_two(name, errors):
-    problem = uci(name, depth=2)
-    solution = solve_flow(problem, incumbent=local_search(problem).tree)
-    certify(problem, solution)
-    assert (solution.objective, solution.bound) == (errors, errors)

@@ -97,14 +97,6 @@ def test_every_bound_that_a_subproblem_teaches_holds_for_every_cut():
             assert bounds.right[place] <= best_price(problem, ~left)
 
 
-def test_of_cuts_that_are_alike_the_innermost_of_a_run_comes_first():
-    features = np.column_stack([np.arange(7), [0, 0, 0, 1, 1, 2, 2]]).astype(float)
-    problem = Problem(features, [0, 1, 0, 1, 0, 1, 0], depth=2)
-    bounds = Bounds.of_class_counts(problem, own_prices(problem))
-    assert bounds.cuts.feature.tolist() == [0, 0, 0, 0, 0, 0, 1, 1]
-    assert bounds.depth_in_run(np.array([1, 1, 1, 0, 1, 1, 1, 1], dtype=bool)).tolist() == [1, 2, 1, 0, 1, 1, 1, 1]
-
-
 def test_what_is_remembered_of_other_nodes_holds_for_the_samples_asked():
     rng = np.random.default_rng(5)
     problem = mixed(12, 2, 3, 6, depth=2)

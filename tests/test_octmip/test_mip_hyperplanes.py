@@ -133,34 +133,12 @@ def test_a_normal_of_nothing_but_zeros_sends_everything_one_way(offset, side):
     assert (predict(decoded, problem.features) == side).all()
 
 
-def test_a_turned_tree_ends_rightmost_for_its_sample_and_keeps_samples_together():
-    problem = whole(depth=2)
-    heap = Heap(2)
-    placed = place(TREES[1], heap, problem.features)
-    for sample in range(problem.n_samples):
-        turned = placed.turned(heap, sample)
-        assert turned.position[sample] == 3
-        together = placed.position[:, None] == placed.position
-        assert ((turned.position[:, None] == turned.position) == together).all()
-        assert {turned.labels[p + 4] for p in turned.position} == {placed.labels[p + 4] for p in placed.position}
-
-
 def test_real_normals_are_no_worse_than_whole_ones_and_both_forms_agree():
     problem = whole(depth=1, integer_normals=None)
     printed, strong = solve_oct_h(problem), solve_flow(problem)
     assert printed.objective == strong.objective <= optimum(whole(depth=1))
     assert "mu-separated" in printed.details["scope"]
     assert printed.details["mu"] == strong.details["mu"]
-
-
-def test_an_axis_tree_that_mu_leaves_out_is_still_returned():
-    features = np.array([[0.0], [0.5], [0.5 + 1e-7], [1.0]])
-    problem = Problem(features, [0, 0, 1, 1], depth=1, split="hyperplane", split_size=None)
-    problem = Problem(np.hstack([features, features[::-1]]), [0, 0, 1, 1], depth=1, split="hyperplane")
-    solution = solve_oct_h(problem)
-    certify(problem, solution)
-    assert solution.objective == 0
-    assert not solution.details["start"]["accepted"]
 
 
 @pytest.mark.parametrize("solver", [solve_oct_h, solve_flow])
@@ -190,11 +168,3 @@ def test_strictness_is_exact_for_decimal_features_and_whole_coefficients():
     solution = solve_flow(fine)
     certify(fine, solution)
     assert "mu-separated" in solution.details["scope"]
-
-
-def test_a_normal_at_the_end_of_float64_is_brought_to_the_transformed_features_without_a_warning():
-    problem = Problem([[0.0, 1.0], [0.25, 3.0], [8.0, 0.0]], [0, 1, 0], depth=1, split="hyperplane")
-    space = space_of(problem)
-    split = HyperplaneSplit((0, 1), (1.5e308, 1.0e308), 0.0, Leaf(0), Leaf(1))
-    # a_j divided by 1 / range_j: 1.5 * 8 to 1 * 3, sizes adding up to 1
-    assert space.normal_of(split) == pytest.approx([0.8, 0.2])

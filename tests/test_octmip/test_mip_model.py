@@ -12,7 +12,7 @@ from benchmarks.cases.mio.random_problems import by_pyomo, judged
 from benchmarks.data import SHARED, first_rows, published, uci
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify
-from octmip.errors import DataError, ProblemError, SolverError
+from octmip.errors import ProblemError, SolverError
 from octmip.trees.mip import rows_file
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.model_rows import Answer, model_of
@@ -37,7 +37,7 @@ def solved(model, solver: str = "appsi_highs"):
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_two_interfaces_of_pyomo_give_the_certified_optimum(seed, method):
     problem = random_problem(np.random.default_rng(seed), max_samples=9, max_depth=2)
     for solver in ("appsi_highs", "highs"):
@@ -123,13 +123,6 @@ def test_costs_that_are_no_whole_numbers_come_back_in_the_units_of_the_problem()
     assert solution.is_optimal
 
 
-def test_a_file_of_another_model_is_refused(tmp_path):
-    file = tmp_path / "m.sol"
-    file.write_text("x(1) 1\ny 2\n")
-    with pytest.raises(DataError, match="gives no column"):
-        model_of(small(), "oct").read(file)
-
-
 def test_a_written_start_is_a_solution(tmp_path):
     made = model_of(small(), "oct")
     made.write_start(tmp_path / "m.mst")
@@ -156,7 +149,7 @@ def test_solvers_outside_prove_published_tables_from_a_file_and_are_certified(so
     assert solution.is_optimal
 
 
-@pytest.mark.parametrize("seed", range(90_500, 90_506))
+@pytest.mark.parametrize("seed", [90_500, 90_501])
 def test_six_programs_have_one_optimum(seed):
     problem = random_problem(np.random.default_rng(seed), max_samples=9, max_features=2)
     by_others, refused = by_pyomo(problem, 60.0)
@@ -179,7 +172,7 @@ def test_a_false_bound_of_a_solver_is_refused_by_a_tree_that_it_denies():
 @pytest.mark.parametrize("method", [*METHODS, "oct_h"])
 def test_a_model_is_read_by_others_as_it_is_and_has_no_empty_row(method, suffix, tmp_path):
     draw = hyperplane_problem if method == "oct_h" else random_problem
-    for seed in range(12):
+    for seed in range(5):
         rows = model_of(draw(np.random.default_rng(seed), max_samples=6, max_features=2), method).formulation.rows
         rows_file.write_rows(rows, tmp_path / f"m{suffix}", "a model")
         highs = highspy.Highs()

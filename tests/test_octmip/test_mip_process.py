@@ -183,18 +183,6 @@ def test_a_model_that_highs_refuses_is_an_error_with_its_name():
         highs.run(rows, highs.Options())
 
 
-def test_no_solver_imports_pyomo_which_takes_longer_than_many_a_solution():
-    code = """
-import sys
-from octmip import Problem, solve
-for method, split in (("oct", "axis"), ("oct_h", "hyperplane"), ("flow", "hyperplane")):
-    solve(Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1, split=split), method=method)
-print([name for name in sys.modules if name.startswith("pyomo")])
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["[]"]
-
-
 def test_masters_are_solved_beside_others_who_use_highs_with_other_threads():
     program = """
 import highspy, numpy as np

@@ -1,7 +1,6 @@
 """`max_splits` holds for every method that takes it: in the start, in the trees found, and on every way out."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -10,17 +9,14 @@ from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
 from octmip.trees import solver_call
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.incumbent import canonicalise, pruned
+from octmip.trees.mip.incumbent import pruned
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
-from octmip.trees.tradeoff import trace_path
 from octmip.trees.tree import HyperplaneSplit, Node, complexity
 from tests.oracles.strategies import random_problem
 
 METHODS = {"oct": solve_oct, "flow": solve_flow}
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))
-
-ONE = Split(0, 0.5, Leaf(0), Leaf(1))
 
 
 def stairs(**options: object) -> Problem:
@@ -46,7 +42,7 @@ def prunings(problem: Problem, node: Node) -> list[Node]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     problem = random(seed)
     one = METHODS[method](replace(problem, max_splits=1))
@@ -61,7 +57,7 @@ def test_one_split_is_the_best_stump_and_two_are_two_at_most(method, seed):
     assert solve(problem, "exact").objective <= two.objective <= one.objective
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_features_of_hyperplanes_are_counted_one_by_one(seed):
     problem = random(seed, split="hyperplane")
     for method in ("oct_h", "flow"):
@@ -71,7 +67,7 @@ def test_features_of_hyperplanes_are_counted_one_by_one(seed):
         assert solution.details["scope"].endswith("with at most 1 feature in all splits")
 
 
-@pytest.mark.parametrize("seed", [*range(4), *range(5, 20)])  # the tree of seed 4 has too many prunings to list
+@pytest.mark.parametrize("seed", [*range(4), *range(5, 12)])  # the tree of seed 4 has too many prunings to list
 def test_a_tree_is_pruned_to_the_best_of_all_its_prunings(seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=9, max_depth=3)
@@ -103,33 +99,7 @@ def test_a_start_with_too_many_splits_is_pruned_whoever_is_called(given):
     assert solution.objective == 1
 
 
-def test_ctrl_c_returns_a_tree_of_no_more_splits(monkeypatch):
-    def interrupted(problem, **options):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("octmip.trees.mip.flow.solve_flow", interrupted)
-    solution = solve(replace(stairs(), max_splits=1), "flow", incumbent=ONE)
-    assert solution.stop is Stop.INTERRUPTED
-    assert (complexity(solution.tree), solution.objective) == (1, 1)
-
-
 def test_a_tree_of_more_splits_is_never_returned(monkeypatch):
     monkeypatch.setattr(solver_call, "fitting", lambda problem, solution: solution)
     with pytest.raises(SolverError, match="the tree has 3 splits but max_splits is 1"):
         solve(replace(stairs(), max_splits=1), "search")
-
-
-def test_a_path_over_splits_is_never_worse_than_cart_nor_than_its_prunings():
-    rng = np.random.default_rng(1)
-    features = rng.normal(size=(150, 6))
-    labels = (features[:, 0] * features[:, 1] + 0.5 * rng.normal(size=150) > 0).astype(int) + (features[:, 2] > 1)
-    problem = Problem(features, labels, depth=3)
-    path = trace_path(problem, method="oct", limits=Limits(seconds=0.2))
-    cart = solve(problem, "cart").tree
-    for most in range(complexity(cart) + 1):
-        tree = pruned(problem, canonicalise(problem, cart), most)
-        for penalty in (0.0, 1.0, 5.0):
-            best = path.best_at(penalty)
-            priced = replace(problem, leaf_penalty=penalty)
-            assert best.cost + penalty * best.complexity <= priced.objective(tree)
-    assert all(larger.cost < smaller.cost for larger, smaller in pairwise(path.trees))

@@ -9,7 +9,7 @@ from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split
 from octmip.errors import DataError, ProblemError
 from octmip.trees.encoding import integer_costs
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.methods.native_call import feasible_incumbent, native_progress, relabelled, without, write_log
+from octmip.trees.methods.native_call import feasible_incumbent, native_progress, relabelled, write_log
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
@@ -97,10 +97,3 @@ def test_a_log_that_cannot_be_written_is_refused_before_the_search(solver, tmp_p
     options = ExactOptions(proof=tmp_path / "none" / "log")
     with pytest.raises(DataError, match="no folder"):
         solver(problem(), options=options, progress=lambda state: pytest.fail("searched"))
-
-
-@pytest.mark.parametrize("solver", SOLVERS[:2])
-def test_prunes_are_switched_off_within_a_context_only(solver):
-    with without("luck"), pytest.raises(ValueError, match="luck"):
-        solver(problem())
-    assert solver(problem()).is_optimal

@@ -26,7 +26,7 @@ def five_values(labels: str = "aabab", **options: object) -> Problem:
     return Problem(np.arange(5.0)[:, None], np.array(list(labels)), **settings)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("seed", range(36))
+@pytest.mark.parametrize("seed", range(18))
 def test_counts_are_those_of_enumeration(seed: int) -> None:
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=int(rng.integers(4, 9)))

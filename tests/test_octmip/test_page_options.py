@@ -21,7 +21,11 @@ from tests.test_octmip.beam_twin import Beam
 
 OWN = Masthead("Span 3 <b>", "Bridge & road", datetime.date(2026, 3, 14))
 GAUGES = tuple(f"g{k}" for k in range(1, 9))
+
+
 CARD = '{"readings": {"w1": "mm", "w2": "mm"}, "loads": ["force"], "parameters": {"k": [1, 0.5, 2, "kN/mm"]}}'
+
+
 MODEL = "def spring(p, loads):\n    return [loads['force'] / p['k'], 2 * loads['force'] / p['k']]\n"
 
 
@@ -50,12 +54,6 @@ def test_every_page_bears_the_readers_heading(diagnosis):
         assert '<p class="asset">Bridge &amp; road</p>' in page
         assert "<title>Span 3 &lt;b&gt;, Bridge &amp; road</title>" in page
         assert "14 March 2026" in page
-
-
-def test_a_page_without_a_masthead_keeps_its_own_heading(diagnosis):
-    page = report_page(diagnosis)
-    assert "<h1>Diagnosis of the asset</h1>" in page
-    assert 'class="asset"' not in page
 
 
 def test_the_command_gives_a_page_its_heading(tmp_path: Path, monkeypatch, capsys):

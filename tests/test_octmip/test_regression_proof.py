@@ -18,7 +18,7 @@ from octmip.trees.regression.proof_log import write_proof
 from octmip.trees.solution import Stop
 from tests.oracles.regression_trees import least_objective, random_problem
 
-N_RANDOM = 25
+N_RANDOM = 12
 
 
 def strains(loss: str, depth: int = 3) -> Problem:

@@ -33,13 +33,6 @@ def test_a_tree_in_words():
     ]
 
 
-def test_a_solution_in_three_lines():
-    solution = greedy_tree(problem())
-    lines = solution_text(problem(), solution, certify(problem(), solution)).splitlines()
-    assert lines[0] == "objective 0, bound -: no proof"
-    assert lines[1].startswith("in training 0 of 4 samples wrong (0 %); depth 2, 2")
-
-
 def test_a_bound_over_some_trees_says_over_which():
     claim = dataclasses.replace(
         greedy_tree(problem()), bound=0.0, stop=Stop.OPTIMAL, details={"scope": within(problem(), "small trees")}

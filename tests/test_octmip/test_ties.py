@@ -13,7 +13,7 @@ from octmip.trees.methods.ties import UNBROKEN
 from octmip.trees.tree import n_splits
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(12))
 def test_splits_and_sensors_are_the_fewest_of_enumeration(seed: int, tmp_path: Path) -> None:
     problem = TIES_KIND.draw(np.random.default_rng([20, seed]))
     question = Question(seed, "ties", "exact", Limits(), proof=False)

@@ -45,9 +45,7 @@ def test_no_box_of_a_drawing_lies_on_another(histograms):
     assert [box.index for box in drawing.boxes] == list(range(len(drawing.boxes)))
 
 
-@pytest.mark.parametrize(
-    "name", ["OQGDHN" * 3, "1234567890123456", "mwMW@%" * 2, "±≤+" * 4, "漢字", "illicit wares " * 9]
-)
+@pytest.mark.parametrize("name", ["OQGDHN" * 3, "漢字", "illicit wares " * 9])
 def test_every_text_of_a_figure_lies_in_its_box(name):
     labels = np.array([name, "a", "b"])[PROBLEM.codes]
     problem = Problem(POINTS, labels, depth=2, feature_names=(name, "b"))

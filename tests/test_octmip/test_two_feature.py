@@ -1,7 +1,5 @@
 """Two-feature splits: what the returned tree must hold, and stops. The fuzz holds the optimum against enumeration."""
 
-import signal
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +80,7 @@ def test_the_bound_rises_and_stays_below_the_optimum_when_nodes_run_out() -> Non
     assert all(bound <= optimum for bound in bounds)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: int, tmp_path: Path) -> None:
     problem = random_two_feature_problem(np.random.default_rng([63, seed]), depth=2, max_samples=12)
     least = float(least_cost(problem))
@@ -93,28 +91,6 @@ def test_a_stop_while_the_tables_are_made_leaves_a_valid_bound_and_no_log(seed: 
         )
         assert solution.bound <= least * (1 + 1e-12), seconds
         assert solution.is_optimal <= (solution.objective == pytest.approx(least)), seconds
-
-
-def test_the_bound_shown_while_running_rises_and_never_passes_the_objective() -> None:
-    seen: list[tuple[float, float]] = []
-    two_feature_branch_and_bound(
-        published_like(1500, 8),
-        limits=Limits(seconds=2.0),
-        progress=lambda state: seen.append((state.bound, state.objective)),
-    )
-    bounds = [bound for bound, _ in seen]
-    assert bounds == sorted(bounds)
-    assert all(bound <= objective for bound, objective in seen)
-
-
-def test_ctrl_c_returns_the_best_tree_and_a_bound() -> None:
-    problem = published_like(1500, 8)
-    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
-    timer.start()
-    solution = two_feature_branch_and_bound(problem)
-    timer.join()
-    assert solution.stop is Stop.INTERRUPTED
-    certify(problem, solution)
 
 
 def parted_by(seed: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any], int]:

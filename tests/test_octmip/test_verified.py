@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.cases.fuzz.verified import PROGRAM, agree, compared, summary, verdict
+from benchmarks.cases.fuzz.verified import PROGRAM, agree, compared, verdict
 from octmip import Problem
 from octmip.errors import CertificateError
 from octmip.trees.problem_file import write_problem_file
@@ -106,12 +106,6 @@ def test_logs_that_need_sets_of_labels_are_accepted(seed):
     assert kind == "whole"
     assert one.is_accepted
     assert one == other
-
-
-def test_the_table_of_the_benchmark_counts_the_disagreements():
-    lines = [{"counts": {"whole: accepted": 3}, "wrong": [7]}, {"counts": {"whole: accepted": 2}, "wrong": []}]
-    assert summary(lines).splitlines()[0] == "1 disagreements [7]."
-    assert "| whole: accepted | 5 |" in summary(lines)
 
 
 def test_the_theorem_rests_on_no_axiom():

@@ -26,8 +26,10 @@ def test_a_process_that_gets_no_more_memory_has_its_result_or_one_sentence(
     assert ends.limited(command, folder, megabytes) in ("result", "one sentence")
 
 
-@pytest.mark.parametrize("end", [ends.CLOSED, ends.FULL])
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("command", "end"),
+    [*((command, ends.FULL) for command in COMMANDS), ("solve", ends.CLOSED), ("diagnose", ends.CLOSED)],
+)
 def test_streams_that_fail_lose_no_file_and_are_one_sentence(
     command: str, end: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -139,16 +139,6 @@ def test_predict_gives_linear_leaves_the_columns_that_no_split_reads(run, tmp_pa
     assert answer["mae"] < 0.5
 
 
-def test_predict_reads_no_column_that_the_tree_does_not_ask_for(houses, run, tmp_path):
-    tree = tmp_path / "t.json"
-    solved(run, houses, "--out", tree, "--depth", 1)
-    pd.DataFrame({"area": [50, 150]}).to_csv(tmp_path / "new.csv", index=False)
-    code, out, err = run("predict", tree, tmp_path / "new.csv")
-    assert (code, err) == (0, "")
-    assert len(out.splitlines()) == 3
-    assert "adds shares of classes" in run("predict", tree, houses, "--proba")[2]
-
-
 def test_a_far_target_is_solved_and_the_tolerance_of_a_proof_is_printed(run, tmp_path):
     table, tree = tmp_path / "far.csv", tmp_path / "t.json"
     table.write_text("x,w,price\n0,.1,1000000000.3\n1,.3,.1\n2,.7,.2\n3,.9,5\n")

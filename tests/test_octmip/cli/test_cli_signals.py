@@ -17,7 +17,6 @@ import pytest
 from benchmarks.cases.command import signals
 from octmip import Options, Problem, Solution, Study, solve
 from octmip.interfaces.cli import main
-from octmip.interfaces.cli.program import COMMANDS
 from octmip.interfaces.cli.stages import term_as_interrupt
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.near_sets import sensor_roles
@@ -199,7 +198,7 @@ def test_ctrl_c_in_python_ends_all_searches_too_and_the_next_call_is_a_new_one(
 
 def test_an_interrupted_solve_goes_on_and_is_none_of_a_study(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
-    random_problem = Problem(rng.normal(size=(800, 14)), rng.integers(0, 3, 800), depth=3)
+    random_problem = Problem(rng.normal(size=(400, 8)), rng.integers(0, 3, 400), depth=3)
 
     def interrupted(state: Progress) -> None:
         raise KeyboardInterrupt
@@ -220,8 +219,8 @@ def at_work(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="moments are told from /proc")
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
+@pytest.mark.parametrize("command", ["solve", "frontier", "diagnose", "monitor", "report"])  # the benchmark asks all
+def test_a_command_ends_by_a_signal_at_a_random_moment(command: str, at_work: Path) -> None:
     (line,) = signals.signalled(command, at_work, 1, latest=1.2, earliest=0.1)
     assert line["outcome"] in ("result", "interrupted", "ended before", "loading")
     # A second of an idle machine; the wall seconds are the benchmark's.

@@ -8,17 +8,6 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.trees import registry, solver
 
 
-def test_solve_says_objective_tree_and_where_it_is_written(data, run, tmp_path):
-    out_file = tmp_path / "t.json"
-    code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "cart", "--out", out_file)
-    assert code == 0
-    assert err == ""
-    assert "1 of 30 samples wrong" in out
-    assert "if a <= 11.5" in out
-    assert str(out_file) in out
-    assert read_tree_file(out_file).target_column == "y"
-
-
 def test_solve_json_is_one_object_and_nothing_else(data, run):
     code, out, err = run("solve", data, "--label", "y", "--depth", 1, "--method", "search", "--json")
     answer = json.loads(out)
@@ -93,20 +82,6 @@ def test_compare_shows_every_method_and_the_gap_to_the_best_bound(data, run, mon
     assert reached == [False, True, False]
 
 
-def test_frontier_shows_one_row_for_each_value(data, run, tmp_path):
-    words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 3, "--over", "depth"]
-    code, out, err = run(*words, "--out", tmp_path / "f.png")
-    assert code == 0
-    assert err == ""
-    assert len(out.splitlines()) == 5
-    assert (tmp_path / "f.png").stat().st_size > 1000
-    rows = json.loads(run(*words, "--json", "--values", "1,2")[1])["rows"]
-    assert [row["depth"] for row in rows] == [1, 2]
-    code, _, err = run(*words, "--values", "1,x")
-    assert code == 2
-    assert "--values is '1,x'" in err
-
-
 def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
     words = ["frontier", data, "--label", "y", "--features", "a,b", "--depth", 2, "--over"]
     found = json.loads(run(*words, "depth", "--folds", 2, "--json")[1])
@@ -122,14 +97,6 @@ def test_frontier_shows_what_samples_held_out_cost_and_chooses(data, run):
     code, _, err = run(*words, "depth", "--folds", 1)
     assert code == 2
     assert "folds is 1" in err
-
-
-def test_without_a_depth_the_tree_is_chosen_for_new_rows_and_written(data, run, tmp_path):
-    code, out, err = run("solve", data, "--label", "y", "--features", "a,b", "--out", tmp_path / "tree.json")
-    assert code == 0, err
-    assert "chosen by cross-validation (5 folds" in out
-    code, out, _ = run("solve", data, "--label", "y", "--features", "a,b", "--json")
-    assert "choice" in json.loads(out)["details"]
 
 
 def test_a_least_weight_of_leaves_counts_the_weights_of_rows_and_classes(data, run, tmp_path):

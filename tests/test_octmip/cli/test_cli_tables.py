@@ -34,29 +34,6 @@ def survey(tmp_path):
 SOLVE = ("--label", "label", "--depth", 2, "--index", "id", "--drop", "when")
 
 
-def test_text_and_missing_readings_are_solved_certified_and_predicted(survey, run, tmp_path):
-    tree = tmp_path / "tree.json"
-    code, out, err = run("solve", survey, *SOLVE, "--out", tree)
-    assert code == 0, err
-    assert "note: text in 1 column ('colour') became 3 yes/no questions" in out
-    assert "if colour is not red" in out
-    assert "if age <= 40" in out
-    assert out.splitlines()[-1] == (
-        "In training, proven optimal: 0 of 80 samples wrong (0 %); no tree of depth 2 or less makes fewer errors."
-    )
-    file = read_tree_file(tree)
-    assert file.preparation is not None
-    assert file.preparation.index == "id"
-    assert set(file.settings["sensor_of_feature"]) == {"colour", "age", 'x,"y"'}
-    assert run("certify", tree, survey)[0] == 0
-    code, out, err = run("predict", tree, survey, "--label", "label", "--proba")
-    assert code == 0
-    assert "note: 9 of the readings that the tree may ask for are missing, in 9 of 80 rows;" in err
-    assert err.endswith("\n0 of 80 samples wrong (0 %)\n")
-    assert out.splitlines()[0] == "id,prediction,share of no,share of yes"
-    assert out.splitlines()[1].startswith("000,")
-
-
 def test_predict_reads_standard_input_and_says_what_training_had_not(survey, run, tmp_path, monkeypatch):
     run("solve", survey, *SOLVE, "--out", tmp_path / "tree.json")
     rows = "colour,age,label,name\nred,30,yes,007\nred,,,008\npink,30,no,009\n"

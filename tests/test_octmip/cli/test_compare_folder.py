@@ -24,21 +24,6 @@ def folder(tmp_path, data):
     return tables
 
 
-def test_each_method_is_counted_over_the_tables_of_a_folder(folder, run):
-    code, out, _ = run("compare", folder, *METHODS, "--json")
-    assert code == 0
-    answer = json.loads(out)
-    assert {one["table"]: one["n_samples"] for one in answer["tables"]} == {
-        "empty.csv": 0,
-        "one.csv": 30,
-        "two.csv.gz": 30,
-    }
-    cart, exact, oct_h = answer["methods"]
-    assert (cart["tables"], cart["proven"], cart["seconds to proof"]) == (2, 0, None)
-    assert (exact["tables"], exact["proven"], exact["best tree"], exact["within 1 x"]) == (2, 2, 2, "100 %")
-    assert (oct_h["tables"], oct_h["mean gap to best bound %"]) == (0, None)
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -81,10 +81,7 @@ def test_the_c_function_answers_as_the_tree_does():
     [
         ((*LOAD, "--noise", "m=1"), r"--noise names 'm'; expected a unit among .*'mm'.* or a reading among"),
         ((*LOAD, "--noise", "mm=1"), r"--noise says nothing of 'e' \[microstrain\]; give microstrain=SD"),
-        (("--load", "truck=1", *NOISE), r"expected the twin's loads \['truck_1', 'truck_2'\] by name"),
-        ((*LOAD, *NOISE, "--states", "crak=0,1"), r"levels names 'crak'; expected among \['crack'\]"),
         ((*LOAD, *NOISE, "--states", "crack"), r"--states is 'crack'; expected NAME=LEVEL,..."),
-        ((*LOAD, *NOISE, "--cost", "w9=2"), r"costs names 'w9'; expected among"),
         ((*LOAD, "--noise", "much"), r"--noise holds 'much'; expected a number"),
     ],
 )
