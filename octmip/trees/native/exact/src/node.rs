@@ -3,6 +3,7 @@
 pub(crate) mod axis;
 pub(crate) mod beside;
 mod by_values;
+pub(crate) mod children;
 mod depth_two;
 pub(crate) mod kept;
 pub(crate) mod log;

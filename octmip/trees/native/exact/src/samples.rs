@@ -11,6 +11,7 @@
 //! adding a sample never lowers the cost of the best tree above the base, and raises it by at most its cost range.
 
 pub(crate) mod directions;
+mod few_values;
 pub(crate) mod label_sets;
 pub(crate) mod lists;
 pub(crate) mod merging;
@@ -18,7 +19,7 @@ pub(crate) mod unit;
 
 use std::sync::Arc;
 
-use crate::samples::merging::{Merged, for_each_group, merged};
+use crate::samples::merging::{Merged, merged};
 use crate::samples::unit::{common_divisor, rounded_up, unit};
 use crate::switches::Switches;
 use octmip_check::problem::Problem;
@@ -29,7 +30,7 @@ use directions::doubled_spans;
 use label_sets::LabelSets;
 
 /// Samples, gains and limits; read by all threads.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Samples {
     /// Number of samples.
     pub n: usize,
@@ -120,37 +121,20 @@ impl Samples {
         } else {
             Arc::new(features.iter().flat_map(|&f| problem.feature(f as usize)).copied().collect())
         };
+        let values: Vec<usize> = features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
         let mut samples = Self {
             n,
             p: features.len(),
-            n_labels: 0,
+            n_values: values.iter().sum(),
+            values,
             features,
             ranks,
-            order: Arc::default(),
-            ranges: Vec::with_capacity(n),
-            range_of_all: None,
-            has_ties: Vec::new(),
-            base: Vec::with_capacity(n),
             is_single: true,
-            profile: Vec::with_capacity(n),
-            multiplicity: Vec::with_capacity(n),
-            gains: Vec::new(),
-            spans: Vec::new(),
-            sets: Vec::new(),
-            labels: Vec::new(),
             penalty: problem.penalty,
             leaf_size: problem.leaf_size,
             unit: 1,
-            rows: Vec::new(),
-            avoided: 0,
-            values: Vec::new(),
-            n_values: 0,
-            cells: Vec::new(),
-            free: None,
-            lost: Vec::new(),
+            ..Self::default()
         };
-        samples.values = samples.features.iter().map(|&f| problem.n_ranks[f as usize] as usize).collect();
-        samples.n_values = samples.values.iter().sum();
         for f in 0..samples.p {
             let mut is_met = vec![false; samples.values[f]];
             let mut is_again = |&rank: &u32| std::mem::replace(&mut is_met[rank as usize], true);
@@ -267,43 +251,6 @@ impl Samples {
         self.labels = (0..k).filter(is_kept).map(|label| label as u32).collect();
         self.n_labels = self.labels.len();
         self.set_profiles(problem, &has_samples, &costs);
-    }
-
-    /// The samples of a group of equal ones go to one leaf, which gains under one label alone. All but the label that
-    /// they gain most under is lost, whatever the tree: of the samples of the others, what they would have gained.
-    fn set_lost(&mut self, problem: &Problem) {
-        let usable: Vec<usize> = self.features.iter().map(|&f| f as usize).collect();
-        let mut lost = vec![0; self.n];
-        for_each_group(problem, &usable, |group| {
-            let mut gains = vec![0; self.n_labels];
-            group.iter().for_each(|&i| self.count(i, 1, &mut gains));
-            let best = (0..self.n_labels).max_by_key(|&label| gains[label]);
-            for &i in group.iter().filter(|&&i| Some(self.profile[i as usize] as usize) != best) {
-                lost[i as usize] = self.multiplicity[i as usize];
-            }
-        });
-        if lost.iter().any(|&cost| cost > 0) {
-            self.lost = lost;
-        }
-    }
-
-    fn set_cells(&mut self) {
-        let n_cells = self.n_values * self.n_labels;
-        if self.leaf_size > 1 || n_cells > (self.p * self.n).min(1 << 16) {
-            return;
-        }
-        let firsts = self.values.iter().scan(0, |first, &values| Some(std::mem::replace(first, *first + values)));
-        let firsts: Vec<usize> = firsts.collect();
-        let cell =
-            |i: usize, f: usize| (firsts[f] + self.ranks_of(f)[i] as usize) * self.n_labels + self.profile[i] as usize;
-        self.cells =
-            (0..self.n).flat_map(|i| (0..self.p).map(move |f| (i, f))).map(|(i, f)| cell(i, f) as u16).collect();
-    }
-
-    /// The cells of a sample (`p`).
-    #[inline(always)]
-    pub(crate) fn cells_of(&self, sample: u32) -> &[u16] {
-        &self.cells[sample as usize * self.p..][..self.p]
     }
 
     /// Classes whose gains are in proportion share a cost profile: cost matrices have few, however many classes there

@@ -12,11 +12,12 @@
 //!
 //! Wherever a bound of `e` is used in the place of one of `e_s` it is lower, so nothing is lost.
 
+use crate::node::children::{Both, Children};
 use crate::node::kept::Kept;
 use crate::node::log::Log;
 use crate::node::plan::Plan;
 use crate::node::result::{FeatureIncumbent, NodeResult, Solved};
-use crate::node::search::{Both, Children, Cut, Search};
+use crate::node::search::{Cut, Search};
 use crate::samples::Samples;
 use crate::stumps::place::{Place, Stump, StumpSolver};
 use crate::view::View;

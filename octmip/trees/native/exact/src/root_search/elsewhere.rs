@@ -5,9 +5,10 @@
 //! with its process is asked for again. Where results of nodes are kept (`node::kept`), those of other cuts stay at
 //! this end: more is evaluated elsewhere, and of equally good trees another may be found.
 
+use crate::node::children::Children;
 use crate::node::kept::Kept;
 use crate::node::plan::Plan;
-use crate::node::search::{Children, Cut, Search};
+use crate::node::search::{Cut, Search};
 use crate::samples::Samples;
 use crate::switches::Switches;
 use crate::view::View;

@@ -14,11 +14,12 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::node::axis::Axis;
+use crate::node::children::Children;
 use crate::node::kept::Shared;
 use crate::node::plan::Plan;
 use crate::node::price::at_all_levels;
 use crate::node::result::{FeatureIncumbent, Solved};
-use crate::node::search::{Children, Cut, Search};
+use crate::node::search::{Cut, Search};
 use crate::samples::Samples;
 use crate::switches::Switches;
 use crate::view::View;
