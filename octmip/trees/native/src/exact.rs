@@ -10,7 +10,7 @@ use crate::workers::Workers;
 use octmip_exact::memory_bytes;
 use octmip_exact::{
     Cut, CutSolver, Elsewhere, FeatureIncumbent, Held, Helpers, Known, Options, Saver, Solved, SolvedCut, Switches,
-    go_on, shaped, write_by,
+    shaped, solve, write_proof,
 };
 use octmip_frame::control::{Limits, Progress};
 use octmip_frame::effort::Control;
@@ -69,7 +69,7 @@ fn branch_and_bound(
         let saver = taker.is_some().then_some(Saver { every, save: &mut save });
         let has_failed = || workers.as_ref().is_some_and(Workers::has_failed);
         let mut keep_going = |state| keep_going(state) && !has_failed();
-        go_on(&problem.inner, &options, known, saver, elsewhere.as_ref(), &mut keep_going)
+        solve(&problem.inner, &options, known, saver, elsewhere.as_ref(), &mut keep_going)
     })?;
     workers.map_or(Ok(()), Workers::finish)?;
     if let Some(error) = unsaved {
@@ -215,7 +215,7 @@ fn prove(
         };
         let elsewhere = workers.as_ref().map(|_| Elsewhere { ask: &ask, round });
         let helpers = elsewhere.as_ref().map_or(Helpers::Threads(n_threads), Helpers::Elsewhere);
-        write_by(&problem.inner, claim, Switches::default(), &control, helpers)
+        write_proof(&problem.inner, claim, Switches::default(), &control, helpers)
     })?;
     workers.map_or(Ok(()), Workers::finish)?;
     Ok(body)

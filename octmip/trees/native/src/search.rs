@@ -7,7 +7,7 @@ use crate::rows::{NodeRow, rows_from_tree, tree_from_rows};
 use crate::run::{Found, LimitValues, found, limits, supervised};
 use crate::workers::Workers;
 use octmip_frame::control::Limits;
-use octmip_search::{FinishedTurn, Options, OtherProcesses, Turn, TurnSolver, TurnTask, search_with};
+use octmip_search::{FinishedTurn, Options, OtherProcesses, Turn, TurnSolver, TurnTask, search};
 
 /// A restart after a turn, as a dict.
 #[derive(FromPyObject, IntoPyObject)]
@@ -71,7 +71,7 @@ pub(crate) fn py_search(
         let has_failed = || workers.as_ref().is_some_and(Workers::has_failed);
         let mut keep_going = |state| keep_going(state) && !has_failed();
         let limits = limits(limit_values);
-        search_with(&problem.inner, options, start.as_ref(), limits, others.as_ref(), &mut keep_going)
+        search(&problem.inner, options, start.as_ref(), limits, others.as_ref(), &mut keep_going)
     })?;
     workers.map_or(Ok(()), Workers::finish)?;
     Ok(found(&outcome))

@@ -9,7 +9,7 @@ use pyo3::types::PyBytes;
 use crate::problem::PyProblem;
 use crate::rows::{Incumbent, known_tree, rows_from_tree};
 use crate::run::{Found, LimitValues, found, limits, supervised, switches, written};
-use octmip_two_feature::{Options, Saved, Saver, Switches, go_on, write_proof};
+use octmip_two_feature::{Options, Saved, Saver, Switches, solve, write_proof};
 
 /// The state of a search: a dict to Python, `octmip.trees.checkpoint.search_state.TwoFeatureState` back.
 #[derive(FromPyObject, IntoPyObject)]
@@ -56,7 +56,7 @@ fn two_feature_branch_and_bound(
     let outcome = supervised(py, progress.as_ref(), |keep_going| {
         let mut save = |saved: &Saved| hand_out(taker.as_ref(), saved, &mut unsaved);
         let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), pause: 0.0, save: &mut save });
-        go_on(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
+        solve(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
     })?;
     let outcome = outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?;
     unsaved.map_or_else(|| Ok(found(&outcome)), Err)

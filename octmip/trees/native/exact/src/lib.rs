@@ -24,11 +24,11 @@ mod view;
 
 pub use node::result::{FeatureIncumbent, Solved};
 pub use node::search::{Cut, Search};
-pub use proof::{Helpers, write as write_proof, write_by};
+pub use proof::{Helpers, write as write_proof};
 pub use root_search::elsewhere::{CutSolver, Elsewhere, SolvedCut};
 pub use root_search::known::{Held, Known, Saver};
 pub use root_search::memory::bytes as memory_bytes;
-pub use root_search::{Options, go_on, one_level_deeper, solve};
+pub use root_search::{Options, one_level_deeper, solve};
 pub use samples::Samples;
 pub use stumps::place::Place;
 pub use subtree::best_subtree;

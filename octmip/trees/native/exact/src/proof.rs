@@ -27,13 +27,8 @@ pub enum Helpers<'a> {
 
 /// The body of a log that proves `claim`, None if it was stopped or the claim does not hold.
 ///
-/// It is the same for any number of threads.
-pub fn write(problem: &Problem, claim: i64, switches: Switches, control: &Control, n_threads: usize) -> Option<String> {
-    write_by(problem, claim, switches, control, Helpers::Threads(n_threads))
-}
-
-/// The same with others to solve the cuts of the root.
-pub fn write_by(
+/// It is the same for any number of threads, or of other processes that solve the cuts of the root.
+pub fn write(
     problem: &Problem,
     claim: i64,
     switches: Switches,

@@ -24,16 +24,11 @@ use run::{LARGE, Run};
 
 pub use run::{Options, one_level_deeper};
 
-/// The best tree of the problem, and a bound.
-pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing<'_>) -> Outcome {
-    go_on(problem, options, None, None, None, keep_going).unwrap_or_else(|_| without_search(problem, options))
-}
-
-/// The same from what an earlier search has proven, handing out what is known every so often; `elsewhere` solves the
-/// cuts of the root.
+/// The best tree of the problem and a bound, from what an earlier search has proven perhaps, handing out what is known
+/// every so often; `elsewhere` solves the cuts of the root.
 ///
 /// An error says why what is known cannot be.
-pub fn go_on<'s>(
+pub fn solve<'s>(
     problem: &Problem,
     options: &Options,
     known: Option<Known>,

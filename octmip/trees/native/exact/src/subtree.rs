@@ -42,37 +42,14 @@ pub fn best_subtree(samples: &Samples, control: &Control, ids: &[u32], depth: us
 mod tests {
     use super::*;
     use octmip_check::problem::Problem;
-    use octmip_frame::tree::Node;
-
-    fn problem(n: usize, p: usize) -> Problem {
-        let mut state = 1_u64;
-        let mut next = |most: u32| {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) as u32 % most
-        };
-        Problem {
-            n,
-            p,
-            n_classes: 3,
-            ranks: (0..n * p).map(|_| next(40)).collect::<Vec<_>>().into(),
-            n_ranks: vec![40; p],
-            labels: (0..n).map(|_| next(3)).collect(),
-            weights: vec![1; n],
-            costs: vec![0, 1, 1, 1, 0, 1, 1, 1, 0],
-            penalty: 0,
-            depth: 3,
-            leaf_size: 1,
-            sensor_of_feature: (0..p as u32).collect(),
-            sensor_cost: vec![1.0; p],
-            sensor_limit: f64::INFINITY,
-            allowed: vec![true; p],
-            planes: None,
-        }
-    }
+    use octmip_oracle::{cost_of, problem_of_ranks};
 
     #[test]
     fn fewer_evaluated_cuts_give_true_trees_that_never_beat_the_optimum() {
-        let problem = problem(300, 4);
+        let rng = &mut fastrand::Rng::with_seed(1);
+        let [ranks, labels]: [Vec<u32>; 2] =
+            [(1200, 40), (300, 3)].map(|(n, below)| (0..n).map(|_| rng.u32(0..below)).collect());
+        let problem = Problem { depth: 3, ..problem_of_ranks(&ranks, &labels) };
         let (samples, control) = (Samples::new(&problem), Control::new());
         let ids: Vec<u32> = (0..300).collect();
         let search = |most| best_subtree(&samples, &control, &ids, 3, i64::MAX, most);
@@ -80,25 +57,9 @@ mod tests {
         assert!(whole.is_proof);
         let optimum = whole.tree.map(|(cost, _)| cost);
         for most in [1, 10, 100, 1000] {
-            let cut_short = search(most);
-            assert!(cut_short.tree.as_ref().map(|(cost, _)| *cost) >= optimum);
-            let (cost, tree) = cut_short.tree.expect("a leaf at least");
-            let wrong = ids.iter().filter(|&&i| label(&problem, &tree, i) != problem.labels[i as usize]);
-            assert_eq!(wrong.count() as i64, cost);
-        }
-    }
-
-    fn label(problem: &Problem, tree: &Tree, sample: u32) -> u32 {
-        let mut row = 0;
-        loop {
-            match &tree.nodes[row as usize] {
-                Node::Leaf { label } => return *label,
-                Node::Split { feature, cut, left, right } => {
-                    let goes_left = problem.feature(*feature as usize)[sample as usize] <= *cut;
-                    row = if goes_left { *left } else { *right };
-                }
-                Node::Hyperplane { .. } => unreachable!("the exact core makes no hyperplanes"),
-            }
+            let (cost, tree) = search(most).tree.expect("a leaf at least");
+            assert!(Some(cost) >= optimum);
+            assert_eq!(cost_of(&problem, &tree), Some(cost));
         }
     }
 }

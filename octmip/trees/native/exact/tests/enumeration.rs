@@ -3,7 +3,7 @@
 use octmip_check::check;
 use octmip_check::problem::Problem;
 use octmip_check::question::Question;
-use octmip_exact::{Options, Switches, one_level_deeper, solve, write_proof};
+use octmip_exact::{Helpers, Options, Switches, one_level_deeper, solve, write_proof};
 use octmip_frame::control::Limits;
 use octmip_frame::effort::Control;
 use octmip_oracle::{
@@ -18,8 +18,9 @@ fn n_small(depth: usize) -> u64 {
 /// The solver's log proves the optimum and not one more, on any number of threads.
 fn assert_proves(problem: &Problem, question: &Question, best: i64, switches: Switches, seed: u64) {
     let name = format!("depth {}, seed {seed}", problem.depth);
-    let [body, by_three] =
-        [1, 3].map(|n_threads| write_proof(problem, best, switches, &Control::new(), n_threads).expect("a proof"));
+    let [body, by_three] = [1, 3].map(|n_threads| {
+        write_proof(problem, best, switches, &Control::new(), Helpers::Threads(n_threads)).expect("a proof")
+    });
     assert_eq!(body, by_three, "{name}");
     for n_threads in [1, 2] {
         let report = check(question, &log_of(question, best, &body), n_threads);
@@ -46,7 +47,7 @@ fn exact_trees_cost_what_the_best_of_all_trees_does() {
         for (seed, Case { problem, question }) in random_cases(depth, 1) {
             let switches = Switches::default();
             let options = Options { limits: Limits::default(), n_threads: 1, incumbent: None, switches };
-            let found = solve(&problem, &options, &mut |_| true);
+            let found = solve(&problem, &options, None, None, None, &mut |_| true).expect("nothing is known before");
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");
@@ -66,7 +67,7 @@ fn trees_of_large_leaves_cost_what_the_best_of_all_such_trees_does() {
         let switches = Switches::without(&off).expect("known names");
         let n_threads = 1 + (seed % 3) as usize / 2;
         let options = Options { limits: Limits::default(), n_threads, incumbent: None, switches };
-        let found = solve(&problem, &options, &mut |_| true);
+        let found = solve(&problem, &options, None, None, None, &mut |_| true).expect("nothing is known before");
         let best = optimum(&problem);
         let name = format!("depth {depth}, seed {seed}, without {off:?}");
         assert_eq!((found.objective, found.bound), (best, best), "{name}");

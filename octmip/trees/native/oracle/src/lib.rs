@@ -23,6 +23,31 @@ pub struct Case {
     pub problem: Problem,
 }
 
+/// A problem of ranks, one feature after the other, whose rows are of some classes: a mistake costs 1, and depth is 2.
+pub fn problem_of_ranks(ranks: &[u32], labels: &[u32]) -> Problem {
+    let (n, k) = (labels.len(), labels.iter().max().map_or(1, |most| *most as usize + 1));
+    let p = ranks.len() / n;
+    let n_values = |f: usize| ranks[f * n..][..n].iter().max().map_or(0, |most| most + 1);
+    Problem {
+        n,
+        p,
+        n_classes: k,
+        ranks: Arc::new(ranks.to_vec()),
+        n_ranks: (0..p).map(n_values).collect(),
+        labels: labels.to_vec(),
+        weights: vec![1; n],
+        costs: (0..k * k).map(|at| i64::from(at % (k + 1) != 0)).collect(),
+        penalty: 0,
+        depth: 2,
+        leaf_size: 1,
+        sensor_of_feature: (0..p as u32).collect(),
+        sensor_cost: vec![1.0; p],
+        sensor_limit: f64::INFINITY,
+        allowed: vec![true; p],
+        planes: None,
+    }
+}
+
 /// Draw problems, each with its seed.
 pub fn random_cases(depth: usize, split_size: usize) -> impl Iterator<Item = (u64, Case)> {
     let stream = (10 * depth + split_size) as u64 * 1000;

@@ -52,19 +52,8 @@ const POLL: Duration = Duration::from_millis(10);
 
 /// Search for a tree of low objective, from `start` too when one is given.
 ///
-/// The bound returned is the trivial one.
+/// The bound returned is the trivial one. `others` take the turns where there are any, else the threads of this process.
 pub fn search(
-    problem: &Problem,
-    options: Options,
-    start: Option<&Tree>,
-    limits: Limits,
-    keep_going: KeepGoing,
-) -> Outcome {
-    search_with(problem, options, start, limits, None, keep_going)
-}
-
-/// The same; `others` take the turns where there are any, else the threads of this process.
-pub fn search_with(
     problem: &Problem,
     options: Options,
     start: Option<&Tree>,

@@ -10,7 +10,7 @@ fn local_search_returns_trees_that_are_allowed_and_mostly_the_best() {
     for (depth, split_size) in [(1, 1), (2, 1), (3, 1), (1, 2), (2, 2)] {
         for (seed, Case { problem, .. }) in random_cases(depth, split_size) {
             let options = Options { n_restarts: 4, n_perturbations: 20, seed, n_threads: 1 };
-            let found = search(&problem, options, None, Limits::default(), &mut |_| true);
+            let found = search(&problem, options, None, Limits::default(), None, &mut |_| true);
             let best = optimum(&problem);
             assert_eq!(cost_of(&problem, &found.tree), Some(found.objective), "depth {depth}, seed {seed}");
             assert!(found.objective >= best && found.bound <= best, "depth {depth}, seed {seed}");

@@ -42,15 +42,10 @@ use stumps::depth_one::best_single;
 
 /// Find an optimal tree of depth 1 or 2 and prove it so.
 ///
-/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
-/// deeper trees.
-pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
-    go_on(problem, options, (None, None), keep_going).ok()
-}
-
-/// The same from the state of an earlier search of the problem with the same options, handing out its own every so
-/// often; an error says why there is no search: other depths, or no such state.
-pub fn go_on(
+/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. The search goes on
+/// from the state of an earlier one of the problem with the same options, and hands out its own every so often; an error
+/// says why there is no search: other depths, or no such state.
+pub fn solve(
     problem: &Problem,
     options: &Options,
     kept: (Option<&Saved>, Option<Saver<'_>>),

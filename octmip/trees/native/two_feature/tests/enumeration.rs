@@ -19,7 +19,7 @@ fn two_feature_trees_cost_what_the_best_of_all_trees_does() {
                 switches: Switches::default(),
                 whole_coefficients: None,
             };
-            let found = solve(&problem, &options, &mut |_| true).expect("depth 1 or 2");
+            let found = solve(&problem, &options, (None, None), &mut |_| true).expect("depth 1 or 2");
             let best = optimum(&problem);
             assert_eq!((found.objective, found.bound), (best, best), "depth {depth}, seed {seed}");
             assert_eq!(cost_of(&problem, &found.tree), Some(best), "depth {depth}, seed {seed}");

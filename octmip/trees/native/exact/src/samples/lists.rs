@@ -80,28 +80,11 @@ fn unmade(p: usize) -> Arc<Vec<OnceLock<Vec<u32>>>> {
 mod tests {
     use super::*;
     use crate::view::View;
-    use octmip_check::problem::Problem;
+    use octmip_oracle::problem_of_ranks;
 
     #[test]
     fn lists_on_demand_are_those_of_all_samples() {
-        let problem = Problem {
-            n: 5,
-            p: 2,
-            n_classes: 2,
-            ranks: vec![2, 0, 1, 0, 2, 1, 0, 0, 1, 0].into(),
-            n_ranks: vec![3, 2],
-            labels: vec![0, 1, 0, 1, 1],
-            weights: vec![1; 5],
-            costs: vec![0, 1, 1, 0],
-            penalty: 0,
-            depth: 2,
-            leaf_size: 1,
-            sensor_of_feature: vec![0, 1],
-            sensor_cost: vec![1.0; 2],
-            sensor_limit: f64::INFINITY,
-            allowed: vec![true; 2],
-            planes: None,
-        };
+        let problem = problem_of_ranks(&[2, 0, 1, 0, 2, 1, 0, 0, 1, 0], &[0, 1, 0, 1, 1]);
         let (whole, samples) = (Samples::new(&problem), Samples::without_order(&problem));
         let (known, view) = (View::root(&whole), View::root(&samples));
         assert!(samples.order.is_empty());

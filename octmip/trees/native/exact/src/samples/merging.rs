@@ -178,26 +178,11 @@ fn hashes(problem: &Problem, usable: &[usize]) -> Vec<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use octmip_oracle::problem_of_ranks;
 
     fn problem(rows: &[[u32; 2]], labels: &[u32], weights: &[i64]) -> Problem {
-        Problem {
-            n: rows.len(),
-            p: 2,
-            n_classes: 2,
-            ranks: (0..2).flat_map(|f| rows.iter().map(move |row| row[f])).collect::<Vec<_>>().into(),
-            n_ranks: vec![3, 3],
-            labels: labels.to_vec(),
-            weights: weights.to_vec(),
-            costs: vec![0, 1, 1, 0],
-            penalty: 0,
-            depth: 2,
-            leaf_size: 1,
-            sensor_of_feature: vec![0, 1],
-            sensor_cost: vec![0.0; 2],
-            sensor_limit: f64::INFINITY,
-            allowed: vec![true; 2],
-            planes: None,
-        }
+        let ranks: Vec<u32> = (0..2).flat_map(|f| rows.iter().map(move |row| row[f])).collect();
+        Problem { n_classes: 2, costs: vec![0, 1, 1, 0], weights: weights.to_vec(), ..problem_of_ranks(&ranks, labels) }
     }
 
     #[test]

@@ -170,6 +170,7 @@ mod tests {
     use crate::prepared::values::{Values, exponent_of, times_power};
     use crate::tree::rule::Rule;
     use octmip_check::problem::{Planes, Problem};
+    use octmip_oracle::problem_of_ranks;
 
     #[test]
     fn exponents_are_those_of_the_next_power_of_two_for_denormals_too() {
@@ -192,24 +193,8 @@ mod tests {
 
     fn values_of(rows: &[[f64; 2]], integer_normals: Option<i64>) -> Values {
         let planes = Planes { values: rows.concat(), split_size: 2, groups: None, integer_normals };
-        let problem = Problem {
-            n: rows.len(),
-            p: 2,
-            n_classes: 2,
-            ranks: vec![0; 2 * rows.len()].into(),
-            n_ranks: vec![1; 2],
-            labels: vec![0; rows.len()],
-            weights: vec![1; rows.len()],
-            costs: vec![0, 1, 1, 0],
-            penalty: 0,
-            depth: 1,
-            leaf_size: 1,
-            sensor_of_feature: vec![0, 1],
-            sensor_cost: vec![1.0; 2],
-            sensor_limit: f64::INFINITY,
-            allowed: vec![true; 2],
-            planes: Some(planes),
-        };
+        let labels = vec![0; rows.len()];
+        let problem = Problem { planes: Some(planes), ..problem_of_ranks(&labels.repeat(2), &labels) };
         Values::new(&problem)
     }
 

@@ -100,27 +100,20 @@ mod tests {
     use crate::nodes::known::Known;
     use crate::regions::region::split;
     use octmip_check::problem::{Planes, Problem};
+    use octmip_oracle::problem_of_ranks;
 
     fn random_problem(seed: u64) -> Problem {
         let (mut rng, n, k) = (Rng::with_seed(seed), 90, 3);
         let values = (0..2 * n).map(|_| rng.f64()).collect();
+        let labels: Vec<u32> = (0..n).map(|_| rng.u32(0..k as u32)).collect();
         Problem {
-            n,
-            p: 2,
             n_classes: k,
-            ranks: (0..2 * n as u32).collect::<Vec<u32>>().into(),
             n_ranks: vec![2 * n as u32; 2],
-            labels: (0..n).map(|_| rng.u32(0..k as u32)).collect(),
             weights: (0..n).map(|_| rng.i64(1..4)).collect(),
             costs: (0..k * k).map(|at| if at % (k + 1) == 0 { 0 } else { rng.i64(1..6) }).collect(),
             penalty: rng.i64(0..3),
-            depth: 2,
-            leaf_size: 1,
-            sensor_of_feature: vec![0, 1],
-            sensor_cost: vec![1.0; 2],
-            sensor_limit: f64::INFINITY,
-            allowed: vec![true; 2],
             planes: Some(Planes { values, split_size: 2, groups: None, integer_normals: None }),
+            ..problem_of_ranks(&(0..2 * n as u32).collect::<Vec<u32>>(), &labels)
         }
     }
 
