@@ -52,7 +52,7 @@ const POLL: Duration = Duration::from_millis(10);
 
 /// Search for a tree of low objective, from `start` too when one is given.
 ///
-/// The bound returned is the trivial one. `others` take the turns where there are any, else the threads of this process.
+/// The bound returned is the trivial one. `others` take the turns where there are any, else this process does.
 pub fn search(
     problem: &Problem,
     options: Options,
