@@ -42,8 +42,8 @@ use stumps::depth_one::best_single;
 
 /// Find an optimal tree of depth 1 or 2 and prove it so.
 ///
-/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. The search goes on
-/// from the state of an earlier one of the problem with the same options, and hands out its own every so often; an error
+/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. It goes on from
+/// the state of an earlier search of the problem with the same options, and hands out its own every so often; an error
 /// says why there is no search: other depths, or no such state.
 pub fn solve(
     problem: &Problem,
