@@ -7,7 +7,7 @@ use crate::problem::PyProblem;
 use crate::rows::{NodeRow, rows_from_tree};
 use crate::run::{LimitValues, limits, stop_name, supervised};
 use octmip_exact::{Solved, View};
-use octmip_frame::control::KeepGoing;
+use octmip_frame::control::{KeepGoing, Limits, Progress};
 use octmip_frame::effort::Control;
 use octmip_frame::supervise::Supervision;
 use octmip_frame::tree::Tree;
@@ -55,6 +55,7 @@ pub(crate) struct CountRow {
     /// Evaluated cuts.
     n_nodes: u64,
 }
+
 /// Least costs by sensor, why the search stopped early, evaluated cuts.
 type ReadersRow = (Vec<Option<i128>>, Option<&'static str>, u64);
 
@@ -166,7 +167,7 @@ impl NearProblem {
     fn predictions(&self, py: Python<'_>, limit: i128, most: usize, seconds: f64) -> PyResult<Option<usize>> {
         either!(&self.inner, instance => {
             let limit = narrow(limit)?;
-            let limits = octmip_frame::control::Limits { seconds, ..octmip_frame::control::Limits::default() };
+            let limits = Limits { seconds, ..Limits::default() };
             let supervision = Supervision::new(limits);
             supervised(py, None, |keep_going| {
                 watched(&supervision, keep_going, |control| {
@@ -194,7 +195,7 @@ fn narrow<T: Cost>(number: i128) -> PyResult<T> {
 
 /// Work of one thread that Ctrl-C stops.
 fn alone<R: Send>(py: Python<'_>, work: impl FnOnce(&Control) -> R + Send) -> PyResult<R> {
-    let supervision = Supervision::new(octmip_frame::control::Limits::default());
+    let supervision = Supervision::new(Limits::default());
     supervised(py, None, |keep_going| watched(&supervision, keep_going, work))
 }
 
@@ -204,7 +205,7 @@ fn watched<R: Send>(
     work: impl FnOnce(&Control) -> R + Send,
 ) -> R {
     let control = Control::reading(supervision.flag());
-    let state = octmip_frame::control::Progress { seconds: 0.0, objective: i64::MAX, bound: 0, n_nodes: 0 };
+    let state = Progress { seconds: 0.0, objective: i64::MAX, bound: 0, n_nodes: 0 };
     supervision.run(|| work(&control), || supervision.poll(&mut *keep_going, state))
 }
 
