@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 ZIG = $(shell test "$$(uname -s)" = Linux && $(BIN)/python -m ziglang version >/dev/null 2>&1 && echo --zig --compatibility manylinux2014)
-NATIVE := $(shell find octmip/trees/native/src octmip/trees/native/check octmip/trees/native/Cargo.toml -type f)
+NATIVE := $(shell find octmip/trees/native -name target -prune -o -type f ! -name Cargo.lock -print)
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 # The tests start hundreds of processes: modules are compiled once, whatever the environment says.
 export PYTHONDONTWRITEBYTECODE :=
@@ -30,7 +30,7 @@ pytest: $(VENV)/.installed-test
 	MAKEFLAGS= OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --dist loadfile --no-loadscope-reorder -r s
 
 lint: lint-python | tools
-	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets --features python -- -D warnings
+	cd octmip/trees/native && cargo fmt --all --check && cargo clippy --profile checks --quiet --workspace --all-targets -- -D warnings
 
 lint-python-then-test-rust: lint-python
 	$(MAKE) test-rust

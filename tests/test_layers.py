@@ -11,13 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.source_map.arrows import CRATES, Arrows, rust_arrows
-from benchmarks.source_map.draw import PICTURE, svg
+from benchmarks.source_map.arrows import CRATES, rust_arrows
+from benchmarks.source_map.draw import PICTURE, parts_arrows, svg
 from benchmarks.source_map.levels import LEVELS, part_of
 
 ROOT = Path(__file__).parent.parent
 PACKAGES = ("octmip", "femlib")
 MOST_LINES = 400
+ORACLE = "oracle"  # a crate of the tests
 EMPTY_NOUNS = {"utils", "util", "helpers", "common", "core", "base", "misc"}
 
 
@@ -122,58 +123,12 @@ def test_an_allowed_import_passes(part, code):
     assert not complaints("octmip", part, code)
 
 
-def native_complaints(arrows: Arrows) -> list[str]:
-    """Return what is wrong with the arrows between files of the native core."""
-    levels, wrong = LEVELS["native"], []
-    for name, used in arrows.items():
-        part = native_part(name)
-        for other in used:
-            below = native_part(other)
-            if part not in levels or below not in levels:
-                wrong.append(f"{name} or {other} is not in the table of levels")
-            elif part != below and levels[below] >= levels[part]:
-                wrong.append(f"{name} (level {levels[part]}) uses {other} (level {levels[below]})")
-    return wrong
-
-
-def native_part(name: str) -> str:
-    crate, _, inside = name.partition(".")
-    return "check" if crate == "check" else part_of("native", inside)
-
-
-def native_files() -> Arrows:
-    """Return the arrows of the native core without its root file, which only names its modules."""
-    return {name: used - {"native"} for name, used in rust_arrows().items() if name != "native"}
-
-
-def test_the_native_core_uses_only_lower_levels():
-    arrows = native_files()
-    assert len(arrows) > 100
-    assert not native_complaints(arrows)
-
-
-def test_the_checker_of_proof_logs_uses_itself_alone():
-    assert all(
-        other.startswith("check") for name, used in rust_arrows().items() if name[:5] == "check" for other in used
-    )
-
-
-@pytest.mark.parametrize(
-    ("file", "code"),
-    [
-        ("exact.rs", "use crate::search::solve;"),
-        ("exact/node.rs", "fn f() { crate::python::g() }"),
-        ("tree.rs", "use crate::{ranks, exact::{node, Tree as Other}};"),
-        ("two_feature.rs", "pub(crate) use crate::search::view::View;"),
-        ("ranks.rs", "use super::stranger::Item;"),
-    ],
-)
-def test_a_forbidden_use_in_the_native_core_is_found(tmp_path, file, code):
-    for name in ("search.rs", "search/view.rs", "python.rs", "exact.rs", "exact/node.rs", "stranger.rs", file):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text("")
-    (tmp_path / file).write_text(code)
-    assert native_complaints(rust_arrows({"native": tmp_path}))
+def test_the_crates_of_the_native_core_stand_on_lower_ones():
+    levels = LEVELS["native"]
+    assert set(CRATES) == {*levels, ORACLE}
+    arrows = parts_arrows("native", rust_arrows())
+    assert all(arrows[crate] for crate in levels if crate != "check")
+    assert not [(crate, used) for crate in levels for used in arrows[crate] if levels[used] >= levels[crate]]
 
 
 def test_what_only_unit_tests_and_comments_use_is_no_arrow(tmp_path):
@@ -181,7 +136,7 @@ def test_what_only_unit_tests_and_comments_use_is_no_arrow(tmp_path):
     (tmp_path / "exact.rs").write_text(
         "// use crate::search::a;\n#[cfg(test)]\nmod tests {\n use crate::search::b;\n}\n"
     )
-    assert rust_arrows({"native": tmp_path}) == {"native.search": frozenset(), "native.exact": frozenset()}
+    assert rust_arrows({"core": tmp_path}) == {"core.search": frozenset(), "core.exact": frozenset()}
 
 
 def test_every_file_of_the_crates_is_read():

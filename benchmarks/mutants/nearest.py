@@ -44,7 +44,7 @@ class NearestTests:
             ring = sorted({one for other in ring for one in self.importers[other]} - set(found))
             found |= dict.fromkeys(ring, max(found.values()) + 1)
         is_rust = file.endswith(".rs")
-        stem = Path(file.partition("/src/")[2]).parts[0].removesuffix(".rs") if is_rust else Path(file).stem
+        stem = _subject(file) if is_rust else Path(file).stem
         lines = (self.root / file).read_text(encoding="utf-8").splitlines()
         around = lines[max(0, line - AROUND) : line + AROUND]
         sought = Counter([*_words("\n".join(lines)), *_words("\n".join(around))])
@@ -78,6 +78,13 @@ class NearestTests:
         package = f"{place}/__init__.py"
         passed_on = (self._home(other, one) for other, one in self.imports.get(package, ()) if one == name)
         return next(passed_on, package)
+
+
+def _subject(file: str) -> str:
+    """Return the crate of a Rust file; the module where the crate holds many subjects."""
+    crate, _, inside = file.partition("/src/")
+    many = Path(crate).name in {"native", "check", "frame"}
+    return Path(inside).parts[0].removesuffix(".rs") if many else Path(crate).name
 
 
 def _words(text: str) -> set[str]:

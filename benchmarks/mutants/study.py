@@ -72,7 +72,7 @@ class _Runs:
 
     def build(self) -> None:
         """Build the core as those of its mutants are built, so that their tests take as long without a mutant."""
-        code, said, _ = self._cargo("build --features python")
+        code, said, _ = self._cargo("build")
         if code != 0:
             raise SystemExit(f"the native core does not build: {said}")
         shutil.copy2(self.made, self.core)
@@ -103,7 +103,7 @@ class _Runs:
 
     def _refused(self, built: ExitStack) -> Outcome | None:
         """Return the outcome by compiler and tests of the crates; None where these pass: the core is then built."""
-        for words in ("build --features python", "test"):
+        for words in ("build", "test"):
             code, said, seconds = self._cargo(words)
             if code != 0:
                 failed = re.search(r"^test (\S+) \.\.\. FAILED", said, re.MULTILINE)
@@ -113,7 +113,7 @@ class _Runs:
         return None
 
     def _cargo(self, words: str) -> tuple[int, str, float]:
-        command = ["cargo", *words.split(), *PROFILE, "--workspace"]
+        command = ["cargo", words, *PROFILE, "--workspace"]
         return self._run(command, self.tree / NATIVE, BUILD)
 
     def _pytest(self, tests: Sequence[str]) -> Outcome:

@@ -1,7 +1,7 @@
 """Arrows: which file uses which, read from the sources of Python packages and Rust crates.
 
-A file is named by the dotted path of its module ("octmip.trees.mip.flow", "native.exact.branch"). The file of a package
-(`__init__.py`) or of a Rust module with children (`exact.rs`, `lib.rs`) bears the name of the package or module.
+A file is named by the dotted path of its module ("octmip.trees.mip.flow", "exact.node.kept" of the crate `exact`). The
+file of a package (`__init__.py`) or of a Rust module with children (`node.rs`, `lib.rs`) bears the name of that.
 """
 
 import ast
@@ -12,15 +12,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
 PACKAGES = ("octmip", "femlib", "benchmarks")
-CRATES = {"check": ROOT / "octmip/trees/native/check/src", "native": ROOT / "octmip/trees/native/src"}
-NATIVE = "octmip.trees._native"  # what Python sees of the crate `native`
-IMPORTED_AS = {"octmip_check": "check"}  # the name by which one crate uses another
+CORE = ROOT / "octmip/trees/native"
+CRATES = {"python": CORE / "src"} | {top.parent.name: top for top in sorted(CORE.glob("*/src"))}
+NATIVE = "octmip.trees._native"  # what Python sees of the crate `python`
+IMPORTED = "octmip_"  # how the name begins by which one crate uses another
 ROOT_FILES = {"lib", "main"}
 
 Arrows = Mapping[str, frozenset[str]]
 
 _USE = re.compile(r"^\s*(?:pub(?:\([a-z ]+\))?\s+)?use\s+([^;]+);", re.MULTILINE)
-_PATH = re.compile(r"(?<![\w:])((?:crate|super|self|octmip_check)(?:::\w+)+)")
+_PATH = re.compile(r"(?<![\w:])((?:crate|super|self|octmip_\w+)(?:::\w+)+)")
 _MODULE = re.compile(r"(?:octmip|femlib|benchmarks)(?:\.\w+){2,}")  # a registry names the modules that it loads late
 _TESTS = re.compile(r"^#\[cfg\(test\)\]\s*mod\b", re.MULTILINE)
 
@@ -110,8 +111,8 @@ def _expanded(statement: str) -> list[str]:
 
 def _absolute(name: str, steps: list[str]) -> str:
     crate, *inside = name.split(".")
-    if steps[0] in IMPORTED_AS:
-        return ".".join((IMPORTED_AS[steps[0]], *steps[1:]))
+    if steps[0].startswith(IMPORTED):
+        return ".".join((steps[0].removeprefix(IMPORTED), *steps[1:]))
     if steps[0] == "crate":
         return ".".join((crate, *steps[1:]))
     if steps[0] not in {"super", "self"}:

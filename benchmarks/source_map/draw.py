@@ -17,7 +17,7 @@ from benchmarks.source_map.levels import LEVELS, part_of
 PICTURE = ROOT / "docs" / "pictures" / "map.svg"
 TITLES = {
     "octmip": "octmip: problems, trees, proofs, the twin at work",
-    "native": "the native core (Rust): solvers above, the checker of proof logs at the bottom",
+    "native": "the native core: crates of Rust, the border to Python above, the checker of proof logs at the bottom",
     "femlib": "femlib: the wing",
 }
 
@@ -74,8 +74,8 @@ def svg() -> str:
 def _line(package: str, name: str) -> str:
     """Return the line of a package's table that a file belongs to, "" for one of another package."""
     top, _, inside = name.partition(".")
-    if package == "native" and top == "check":
-        return "check"
+    if package == "native":
+        return top
     return part_of(package, inside) if top == package else ""
 
 

@@ -1,7 +1,8 @@
 """Levels: a file uses only what lies lower in this table, and equal levels are strangers.
 
 Who moves a module changes the table and says why in the commit; `tests/test_layers.py` holds every arrow against it.
-A line is a file or folder of the package; a folder whose files have levels of their own has a line for each.
+A line is a file or folder of the package; a folder whose files have levels of their own has a line for each. A line of
+the native core is a crate: there cargo holds the arrows, by the manifests.
 """
 
 from collections.abc import Mapping
@@ -110,21 +111,13 @@ LEVELS: Mapping[str, Mapping[str, int]] = {
     },
     "native": {
         "check": 0,
-        "effort": 0,
-        "interval": 0,
-        "ranks": 0,
-        "tree": 0,
-        "costs": 1,
-        "control": 1,
-        "log": 1,
-        "switches": 1,
-        "supervise": 2,
-        "exact": 3,
-        "near_optimal": 4,
-        "regression": 4,
-        "two_feature": 4,
-        "search": 5,
-        "python": 6,
+        "frame": 1,
+        "exact": 2,
+        "regression": 2,
+        "two_feature": 2,
+        "near_optimal": 3,
+        "search": 3,
+        "python": 4,
     },
 }
 

@@ -1,4 +1,4 @@
-"""The native core: see octmip/trees/native/src/python.rs.
+"""The native core: see octmip/trees/native/src/lib.rs.
 
 Every solver takes problem, incumbent, limits, threads, seed, switches, progress, in this order, then its own by name.
 """

@@ -1,76 +1,78 @@
-//! Dense ranks of numbers: equal numbers share a rank, ranks are 0, 1, ... in ascending order.
-//!
-//! ```text
-//! values    4.0  0.5  1.5  0.5
-//! ranks       2    0    1    0
-//! distinct  0.5  1.5  4.0
-//! ```
+//! Dense ranks at the Python border.
 
-/// Ranks and distinct values of one column; the buffer is kept from column to column.
-#[derive(Debug, Default)]
-pub struct Ranker {
-    keyed: Vec<(u64, u32)>,
+use std::sync::Arc;
+
+use numpy::ndarray::ArrayView2;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyIndexError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::reached::Rows;
+use octmip_frame::ranks::Ranker;
+
+/// Dense ranks of every feature, held once: problems share them, and Python reads them column by column.
+#[pyclass(name = "RankTable", module = "octmip.trees._native", frozen)]
+pub(crate) struct PyRankTable {
+    /// Number of features.
+    pub(crate) p: usize,
+    /// Number of samples.
+    pub(crate) n: usize,
+    /// Feature-major (`p * n`).
+    pub(crate) ranks: Arc<Vec<u32>>,
 }
 
-impl Ranker {
-    /// Write the dense ranks of finite `values` into `ranks` (of the same length); the distinct values, ascending.
-    pub fn rank(&mut self, values: impl Iterator<Item = f64>, ranks: &mut [u32]) -> Vec<f64> {
-        self.keyed.clear();
-        self.keyed.extend(values.zip(0..).map(|(value, i)| (key(value), i)));
-        self.keyed.sort_unstable_by_key(|&(key, _)| key);
-        let mut distinct = Vec::new();
-        let mut last = None;
-        for &(key, i) in &self.keyed {
-            if last != Some(key) {
-                distinct.push(value(key));
-                last = Some(key);
-            }
-            ranks[i as usize] = distinct.len() as u32 - 1;
+#[pymethods]
+impl PyRankTable {
+    #[new]
+    fn new(ranks: PyReadonlyArray2<'_, u32>) -> PyResult<Self> {
+        let (p, n) = (ranks.shape()[0], ranks.shape()[1]);
+        Ok(Self { p, n, ranks: Arc::new(ranks.as_slice()?.to_vec()) })
+    }
+
+    fn column<'py>(&self, py: Python<'py>, feature: usize) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        if feature >= self.p {
+            return Err(PyIndexError::new_err(format!("feature {feature} of {}", self.p)));
         }
-        distinct
+        Ok(PyArray1::from_slice(py, &self.ranks[feature * self.n..(feature + 1) * self.n]))
     }
-}
 
-/// A key that orders as finite numbers do; -0.0 is 0.0.
-fn key(value: f64) -> u64 {
-    let bits = (value + 0.0).to_bits();
-    bits ^ (((bits as i64 >> 63) as u64) | 1 << 63)
-}
-
-fn value(key: u64) -> f64 {
-    f64::from_bits(key ^ ((!(key as i64 >> 63) as u64) | 1 << 63))
-}
-
-/// The ids of samples in the order of their ranks, ties by id; ranks are below `n_ranks`.
-pub(crate) fn sorted_by_rank(ranks: &[u32], n_ranks: u32) -> Vec<u32> {
-    let mut start = vec![0u32; n_ranks as usize + 1];
-    for &rank in ranks {
-        start[rank as usize + 1] += 1;
+    fn array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        PyArray1::from_slice(py, &self.ranks).reshape([self.p, self.n])
     }
-    for r in 0..n_ranks as usize {
-        start[r + 1] += start[r];
-    }
-    let mut order = vec![0; ranks.len()];
-    for (i, &rank) in ranks.iter().enumerate() {
-        let place = &mut start[rank as usize];
-        order[*place as usize] = i as u32;
-        *place += 1;
-    }
-    order
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranks_are_dense_and_values_come_back() {
-        let values = [4.0, -0.0, 1.5, 0.0, -3.25, 1e300, -1e-300, 4.0];
-        let mut ranks = [0; 8];
-        let distinct = Ranker::default().rank(values.iter().copied(), &mut ranks);
-        assert_eq!(distinct, [-3.25, -1e-300, 0.0, 1.5, 4.0, 1e300]);
-        for (value, rank) in values.iter().zip(ranks) {
-            assert_eq!(*value, distinct[rank as usize]);
+    fn of_rows(&self, rows: PyReadonlyArray1<'_, i64>) -> PyResult<Self> {
+        let rows = rows.as_slice()?;
+        if let Some(row) = rows.iter().find(|&&row| !(0..self.n as i64).contains(&row)) {
+            return Err(PyIndexError::new_err(format!("row {row} of {}", self.n)));
         }
+        let features = (0..self.p).map(|feature| &self.ranks[feature * self.n..(feature + 1) * self.n]);
+        let ranks = features.flat_map(|column| rows.iter().map(|&row| column[row as usize])).collect();
+        Ok(Self { p: self.p, n: rows.len(), ranks: Arc::new(ranks) })
     }
+
+    fn __getnewargs__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<u32>>,)> {
+        Ok((self.array(py)?,))
+    }
+}
+
+/// Rank every feature of a table (n, p) of either precision; how many distinct values each has.
+#[pyfunction]
+pub(crate) fn dense_ranks(features: Rows<'_>) -> PyResult<(PyRankTable, Vec<usize>)> {
+    match features {
+        Rows::Double(features) => ranks_of(features.as_array()),
+        Rows::Single(features) => ranks_of(features.as_array()),
+    }
+}
+
+fn ranks_of<T: Copy + Into<f64>>(features: ArrayView2<'_, T>) -> PyResult<(PyRankTable, Vec<usize>)> {
+    let (n, p) = (features.nrows(), features.ncols());
+    if n == 0 {
+        return Err(PyValueError::new_err("there are no samples to rank"));
+    }
+    let mut ranks = vec![0; n * p];
+    let mut ranker = Ranker::default();
+    let columns = features.columns().into_iter().zip(ranks.chunks_exact_mut(n));
+    let n_values =
+        columns.map(|(column, row)| ranker.rank(column.iter().map(|&value| value.into()), row).len()).collect();
+    Ok((PyRankTable { p, n, ranks: Arc::new(ranks) }, n_values))
 }

@@ -1,184 +1,139 @@
-//! Local search: good trees of any size, without a proof.
-//!
-//! Independent restarts (`restart`), each a descent from a tree of its own and perturbations of its local optimum, in
-//! groups: all of a group begin, the better ones go on; the best of all groups goes on longest. A restart's random
-//! stream depends on the seed and its number alone, rounds end together, and the best restart of lowest number wins, so
-//! that one seed gives one tree whatever the number of threads, or of the processes that take turns (`turns`).
+//! `octmip.trees._native.search`: the local search.
 
-mod axis;
-mod gains;
-mod greedy;
-mod local_search;
-mod logistic;
-mod options;
-mod perturbation;
-mod planes;
-mod prepared;
-mod rebuild;
-mod restart;
-mod soft_tree;
-mod tree;
-pub(crate) mod turn_solver;
-pub(crate) mod turns;
-mod watch;
+use pyo3::prelude::*;
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::channel;
-use std::time::Duration;
+use crate::problem::PyProblem;
+use crate::rows::{NodeRow, rows_from_tree, tree_from_rows};
+use crate::run::{Found, LimitValues, found, limits, supervised};
+use crate::workers::Workers;
+use octmip_frame::control::Limits;
+use octmip_search::{FinishedTurn, Options, OtherProcesses, Turn, TurnSolver, TurnTask, search};
 
-use crate::control::{KeepGoing, Limits, Outcome, Stop};
-use crate::exact::samples::Samples;
-use crate::problem::Problem;
-use crate::tree::Tree;
-
-use crate::search::prepared::{Made, Prepared};
-use crate::search::restart::{Restart, Round};
-use crate::search::turns::OtherProcesses;
-use crate::search::watch::{TRIVIAL_BOUND, Watch};
-
-pub use options::Options;
-
-/// Number of restarts that begin together; one in so many of them goes on.
-const GROUP: usize = 9;
-const GOES_ON_ONE_IN: usize = 3;
-
-/// Time between two polls of the calling thread, which ask whether to go on.
-const POLL: Duration = Duration::from_millis(10);
-
-/// Search for a tree of low objective, from `start` too when one is given.
-///
-/// The bound returned is the trivial one.
-pub fn search(
-    problem: &Problem,
-    options: Options,
-    start: Option<&Tree>,
-    limits: Limits,
-    keep_going: KeepGoing,
-) -> Outcome {
-    search_with(problem, options, start, limits, None, keep_going)
-}
-
-/// The same; `others` take the turns where there are any, else the threads of this process.
-pub(crate) fn search_with(
-    problem: &Problem,
-    options: Options,
-    start: Option<&Tree>,
-    limits: Limits,
-    others: Option<&OtherProcesses<'_>>,
-    keep_going: KeepGoing,
-) -> Outcome {
-    let prepared = Prepared { problem, made: &Made::new(problem) };
-    let samples = Samples::new(problem);
-    let watch = Watch::new(limits);
-    let new = |k| Restart::new(&prepared, &samples, &watch, options.seed, k);
-    let rounds = Round::all(options, start, problem);
-    let n = options.n_restarts.max(1);
-    let mut best: Option<Restart> = None;
-    let mut turn = |restarts, number: usize| {
-        let takers = Takers { number, round: &rounds[number], n_threads: options.n_threads, others };
-        run(restarts, takers, &watch, &mut *keep_going)
-    };
-    // Groups know nothing of one another, and the first whose best cannot be beaten has the best of lowest number:
-    // so many processes as there are do several at once, and end with the same tree.
-    let at_once = GROUP * others.map_or(1, |others| others.n_at_once.div_ceil(GROUP).max(1));
-    for first in (0..n).step_by(at_once) {
-        let last = n.min(first + at_once);
-        let begun = turn((first..last).map(new).collect(), 0);
-        let (going_on, resting) = best_of_each_group(begun, first);
-        let gone_on = turn(going_on, 1);
-        best = best.into_iter().chain(gone_on).chain(resting).min_by_key(Restart::rank);
-        if watch.has_best() || !watch.goes_on(0) {
-            break;
-        }
-    }
-    let best = turn(best.into_iter().collect(), 2).swap_remove(0);
-    Outcome {
-        tree: best.state.to_tree(&prepared.prices),
-        objective: best.objective,
-        bound: TRIVIAL_BOUND,
-        stop: match best.objective {
-            TRIVIAL_BOUND => Stop::Optimal,
-            _ => watch.stop(),
-        },
-        n_nodes: watch.n_visits(),
-    }
-}
-
-/// The restarts of each group that go on, group after group, and those that rest.
-///
-/// All come from best to worst, and the first of them has the number `first`.
-fn best_of_each_group(begun: Vec<Restart>, first: usize) -> (Vec<Restart>, Vec<Restart>) {
-    let mut groups: Vec<Vec<Restart>> = Vec::new();
-    for restart in begun {
-        let group = (restart.number - first) / GROUP;
-        groups.resize_with(groups.len().max(group + 1), Vec::new);
-        groups[group].push(restart);
-    }
-    let (mut going_on, mut resting) = (Vec::new(), Vec::new());
-    for mut group in groups {
-        resting.extend(group.split_off(group.len().div_ceil(GOES_ON_ONE_IN)));
-        going_on.extend(group);
-    }
-    (going_on, resting)
-}
-
-/// Who takes the turns of a round: threads of this process, or other processes.
-#[derive(Clone, Copy)]
-struct Takers<'t> {
+/// A restart after a turn, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct TurnRow {
     number: usize,
-    round: &'t Round<'t>,
+    /// State of its random stream.
+    stream: u64,
+    /// Deep blocks that helped, and that were tried.
+    deep_tries: [u32; 2],
+    /// Whether nothing beats its tree.
+    is_best: bool,
+    rows: Vec<NodeRow>,
+}
+
+/// A turn to be taken, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct TaskRow {
+    round: usize,
+    /// Of the restart.
+    number: usize,
+    /// The turn before.
+    before: Option<TurnRow>,
+}
+
+/// A turn that was taken, as a dict.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+struct FinishedRow {
+    turn: TurnRow,
+    /// Nodes visited in it.
+    n_visits: u64,
+    /// Whether no limit has ended it.
+    is_whole: bool,
+}
+
+/// A tree of low objective. `incumbent` is the table of a tree to begin with.
+#[pyfunction(name = "search")]
+#[pyo3(signature = (problem, incumbent, limit_values, n_threads, seed, progress=None, *, n_restarts, n_perturbations,
+    submit=None))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn py_search(
+    py: Python<'_>,
+    problem: &PyProblem,
+    incumbent: Option<Vec<NodeRow>>,
+    limit_values: LimitValues,
     n_threads: usize,
-    others: Option<&'t OtherProcesses<'t>>,
+    seed: u64,
+    progress: Option<Py<PyAny>>,
+    n_restarts: usize,
+    n_perturbations: usize,
+    submit: Option<(Py<PyAny>, usize)>,
+) -> PyResult<Found> {
+    let start = incumbent.map(tree_from_rows).transpose()?;
+    let options = Options { n_restarts, n_perturbations, seed, n_threads };
+    let (workers, n_at_once) = submit.map_or((None, 0), |(submit, n)| (Some(Workers::new(submit)), n));
+    let ask = |task: TurnTask, waits: &dyn Fn() -> bool| ask_for(workers.as_ref()?, task, waits);
+    let others = workers.as_ref().map(|_| OtherProcesses { ask: &ask, n_at_once });
+    let outcome = supervised(py, progress.as_ref(), |keep_going| {
+        let has_failed = || workers.as_ref().is_some_and(Workers::has_failed);
+        let mut keep_going = |state| keep_going(state) && !has_failed();
+        let limits = limits(limit_values);
+        search(&problem.inner, options, start.as_ref(), limits, others.as_ref(), &mut keep_going)
+    })?;
+    workers.map_or(Ok(()), Workers::finish)?;
+    Ok(found(&outcome))
 }
 
-impl Takers<'_> {
-    /// Turns that are taken at once.
-    fn n_at_once(&self) -> usize {
-        self.others.map_or(self.n_threads, |others| others.n_at_once)
-    }
-
-    /// Have a turn taken.
-    fn take(&self, restart: &mut Restart) {
-        match self.others {
-            Some(others) => restart.run_in_other_process(self.number, others.ask),
-            None => {
-                restart.run(self.round);
-            }
-        }
+fn row_of(turn: &Turn) -> TurnRow {
+    TurnRow {
+        number: turn.number,
+        stream: turn.stream,
+        deep_tries: turn.deep_tries,
+        is_best: turn.is_best,
+        rows: rows_from_tree(&turn.tree),
     }
 }
 
-/// Give every restart its turn in a round, in order, as many at once as there are takers; returns them from best to
-/// worst.
-fn run<'a>(restarts: Vec<Restart<'a>>, takers: Takers, watch: &Watch, keep_going: KeepGoing) -> Vec<Restart<'a>> {
-    let n = restarts.len();
-    let mut done = Vec::with_capacity(n);
-    let wait = |(place, mut restart): (usize, Restart<'a>)| {
-        restart.place = place;
-        Mutex::new(Some(restart))
-    };
-    let waiting: Vec<Mutex<Option<Restart>>> = restarts.into_iter().enumerate().map(wait).collect();
-    let next = AtomicUsize::new(0);
-    std::thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        for _ in 0..takers.n_at_once().clamp(1, n.max(1)) {
-            let (sender, waiting, next) = (sender.clone(), &waiting, &next);
-            scope.spawn(move || {
-                while let Some(slot) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    // Nobody else asks for this place, and the receiver outlives every sender.
-                    let Some(mut restart) = slot.lock().ok().and_then(|mut slot| slot.take()) else {
-                        continue;
-                    };
-                    takers.take(&mut restart);
-                    let _ = sender.send(restart);
-                }
-            });
-        }
-        drop(sender);
-        watch.supervision.wait(&receiver, POLL, |restart| done.push(restart), || watch.look(&mut *keep_going));
-        done.iter_mut().for_each(Restart::take_back_if_beaten);
-        done.sort_by_key(Restart::rank);
-        done
-    })
+fn turn_from_row(TurnRow { number, stream, deep_tries, is_best, rows }: TurnRow) -> PyResult<Turn> {
+    Ok(Turn { number, stream, deep_tries, is_best, tree: tree_from_rows(rows)? })
+}
+
+/// A turn that one of the workers took; None when it was given up or has failed.
+fn ask_for(workers: &Workers, task: TurnTask, waits: &dyn Fn() -> bool) -> Option<FinishedTurn> {
+    let row = TaskRow { round: task.round, number: task.number, before: task.before.map(row_of) };
+    let Limits { seconds, gap, nodes, memory } = task.limits;
+    let left = LimitValues { seconds, gap, nodes, memory };
+    let FinishedRow { turn, n_visits, is_whole } = workers.ask((row, left), waits)?;
+    Some(FinishedTurn { turn: workers.checked(turn_from_row(turn))?, n_visits, is_whole })
+}
+
+/// A problem ready for turns of its restarts, in a process that helps another one's search.
+#[pyclass(name = "TurnSolver", frozen)]
+pub(crate) struct PyTurnSolver {
+    inner: TurnSolver,
+}
+
+#[pymethods]
+impl PyTurnSolver {
+    #[new]
+    fn new(
+        problem: &PyProblem,
+        incumbent: Option<Vec<NodeRow>>,
+        seed: u64,
+        n_restarts: usize,
+        n_perturbations: usize,
+    ) -> PyResult<Self> {
+        let options = Options { n_restarts, n_perturbations, seed, n_threads: 1 };
+        let start = incumbent.map(tree_from_rows).transpose()?;
+        Ok(Self { inner: TurnSolver::new(problem.inner.clone(), options, start) })
+    }
+
+    /// Take a turn within limits; what `progress` raises stops it and is raised here.
+    #[pyo3(signature = (row, limit_values, progress=None))]
+    fn take(
+        &self,
+        py: Python<'_>,
+        row: TaskRow,
+        limit_values: LimitValues,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<FinishedRow> {
+        let TaskRow { round, number, before } = row;
+        let before = before.map(turn_from_row).transpose()?;
+        let task = TurnTask { round, number, before: before.as_ref(), limits: limits(limit_values) };
+        let taken = supervised(py, progress.as_ref(), |keep_going| self.inner.take(task, keep_going))?;
+        Ok(FinishedRow { turn: row_of(&taken.turn), n_visits: taken.n_visits, is_whole: taken.is_whole })
+    }
 }

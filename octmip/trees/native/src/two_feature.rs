@@ -1,82 +1,102 @@
-//! Optimal trees whose splits use up to two features, proven by branch and bound over regions of lines.
+//! The two-feature core's functions.
 
-pub(crate) mod budget;
-pub(crate) mod depth_two;
-pub(crate) mod geometry;
-pub(crate) mod instance;
-pub(crate) mod label_count;
-pub(crate) mod line_tree;
-pub(crate) mod loss;
-pub(crate) mod nodes;
-pub mod options;
-pub mod proof;
-pub(crate) mod regions;
-pub(crate) mod stumps;
-pub mod switches;
-pub(crate) mod weighted_samples;
+use std::time::Instant;
 
-use crate::control::{KeepGoing, Outcome, Progress, Stop};
-use crate::problem::Problem;
-use crate::supervise::Supervision;
-use crate::tree::Tree;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
-use depth_two::solve_depth_two;
-use instance::Instance;
-use line_tree::{LineTree, to_tree};
-use loss::INFEASIBLE;
-use nodes::queue::{Saved, Saver};
-use options::Options;
-use stumps::depth_one::best_single;
+use crate::problem::PyProblem;
+use crate::rows::{Incumbent, known_tree, rows_from_tree};
+use crate::run::{Found, LimitValues, found, limits, supervised, switches, written};
+use octmip_two_feature::{Options, Saved, Saver, Switches, solve, write_proof};
 
-/// Find an optimal tree of depth 1 or 2 and prove it so.
-///
-/// The bound holds for every tree whose lines are taken in exact arithmetic over the values as given. Returns None for
-/// deeper trees.
-pub fn solve(problem: &Problem, options: &Options, keep_going: KeepGoing) -> Option<Outcome> {
-    go_on(problem, options, (None, None), keep_going).ok()
+/// The state of a search: a dict to Python, `octmip.trees.checkpoint.search_state.TwoFeatureState` back.
+#[derive(FromPyObject, IntoPyObject)]
+struct StateRow {
+    state: Py<PyBytes>,
+    /// Most slope intervals of a dual plane.
+    n_intervals: usize,
+    /// The best tree's cost and rows.
+    best: Incumbent,
+    bound: i64,
+    n_nodes: u64,
 }
 
-/// The same from the state of an earlier search of the problem with the same options, handing out its own every so
-/// often; an error says why there is no search: other depths, or no such state.
-pub(crate) fn go_on(
-    problem: &Problem,
-    options: &Options,
-    kept: (Option<&Saved>, Option<Saver<'_>>),
-    keep_going: KeepGoing,
-) -> Result<Outcome, String> {
-    let supervision = Supervision::new(options.limits);
-    let mut instance = Instance::new(problem);
-    instance.switches = options.switches;
-    instance.preferred = options.whole_coefficients;
-    match problem.depth {
-        1 => Ok(solve_depth_one(problem, &instance, &supervision, keep_going)),
-        2 => solve_depth_two(problem, &instance, &supervision, options, kept, keep_going),
-        depth => Err(format!("depth {depth}; expected 1 or 2")),
+/// Seconds between two times that the state is handed out, who takes it, the state of an earlier search.
+type Checkpoint = (f64, Py<PyAny>, Option<StateRow>);
+
+/// The best tree whose splits have up to two features, and a bound. `incumbent` is the cost of a feasible tree:
+/// trees of this cost and more are of no interest.
+#[allow(clippy::too_many_arguments)]
+#[pyfunction]
+#[pyo3(signature = (problem, incumbent, limit_values, n_threads, seed=0, off=Vec::new(), progress=None, *,
+    whole_coefficients=None, checkpoint=None))]
+fn two_feature_branch_and_bound(
+    py: Python<'_>,
+    problem: &PyProblem,
+    incumbent: Option<i64>,
+    limit_values: LimitValues,
+    n_threads: usize,
+    seed: u64,
+    off: Vec<String>,
+    progress: Option<Py<PyAny>>,
+    whole_coefficients: Option<i64>,
+    checkpoint: Option<Checkpoint>,
+) -> PyResult<Found> {
+    let switches = switches(Switches::without(&off))?;
+    let limits = limits(limit_values);
+    let options = Options { limits, n_threads, known: incumbent, seed, switches, whole_coefficients };
+    if !(1..=2).contains(&problem.inner.depth) {
+        return Err(PyValueError::new_err(format!("depth is {}; expected 1 or 2", problem.inner.depth)));
     }
+    let (every, taker, row) = checkpoint.map_or((0.0, None, None), |(every, taker, row)| (every, Some(taker), row));
+    let kept = row.map(|row| saved_from_row(py, row)).transpose()?;
+    let mut unsaved = None;
+    let outcome = supervised(py, progress.as_ref(), |keep_going| {
+        let mut save = |saved: &Saved| hand_out(taker.as_ref(), saved, &mut unsaved);
+        let saver = taker.is_some().then_some(Saver { every, saved: Instant::now(), pause: 0.0, save: &mut save });
+        solve(&problem.inner, &options, (kept.as_ref(), saver), keep_going)
+    })?;
+    let outcome = outcome.map_err(|reason| PyValueError::new_err(format!("known: {reason}")))?;
+    unsaved.map_or_else(|| Ok(found(&outcome)), Err)
 }
 
-fn solve_depth_one(
-    problem: &Problem,
-    instance: &Instance,
-    supervision: &Supervision,
-    keep_going: KeepGoing,
-) -> Outcome {
-    let ids = instance.all();
-    let (_, label) = instance.loss.leaf(&instance.samples().tally(&ids));
-    let leaf = to_tree(problem, instance, &LineTree::Leaf).unwrap_or((Tree::leaf(label as u32), INFEASIBLE));
-    let state = Progress { seconds: 0.0, objective: leaf.1, bound: 0, n_nodes: 0 };
-    let work = || {
-        let need = problem.leaf_size as i64;
-        best_single(instance.samples(), &instance.dual_planes, &ids, need, INFEASIBLE, [], supervision.flag())
-    };
-    let result = supervision.run(work, || supervision.poll(keep_going, state));
-    let stump = to_tree(problem, instance, &LineTree::stump(result.line));
-    let (tree, objective) = stump.filter(|stump| stump.1 <= leaf.1).unwrap_or(leaf);
-    let bound = if supervision.is_stopped() { 0 } else { result.lower.min(objective) };
-    let stop = match supervision.reason() {
-        Some(reason) => reason,
-        None if bound == objective => Stop::Optimal,
-        None => Stop::Finished,
-    };
-    Outcome { tree, objective, bound, stop, n_nodes: 1 }
+/// Give Python the state; what it raises stops the search and is kept.
+fn hand_out(taker: Option<&Py<PyAny>>, saved: &Saved, unsaved: &mut Option<PyErr>) -> bool {
+    let Some(taker) = taker else { return true };
+    let best = saved.best.as_ref().map(|(tree, cost)| (*cost, rows_from_tree(tree)));
+    let taken = Python::attach(|py| {
+        let state = PyBytes::new(py, &saved.state).unbind();
+        let Saved { n_intervals, bound, n_nodes, .. } = *saved;
+        let row = StateRow { state, n_intervals, best, bound, n_nodes };
+        taker.call1(py, (row,)).map(|_| ())
+    });
+    taken.map_err(|raised| *unsaved = Some(raised)).is_ok()
+}
+
+fn saved_from_row(py: Python<'_>, row: StateRow) -> PyResult<Saved> {
+    let StateRow { state, n_intervals, best, bound, n_nodes } = row;
+    let best = known_tree(best)?.map(|(cost, tree)| (tree, cost));
+    Ok(Saved { state: state.as_bytes(py).to_vec(), n_intervals, best, bound, n_nodes })
+}
+
+/// Names of all prunes and bounds of the two-feature core.
+#[pyfunction]
+fn two_feature_prunes() -> Vec<&'static str> {
+    Switches::NAMES.to_vec()
+}
+
+/// The body of a log that proves `claim` of all two-feature trees; None when it was stopped, or the claim is not
+/// shown.
+#[pyfunction]
+fn prove_two_feature(py: Python<'_>, problem: &PyProblem, claim: i64, n_threads: usize) -> PyResult<Option<String>> {
+    written(py, claim, |supervision| write_proof(&problem.inner, claim, n_threads, supervision.flag()))
+}
+
+/// Add the functions to the native module.
+pub(crate) fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_function(wrap_pyfunction!(two_feature_branch_and_bound, module)?)?;
+    module.add_function(wrap_pyfunction!(two_feature_prunes, module)?)?;
+    module.add_function(wrap_pyfunction!(prove_two_feature, module)?)
 }

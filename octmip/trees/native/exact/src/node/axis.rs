@@ -1,0 +1,298 @@
+//! One feature of a node: its cuts, what is known of them, and the proofs by which runs of cuts are dropped.
+//!
+//! Notation: cut `k` sends a set L(k) left and R(k) right, `e` is the added cost of the best tree of the children's
+//! depth, `range(k)` the total cost range of L(k). For cuts a < k < b:
+//!
+//! * monotone: `e(L(k)) >= e(L(a))` and `e(R(k)) >= e(R(b))`: the best tree for the larger set, used on the smaller
+//!   one, costs no more there. False when leaves have a least size (the tree may be infeasible on the smaller set): it
+//!   then holds of the free bounds beside them (`node::beside`), as does the bound of mixed labels.
+//! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
+//!   best tree for the smaller set is feasible on the larger and costs at most the range of the new samples more.
+//! * mixed labels: `e(L(k)) >= e(L(a)) + g(a, k)`, g the least cost of the samples between when only as many labels
+//!   may be predicted as the child has leaves: each of them lands in some leaf of the same tree. Needs monotone.
+//! * price: a side is a leaf or pays for a split (`node::price`), for any size of leaves; and where trees of fewer
+//!   levels are known, one side has all the levels of a child, and pays for as many splits. A log has no line for it.
+
+mod mixed;
+mod prices;
+
+use crate::node::price::Prices;
+use crate::node::result::Solved;
+use crate::samples::Samples;
+use crate::switches::Switches;
+use crate::view::View;
+use octmip_frame::interval::Interval;
+
+use mixed::MixedLabels;
+
+/// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
+#[derive(Debug, Default)]
+pub(crate) struct Axis {
+    /// Samples left of each cut.
+    pub(crate) positions: Vec<u32>,
+    /// Total cost range left of each cut.
+    pub(crate) total_range: Vec<i64>,
+    /// Lower bound of the left child; of the cuts that were solved.
+    pub(crate) left: Vec<i64>,
+    /// Lower bound of the right child; of the cuts that were solved.
+    pub(crate) right: Vec<i64>,
+    /// The same of both children with leaves of any size; not where that is the problem itself.
+    free: [Vec<i64>; 2],
+    is_beside: bool,
+    mixed: MixedLabels,
+    /// Least cost of both children by price and labels, or by earlier searches; never falls as a child grows.
+    least_of: [Vec<i64>; 2],
+    /// Whether anything is known of that.
+    has_least: bool,
+    /// Least cost of one of the children, where only trees of all levels are wanted; 0 where others are.
+    of_all_levels: i64,
+    n_cuts: usize,
+    is_monotone: bool,
+    has_range: bool,
+}
+
+impl Axis {
+    /// Lay out the cuts of feature `f`, with `whole` a lower bound of the child problem on all samples.
+    pub(crate) fn lay(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        f: usize,
+        n_leaves: usize,
+        whole: i64,
+        switches: &Switches,
+    ) {
+        self.is_beside = samples.free.is_some() && switches.monotone;
+        self.is_monotone = (samples.leaf_size == 1 || self.is_beside) && switches.monotone;
+        self.has_range = switches.cost_range;
+        self.make_room(view.len + 1);
+        self.lay_cuts(samples, view, f);
+        if switches.mixed_labels && self.is_monotone {
+            self.mixed.lay(samples, view, f, n_leaves, &self.positions[..self.n_cuts]);
+        } else {
+            self.mixed.leave_out();
+        }
+        self.of_all_levels = 0;
+        self.has_least = samples.penalty > 0 && switches.price;
+        if self.has_least {
+            let mut prices = Prices::new(samples, view, n_leaves, std::mem::take(&mut self.least_of));
+            let mut from = 0;
+            for (&to, &total_range) in self.positions.iter().zip(&self.total_range).take(self.n_cuts) {
+                view.list(f)[from..to as usize].iter().for_each(|&i| samples.count(i, 1, &mut prices.gains));
+                prices.push(total_range);
+                from = to as usize;
+            }
+            self.least_of = prices.least;
+        } else {
+            self.least_of = Default::default();
+        }
+        let last = self.last();
+        self.enter(0, [0, whole], [0, whole]);
+        self.enter(last, [whole, 0], [whole, 0]);
+    }
+
+    /// Positions and total ranges: of every sample one, where no two have the same value.
+    fn lay_cuts(&mut self, samples: &Samples, view: &View, f: usize) {
+        let smallest = samples.leaf_size.max(1);
+        self.n_cuts = 0;
+        self.push(0, 0);
+        if !samples.has_ties[f] && smallest == 1 && samples.range_of_all.is_some() {
+            let each = samples.range_of_all.unwrap_or(0);
+            (1..view.len).for_each(|k| self.push(k, k as i64 * each));
+        } else {
+            let (ranks, list) = (samples.ranks_of(f), view.list(f));
+            let mut rank = list.first().map_or(0, |&i| ranks[i as usize]);
+            let mut total_range = 0;
+            for (k, &i) in list.iter().enumerate() {
+                let next = ranks[i as usize];
+                if next != rank && k >= smallest && view.len - k >= smallest {
+                    self.push(k, total_range);
+                }
+                rank = next;
+                total_range += samples.range_of(i);
+            }
+        }
+        self.push(view.len, view.total_range);
+    }
+
+    /// Lists are only ever grown: what lies past the last cut, or belongs to cuts not solved, is never read.
+    fn make_room(&mut self, n_cuts: usize) {
+        let room = self.positions.len().max(n_cuts);
+        self.positions.resize(room, 0);
+        for list in [&mut self.total_range, &mut self.left, &mut self.right] {
+            list.resize(room, 0);
+        }
+        if self.is_beside {
+            self.free.iter_mut().for_each(|list| list.resize(room, 0));
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, position: usize, total_range: i64) {
+        self.positions[self.n_cuts] = position as u32;
+        self.total_range[self.n_cuts] = total_range;
+        self.n_cuts += 1;
+    }
+
+    /// Enter a solved cut: lower bounds of its children, and of the same with leaves of any size.
+    #[inline(always)]
+    pub(crate) fn enter(&mut self, k: usize, bounds: [i64; 2], free: [i64; 2]) {
+        [self.left[k], self.right[k]] = bounds;
+        if self.is_beside {
+            [self.free[0][k], self.free[1][k]] = free;
+        }
+    }
+
+    /// Bounds of left or right children that hold of all larger ones.
+    #[inline(always)]
+    fn grown(&self, side: usize) -> &[i64] {
+        match (self.is_beside, side) {
+            (true, side) => &self.free[side],
+            (_, 0) => &self.left,
+            _ => &self.right,
+        }
+    }
+
+    /// Index of the trivial cut at the end.
+    pub(crate) fn last(&self) -> usize {
+        self.n_cuts - 1
+    }
+
+    /// All the cuts that split, None when there are none.
+    pub(crate) fn whole(&self) -> Option<Interval> {
+        Interval::between(0, self.last())
+    }
+
+    /// Take up the bounds of cuts of feature `f` that were solved before; returns their indices, ascending.
+    pub(crate) fn take_up(&mut self, f: usize, solved: &[Solved]) -> Vec<usize> {
+        let mut cuts = Vec::new();
+        for known in solved.iter().filter(|known| known.feature == f) {
+            if let Some(k) = self.cut_at(known.position) {
+                let free = if self.has_least { [0, 1].map(|side| self.least_of[side][k]) } else { [0, 0] };
+                self.enter(k, known.bounds, free);
+                cuts.push(k);
+            }
+        }
+        cuts.sort_unstable();
+        cuts.dedup();
+        cuts
+    }
+
+    /// The runs of open cuts between solved ones.
+    pub(crate) fn gaps<'a>(&'a self, solved: &'a [usize]) -> impl Iterator<Item = Interval> + 'a {
+        let ends = std::iter::once(0).chain(solved.iter().copied());
+        let others = solved.iter().copied().chain(std::iter::once(self.last()));
+        ends.zip(others).filter_map(|(a, b)| Interval::between(a, b))
+    }
+
+    /// The cut that splits with so many samples left of it.
+    pub(crate) fn cut_at(&self, position: usize) -> Option<usize> {
+        let inner = self.positions.get(1..self.last())?;
+        inner.binary_search(&(position as u32)).ok().map(|k| k + 1)
+    }
+
+    /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
+    pub(crate) fn narrow(&self, mut interval: Interval, target: i64) -> Option<Interval> {
+        let Interval { a, b, .. } = interval;
+        // cost range on both sides: e(L(k)) + e(R(k)) >= e(L(b)) + e(R(a)) - (range(b) - range(a)) for every k between
+        if self.has_range && self.left[b] + self.right[a] - (self.total_range[b] - self.total_range[a]) >= target {
+            return None;
+        }
+        if self.is_monotone {
+            // monotone on both sides
+            let (left, right) = (self.grown(0), self.grown(1));
+            if left[a] + right[b] >= target {
+                return None;
+            }
+            if self.has_range {
+                // monotone left of k, range right: e(L(a)) + e(R(a)) - (range(k) - range(a)) < target is needed
+                let from = self.total_range[a] + left[a] + self.right[a] - target;
+                interval.low += self.total_range[interval.low..=interval.high].partition_point(|&m| m <= from);
+                let to = self.total_range[b] - (self.left[b] + right[b] - target);
+                let kept = self.total_range.get(interval.low..=interval.high)?.partition_point(|&m| m < to);
+                if kept == 0 {
+                    return None;
+                }
+                interval.high = interval.low + kept - 1;
+            }
+        }
+        (interval.low <= interval.high).then_some(interval)
+    }
+
+    /// Lower bounds of both children of cut `k`, from the solved cuts around it and from prices.
+    pub(crate) fn bounds(&self, interval: &Interval, k: usize) -> (i64, i64) {
+        let (left, right) = self.by_neighbours(interval, k);
+        match self.has_least {
+            true => (left.max(self.least_of[0][k]), right.max(self.least_of[1][k])),
+            false => (left, right),
+        }
+    }
+
+    /// The same of a solved cut.
+    pub(crate) fn free_at(&self, k: usize) -> [i64; 2] {
+        if self.is_beside { [self.free[0][k], self.free[1][k]] } else { [0, 0] }
+    }
+
+    /// The same of their trees with leaves of any size.
+    pub(crate) fn free_bounds(&self, interval: &Interval, k: usize) -> [i64; 2] {
+        if !self.is_beside {
+            return [0, 0];
+        }
+        let Interval { a, b, .. } = *interval;
+        let mut free = [self.free[0][a] + self.between(a, k), self.free[1][b] + self.between(k, b)];
+        if self.has_range {
+            free[0] = free[0].max(self.free[0][b] - (self.total_range[b] - self.total_range[k]));
+            free[1] = free[1].max(self.free[1][a] - (self.total_range[k] - self.total_range[a]));
+        }
+        if self.has_least {
+            free = [0, 1].map(|side| free[side].max(self.least_of[side][k]));
+        }
+        free.map(|bound| bound.max(0))
+    }
+
+    #[inline]
+    fn by_neighbours(&self, interval: &Interval, k: usize) -> (i64, i64) {
+        let Interval { a, b, .. } = *interval;
+        let (mut left, mut right) = (0, 0);
+        if self.has_range {
+            left = self.left[b] - (self.total_range[b] - self.total_range[k]);
+            right = self.right[a] - (self.total_range[k] - self.total_range[a]);
+        }
+        if self.is_monotone {
+            left = left.max(self.grown(0)[a] + self.between(a, k));
+            right = right.max(self.grown(1)[b] + self.between(k, b));
+        }
+        (left.max(0), right.max(0))
+    }
+
+    /// Least cost of the samples between two cuts under as many labels as a child has leaves.
+    #[inline]
+    fn between(&self, from: usize, to: usize) -> i64 {
+        let n = self.positions[to] - self.positions[from];
+        self.mixed.cost((from, to), n, self.total_range[to] - self.total_range[from])
+    }
+
+    /// Lower bound of the children of any cut of an interval.
+    pub(crate) fn least(&self, interval: &Interval) -> i64 {
+        let bounds = (interval.low..=interval.high).map(|k| self.together(self.bounds(interval, k)));
+        bounds.min().unwrap_or(i64::MAX)
+    }
+
+    /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
+    pub(crate) fn pick(&self, interval: &Interval, target: i64) -> Option<usize> {
+        let middle = interval.low + (interval.high - interval.low) / 2;
+        if self.mixed.is_nothing() && !self.has_least {
+            return Some(middle);
+        }
+        interval.nearest(middle, target, |first, last| match first == last {
+            true => self.together(self.bounds(interval, first)),
+            false => self.together((self.bounds(interval, first).0, self.bounds(interval, last).1)),
+        })
+    }
+
+    /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
+    pub(crate) fn slack(&self, interval: &Interval, k: usize) -> i64 {
+        (self.total_range[k] - self.total_range[interval.low])
+            .max(self.total_range[interval.high] - self.total_range[k])
+    }
+}

@@ -1,0 +1,274 @@
+//! One feature of a node: its cuts, what is known of them, and the proofs by which runs of cuts are dropped.
+//!
+//! Notation: cut `k` sends a set L(k) left and R(k) right; `e` is the cost of the best tree of the children's depth,
+//! `r` the same where leaves may be of any size (the relaxed cost, `r <= e`), `range(k)` the total cost range of
+//! L(k), and `c(a, k)` the least error of as many constants as the child has leaves, for the samples between. For a <
+//! k < b:
+//!
+//! * clusters: `e(L(k)) >= r(L(k)) >= r(L(a)) + c(a, k)` and `e(R(k)) >= r(R(b)) + c(k, b)`: on L(a) the best relaxed
+//!   tree of L(k) costs at least `r(L(a))` (splits that part nothing are dropped, which lowers the penalties), and for
+//!   the other samples it predicts at most so many constants.
+//! * cost range: `e(L(k)) >= e(L(b)) - (range(b) - range(k))` and `e(R(k)) >= e(R(a)) - (range(k) - range(a))`: the
+//!   best tree of the smaller set is feasible on the larger. Its constants lie between the least and the greatest
+//!   target, so a new sample costs at most its range, its error under the worse of the two.
+
+use crate::clusters::{Histogram, N_BINS, Sums};
+use crate::quantiles::Quantiles;
+use crate::samples::Samples;
+use crate::sides::Sides;
+use crate::slopes::Slopes;
+use crate::view::View;
+use octmip_frame::interval::Interval;
+
+/// Histograms of targets are kept after so many parts of a feature's samples.
+const N_PARTS: usize = 256;
+
+/// Lower bounds of the two children of a cut.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+pub(crate) struct Pair {
+    /// Of the left child.
+    pub(crate) left: f64,
+    /// Of the right child.
+    pub(crate) right: f64,
+}
+
+impl Pair {
+    /// That of one side, 0 left, 1 right.
+    #[inline(always)]
+    pub(crate) fn of(&self, side: usize) -> f64 {
+        if side == 0 { self.left } else { self.right }
+    }
+
+    /// A bound of one side that holds as well.
+    pub(crate) fn raise(&mut self, side: usize, bound: f64) {
+        let own = if side == 0 { &mut self.left } else { &mut self.right };
+        *own = own.max(bound);
+    }
+}
+
+/// Cuts of a feature in order; the first and the last are the trivial ones that leave a side empty.
+#[derive(Debug, Default)]
+pub(crate) struct Axis {
+    /// Samples left of each cut.
+    pub(crate) positions: Vec<u32>,
+    /// Least error of one constant left and right of each cut.
+    pub(crate) leaves: Vec<Pair>,
+    /// Total cost range left of each cut.
+    pub(crate) ranges: Vec<f64>,
+    /// Lower bounds of the children of the cuts that were solved.
+    pub(crate) solved: Vec<Pair>,
+    /// The same for leaves of any size.
+    pub(crate) relaxed: Vec<Pair>,
+    /// Number of the evaluation of each solved cut, for those who keep more of it.
+    pub(crate) evaluation: Vec<u32>,
+    parts: Vec<Histogram>,
+    part_size: usize,
+    n_leaves: usize,
+}
+
+impl Axis {
+    /// Lay out the cuts of feature `f`; the children have up to `n_leaves` leaves.
+    ///
+    /// `whole` and `whole_relaxed` are lower bounds of the child problem on all samples.
+    pub(crate) fn lay(&mut self, samples: &Samples, view: &View, f: usize, n_leaves: usize, whole: (f64, f64)) {
+        self.n_leaves = n_leaves;
+        self.part_size = view.len.div_ceil(N_PARTS).max(1);
+        for list in [&mut self.solved, &mut self.relaxed, &mut self.leaves] {
+            list.clear();
+        }
+        self.positions.clear();
+        self.ranges.clear();
+        self.parts.clear();
+        self.lay_cuts(samples, view, f);
+        let n_cuts = self.positions.len();
+        self.evaluation.clear();
+        self.evaluation.resize(n_cuts, 0);
+        self.evaluation[n_cuts - 1] = 1;
+        self.solved.resize(n_cuts, Pair::default());
+        self.relaxed.resize(n_cuts, Pair::default());
+        (self.solved[0].right, self.relaxed[0].right) = whole;
+        (self.solved[n_cuts - 1].left, self.relaxed[n_cuts - 1].left) = whole;
+    }
+
+    fn lay_cuts(&mut self, samples: &Samples, view: &View, f: usize) {
+        let (ranks, list) = (samples.ranks_of(f), view.list(f));
+        let (low, high) = view.ends(samples);
+        let smallest = samples.leaf_size;
+        let mut histogram: Histogram = [Sums::default(); N_BINS];
+        let mut range = 0.0;
+        let mut before = None;
+        for (k, &i) in list.iter().enumerate() {
+            let i = i as usize;
+            let is_cut = before.is_none_or(|rank| rank != ranks[i]);
+            if k == 0 || (is_cut && k >= smallest && view.len - k >= smallest) {
+                self.positions.push(k as u32);
+                self.ranges.push(range);
+            }
+            if k.is_multiple_of(self.part_size) {
+                self.parts.push(histogram);
+            }
+            before = Some(ranks[i]);
+            range += samples.error_range(i, low, high);
+            histogram[samples.bins.of_sample[i] as usize] += samples.sums[i];
+        }
+        self.positions.push(view.len as u32);
+        self.ranges.push(range);
+        if view.len.is_multiple_of(self.part_size) {
+            self.parts.push(histogram);
+        }
+    }
+
+    /// Fill in the least error of one constant on either side of every cut of feature `f`.
+    pub(crate) fn lay_leaves(
+        &mut self,
+        samples: &Samples,
+        view: &View,
+        f: usize,
+        sides: &Sides,
+        quantiles: &mut Quantiles,
+    ) {
+        let list = view.list(f);
+        self.leaves.resize(self.positions.len(), Pair::default());
+        match samples.slopes {
+            Some(slopes) if slopes.are_even() => self.lay_quantiles::<true>(slopes, samples, list, sides, quantiles),
+            Some(slopes) => self.lay_quantiles::<false>(slopes, samples, list, sides, quantiles),
+            None => self.lay_means(samples, list, view.sums(samples)),
+        }
+    }
+
+    fn lay_means(&mut self, samples: &Samples, list: &[u32], total: Sums) {
+        let (mut left, mut k) = (Sums::default(), 0);
+        for (cut, leaf) in self.leaves.iter_mut().enumerate() {
+            while k < self.positions[cut] as usize {
+                left += samples.sums[list[k] as usize];
+                k += 1;
+            }
+            *leaf = Pair { left: left.squared_error(), right: (total - left).squared_error() };
+        }
+    }
+
+    fn lay_quantiles<const EVEN: bool>(
+        &mut self,
+        slopes: Slopes,
+        samples: &Samples,
+        list: &[u32],
+        sides: &Sides,
+        quantiles: &mut Quantiles,
+    ) {
+        let weight = |k: usize| samples.sums[list[k] as usize].weight;
+        let target = |k: usize| sides.target_of[list[k] as usize];
+        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
+        let mut k = 0;
+        for (cut, leaf) in self.leaves.iter_mut().enumerate() {
+            while k < self.positions[cut] as usize {
+                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
+                k += 1;
+            }
+            leaf.right = quantiles.cost::<EVEN>(&sides.values);
+        }
+        quantiles.load::<EVEN>(slopes, &sides.targets[1], &sides.values);
+        for (cut, leaf) in self.leaves.iter_mut().enumerate().rev() {
+            while k > self.positions[cut] as usize {
+                k -= 1;
+                quantiles.remove::<EVEN>(target(k), weight(k), &sides.values);
+            }
+            leaf.left = quantiles.cost::<EVEN>(&sides.values);
+        }
+    }
+
+    /// Index of the trivial cut at the end.
+    pub(crate) fn last(&self) -> usize {
+        self.positions.len() - 1
+    }
+
+    /// All the cuts that split, None when there are none.
+    pub(crate) fn whole(&self) -> Option<Interval> {
+        Interval::between(0, self.last())
+    }
+
+    /// Least error of as many constants as a child has leaves (`times` children), for the samples between two cuts.
+    fn clusters(&self, samples: &Samples, from: usize, to: usize, times: usize) -> f64 {
+        let first = (self.positions[from] as usize).div_ceil(self.part_size);
+        let last = self.positions[to] as usize / self.part_size;
+        if first >= last || last >= self.parts.len() {
+            return 0.0;
+        }
+        let (low, high) = (&self.parts[first], &self.parts[last]);
+        let between: Histogram = std::array::from_fn(|bin| high[bin] - low[bin]);
+        samples.bins.bound(&between, times * self.n_leaves, samples.slopes)
+    }
+
+    /// Lower bound of the children of every cut between two solved ones.
+    pub(crate) fn least(&self, samples: &Samples, interval: &Interval) -> f64 {
+        let Interval { a, b, .. } = *interval;
+        let by_range = self.solved[b].left + self.solved[a].right - (self.ranges[b] - self.ranges[a]);
+        by_range.max(self.relaxed[a].left + self.relaxed[b].right + self.clusters(samples, a, b, 2))
+    }
+
+    /// Shrink an interval to cuts whose children may cost less than `target` together; None when there are none.
+    pub(crate) fn narrow(&self, samples: &Samples, mut interval: Interval, target: f64) -> Option<Interval> {
+        let Interval { a, b, .. } = interval;
+        let by_clusters = self.relaxed[a].left + self.relaxed[b].right;
+        if by_clusters >= target || self.least(samples, &interval) >= target {
+            return None;
+        }
+        // Clusters left of k, range right: r(L(a)) + e(R(a)) - (range(k) - range(a)) < target is needed; and mirrored.
+        let from = self.ranges[a] + self.relaxed[a].left + self.solved[a].right - target;
+        interval.low += self.ranges[interval.low..=interval.high].partition_point(|&range| range <= from);
+        let to = self.ranges[b] - (self.solved[b].left + self.relaxed[b].right - target);
+        let kept = self.ranges.get(interval.low..=interval.high)?.partition_point(|&range| range < to);
+        if kept == 0 {
+            return None;
+        }
+        interval.high = interval.low + kept - 1;
+        Some(interval)
+    }
+
+    /// Lower bounds of both children of cut `k`, and those for leaves of any size, from the solved cuts around it.
+    pub(crate) fn bounds(&self, samples: &Samples, interval: &Interval, k: usize) -> [Pair; 2] {
+        let Interval { a, b, .. } = *interval;
+        let relaxed = Pair {
+            left: self.relaxed[a].left + self.clusters(samples, a, k, 1),
+            right: self.relaxed[b].right + self.clusters(samples, k, b, 1),
+        };
+        let by_range = Pair {
+            left: self.solved[b].left - (self.ranges[b] - self.ranges[k]),
+            right: self.solved[a].right - (self.ranges[k] - self.ranges[a]),
+        };
+        [Pair { left: relaxed.left.max(by_range.left), right: relaxed.right.max(by_range.right) }, relaxed]
+    }
+
+    /// Lower bounds at cut `k` of what is bounded like children, one for each entry at the ends of the interval.
+    pub(crate) fn inherit(
+        &self,
+        samples: &Samples,
+        interval: &Interval,
+        k: usize,
+        (before, after): (&[Pair], &[Pair]),
+        found: &mut Vec<Pair>,
+    ) {
+        let Interval { a, b, .. } = *interval;
+        let clusters = (self.clusters(samples, a, k, 1), self.clusters(samples, k, b, 1));
+        let ranges = (self.ranges[k] - self.ranges[a], self.ranges[b] - self.ranges[k]);
+        found.clear();
+        found.extend(before.iter().zip(after).map(|(before, after)| Pair {
+            left: (before.left + clusters.0).max(after.left - ranges.1),
+            right: (after.right + clusters.1).max(before.right - ranges.0),
+        }));
+    }
+
+    /// The open cut nearest the middle of the interval whose children's bounds stay below `target`.
+    pub(crate) fn pick(&self, samples: &Samples, interval: &Interval, target: f64) -> Option<usize> {
+        let middle = interval.low + (interval.high - interval.low) / 2;
+        let bounds = |k: usize| self.bounds(samples, interval, k)[0];
+        interval.nearest(middle, target, |first, last| {
+            let left = bounds(first);
+            left.left + if first == last { left.right } else { bounds(last).right }
+        })
+    }
+
+    /// Cost range between `k` and the farther end of the interval: what a child's bound is worth to its neighbours.
+    pub(crate) fn slack(&self, interval: &Interval, k: usize) -> f64 {
+        (self.ranges[k] - self.ranges[interval.low]).max(self.ranges[interval.high] - self.ranges[k])
+    }
+}
