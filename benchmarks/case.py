@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 
 Generator = np.random.Generator
 HEADER = 5  # lines

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypedDict
 
-from octmip.trees.solution import Limits, Progress
+from octmip.trees.answer.solution import Limits, Progress
 
 
 class Supervision(TypedDict):

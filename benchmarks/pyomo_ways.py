@@ -13,7 +13,7 @@ import numpy as np
 import pyomo.environ as pyo
 from pyomo.gdp import Disjunction
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 from tests.oracles.heap_trees import HeapTree
 
 Keeps = Callable[[HeapTree], bool]

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.answer.solution import Limits, Solution
+from octmip.trees.question.problem import Problem
 
 # STreeD and DL8.5 know binary features only. They take part where one for each threshold is not more than this, so that
 # they solve the same question; a few quantiles instead is another question (it loses to plain CART, see the docs).

@@ -6,8 +6,8 @@ TYPE_CHECKING = False  # as `typing` has it: a command waits for all that is imp
 if TYPE_CHECKING:
     from octmip.errors import OctmipError
     from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
-    from octmip.trees.certificate import Certificate, certify
-    from octmip.trees.losses import AbsoluteError, ClassCosts, QuantileError, SquaredError
+    from octmip.trees.answer.certificate import Certificate, certify
+    from octmip.trees.answer.solution import Limits, Progress, Solution, Stop
     from octmip.trees.methods.options import (
         BendersOptions,
         ExactOptions,
@@ -18,25 +18,25 @@ if TYPE_CHECKING:
     )
     from octmip.trees.mip.pyomo_model import model, solution_of
     from octmip.trees.near_sets import near_optimal, sensor_roles
-    from octmip.trees.prediction import predict, predict_values
-    from octmip.trees.problem import Problem
-    from octmip.trees.solution import Limits, Progress, Solution, Stop
+    from octmip.trees.nodes.prediction import predict, predict_values
+    from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
+    from octmip.trees.question.losses import AbsoluteError, ClassCosts, QuantileError, SquaredError
+    from octmip.trees.question.problem import Problem
     from octmip.trees.solver import solve
-    from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 else:  # a checker of types sees no name that is not there
     _MODULES = {
-        "trees.certificate": ("Certificate", "certify"),
+        "trees.answer.certificate": ("Certificate", "certify"),
         "errors": ("OctmipError",),
         "interfaces.estimator": ("OptimalTreeClassifier", "OptimalTreeRegressor"),
-        "trees.losses": ("AbsoluteError", "ClassCosts", "QuantileError", "SquaredError"),
+        "trees.question.losses": ("AbsoluteError", "ClassCosts", "QuantileError", "SquaredError"),
         "trees.methods.options": ("BendersOptions", "ExactOptions", "MipOptions", "Options", "SearchOptions", "Study"),
         "trees.mip.pyomo_model": ("model", "solution_of"),
         "trees.near_sets": ("near_optimal", "sensor_roles"),
-        "trees.prediction": ("predict", "predict_values"),
-        "trees.problem": ("Problem",),
-        "trees.solution": ("Limits", "Progress", "Solution", "Stop"),
+        "trees.nodes.prediction": ("predict", "predict_values"),
+        "trees.question.problem": ("Problem",),
+        "trees.answer.solution": ("Limits", "Progress", "Solution", "Stop"),
         "trees.solver": ("solve",),
-        "trees.tree": ("HyperplaneSplit", "Leaf", "Split", "ValueLeaf"),
+        "trees.nodes.tree": ("HyperplaneSplit", "Leaf", "Split", "ValueLeaf"),
     }
 
     def __getattr__(name: str) -> object:

@@ -94,8 +94,8 @@ def test_folders_of_octmip_stand_on_each_other_without_a_circle():
 @pytest.mark.parametrize(
     ("part", "code"),
     [
-        ("trees.tree", "from octmip.trees.problem import Problem"),
-        ("trees.certificate", "def f():\n    from octmip.trees.methods.exact import branch_and_bound"),
+        ("trees.nodes.tree", "from octmip.trees.question.problem import Problem"),
+        ("trees.answer.certificate", "def f():\n    from octmip.trees.methods.exact import branch_and_bound"),
         ("trees.methods.exact", "from octmip.trees.methods.search import local_search"),
         ("trees.methods.exact", "import octmip.trees.methods.search"),
         ("trees.methods.exact", "from octmip.trees.methods.nothing import anything"),

@@ -37,9 +37,9 @@ from benchmarks.kinds.texts import Texts
 from benchmarks.kinds.ties import TIES_KIND
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
-from octmip.trees.problem import Problem
-from octmip.trees.registry import REGISTRY
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.answer.solution import Limits, Stop
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import REGISTRY
 from octmip.trees.solver import solve
 
 STREAM = 71

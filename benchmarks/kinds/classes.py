@@ -11,12 +11,12 @@ import numpy as np
 
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from octmip.errors import CertificateError
-from octmip.trees.certificate import certify
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import NO_OPTIONS, ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from tests.oracles.rational import cost_of, least_cost
 from tests.oracles.strategies import random_problem, with_missing

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.answer.solution import Limits, Stop
 
 Generator = np.random.Generator
 ROUNDING = Fraction(1, 2**44)

@@ -14,11 +14,11 @@ import numpy as np
 from benchmarks.kinds.classes import claims_complaint, log_complaint
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
 from octmip.errors import CertificateError
-from octmip.trees.certificate import certify
-from octmip.trees.losses import SPELLINGS, AbsoluteError, NumberLoss, QuantileError, SquaredError
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.question.losses import SPELLINGS, AbsoluteError, NumberLoss, QuantileError, SquaredError
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from tests.oracles.regression_runs import Runs
 from tests.oracles.regression_trees import least_objective, random_problem

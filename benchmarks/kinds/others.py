@@ -9,9 +9,9 @@ from typing import Any
 
 from benchmarks.kinds.kind import Generator, Question
 from octmip.errors import CertificateError
+from octmip.trees.answer.set_certificate import Recount, certify_set, recount
 from octmip.trees.near_sets import NearOptimalSet, near_optimal
-from octmip.trees.problem import Problem
-from octmip.trees.set_certificate import Recount, certify_set, recount
+from octmip.trees.question.problem import Problem
 from tests.oracles.rational import least_cost
 from tests.oracles.strategies import random_problem, with_missing
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from benchmarks.kinds.classes import Classes
 from benchmarks.kinds.kind import Generator, Question
 from benchmarks.outside import BY_PYOMO
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.solution import Solution
 from octmip.trees.mip.pyomo_model import model, solution_of
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from tests.oracles.problem_options import ProblemOptions
 
 PATIENCE = 10.0  # seconds that HiGHS has, driven by Pyomo

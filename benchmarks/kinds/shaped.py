@@ -14,10 +14,10 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.kinds.classes import Classes
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from tests.oracles.monotone import least_monotone_cost
 from tests.oracles.parts import least_cost_with_parts
 

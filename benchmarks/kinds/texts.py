@@ -13,8 +13,8 @@ import pandas as pd
 from benchmarks.kinds.classes import complaint
 from benchmarks.kinds.kind import Generator, Question
 from octmip.formats.columns import Columns
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.answer.solution import Solution
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from tests.oracles.subsets import least_errors
 

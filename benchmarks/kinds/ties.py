@@ -7,11 +7,11 @@ from pathlib import Path
 
 from benchmarks.kinds.classes import Classes
 from benchmarks.kinds.kind import Generator, Question
+from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
-from octmip.trees.tree import Leaf, n_splits
+from octmip.trees.nodes.tree import Leaf, n_splits
+from octmip.trees.question.problem import Problem
 from tests.oracles.enumeration import Optimum, optimum
 from tests.oracles.strategies import random_problem, with_missing
 

@@ -11,14 +11,14 @@ import pandas as pd
 
 from benchmarks.readers.file_reader import Reader, run
 from benchmarks.readers.mangling import Generator, mangled_bytes, mangled_json, mangled_tokens
-from octmip.trees.certificate import certify
-from octmip.trees.checkpoint.file import summed
-from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Limits
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.methods.checkpoint.file import summed
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import AbsoluteError, SquaredError
+from octmip.trees.question.problem import Problem
 from octmip.trees.regression.exact import exact_regression
-from octmip.trees.solution import Limits
 from octmip.trees.solver import solve
 
 N_AXIS = 4

@@ -12,7 +12,7 @@ from femlib.arrays import FloatArray
 from octmip.errors import OctmipError
 from octmip.gap import read_campaign
 from octmip.monitor import Library, ModelSelector
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split
 from octmip.twin import Effect
 
 

@@ -24,15 +24,15 @@ from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_fil
 from octmip.formats.tree_schema import CONTENT, FORMAT, VERSION
 from octmip.input.files import read_json_object
 from octmip.interfaces.cli.samples.training import targets_of
-from octmip.trees.certificate import certify
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.certificate import certify
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
-from octmip.trees.tree import predict, predict_values, splits
+from octmip.trees.nodes.tree import predict, predict_values, splits
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 
 # Trees.
 

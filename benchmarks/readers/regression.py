@@ -8,9 +8,9 @@ import pandas as pd
 from benchmarks.readers.file_reader import run
 from benchmarks.readers.mangling import Generator, pick
 from octmip.formats.tree_file import record_tree, write_tree_file
-from octmip.trees.losses import AbsoluteError, SquaredError
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.problem import Problem
+from octmip.trees.question.losses import AbsoluteError, SquaredError
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 NAMES = ("a", "b", "c")

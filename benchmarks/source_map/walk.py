@@ -20,8 +20,8 @@ from benchmarks.tables import Line, markdown
 from femlib.wing import WingTwin, uav_wing
 from femlib.wing.effects import wing_effects
 from octmip.gap import CachedTwin, Campaign, diagnose
-from octmip.trees.certificate import certify
-from octmip.trees.problem import Problem
+from octmip.trees.answer.certificate import certify
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 ROOT = Path(octmip.__path__[0])

@@ -14,10 +14,10 @@ from benchmarks.tables import markdown
 from benchmarks.uav.study import LABELS
 from femlib.dataset import Dataset
 from octmip import Problem
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits
+from octmip.trees.answer.solution import Limits
+from octmip.trees.nodes.tree import leaves, predict
+from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff import baselines_of, solve_default
-from octmip.trees.tree import leaves, predict
 
 HEADER = ("label", "model", "errors train %", "errors test %", "MAE train", "MAE test")
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from benchmarks.uav.bayes import BayesLimit, bayes_limit
 from femlib.dataset import Dataset
 from octmip import Limits, Problem, Solution, certify, predict
-from octmip.trees.registry import Method
+from octmip.trees.runs.registry import Method
 from octmip.trees.solver import solve
 
 LABELS = ("mu1", "mu2")

@@ -6,7 +6,7 @@ from typing import Any
 
 from octmip.errors import TreeError
 from octmip.input.messages import several
-from octmip.trees.losses import Loss
+from octmip.trees.question.losses import Loss
 
 
 @dataclass(frozen=True, slots=True)

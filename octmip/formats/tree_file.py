@@ -13,9 +13,9 @@
 
 A leaf of a number is {"value": 1.0, "features": ["g02"], "coefficients": [0.5]}, both lists empty where it is constant.
 
-Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.trees.tree). A split with the
-entry "missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing else.
-One without the entry refuses them. Floats are written with as many digits as float64 needs to come back the same.
+Left is `x[feature] <= threshold`, or `coefficients . x[features] <= offset` (see octmip.trees.nodes.tree). A split with
+the entry "missing": "left" (or "right") sends missing readings there; its threshold is null where it asks for nothing
+else. One without the entry refuses them. Floats have as many digits as float64 needs to come back the same.
 """
 
 import dataclasses
@@ -36,14 +36,14 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_schema import CONTENT, FORMAT, SETTINGS, VERSION
 from octmip.input.files import PathLike, read_json_object, write_bytes
 from octmip.input.messages import shown
-from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
-from octmip.trees.parts import address, words_of_rules
-from octmip.trees.problem import Problem
-from octmip.trees.problem_values import SIGNS
-from octmip.trees.shape import without_predictions
-from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Node, features_used, leaf_index, leaves, n_splits
-from octmip.trees.tree_nodes import decode_tree, different, encode_tree
+from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.nodes.tree import Node, features_used, leaf_index, leaves, n_splits
+from octmip.trees.nodes.tree_nodes import decode_tree, different, encode_tree
+from octmip.trees.question.losses import NUMBER_LOSSES, SAMPLE_COSTS, Loss, loss_of
+from octmip.trees.question.parts import address, words_of_rules
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_values import SIGNS
+from octmip.trees.question.shape import without_predictions
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,10 +25,10 @@ from octmip.input.checked import (
     maybe,
 )
 from octmip.input.messages import shown
-from octmip.trees.losses import NUMBER_LOSSES, SAMPLE_COSTS, ClassCosts
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Stop
-from octmip.trees.tree import SIDES
+from octmip.trees.answer.solution import Stop
+from octmip.trees.nodes.tree import SIDES
+from octmip.trees.question.losses import NUMBER_LOSSES, SAMPLE_COSTS, ClassCosts
+from octmip.trees.question.shape import MAX_DEPTH
 
 FORMAT, VERSION = "octmip-tree", 4
 COST, COUNT = Number(low=0.0), Whole(1, 2**53)

@@ -37,7 +37,7 @@ from octmip.gap.odds import Odds
 from octmip.gap.preparation import inputs_of, within_budget
 from octmip.gap.shrinkage import Shrinkage, measure_shrinkage
 from octmip.gap.twins import Addition, AugmentedTwin, CachedTwin
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
 from octmip.twin import Effect, Twin
 
 CORRELATED = 0.9

@@ -22,7 +22,7 @@ from scipy.stats import chi2, false_discovery_control, norm
 
 from octmip.errors import DataError
 from octmip.gap.inference.linear_model import LinearModel
-from octmip.trees.tree import Leaf, Node, condition, features_used, goes_left
+from octmip.trees.nodes.tree import Leaf, Node, condition, features_used, goes_left
 from octmip.twin import MIXED, is_zero
 
 Floats = NDArray[np.float64]

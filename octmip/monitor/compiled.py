@@ -1,8 +1,8 @@
 """A tree compiled to flat tables, for streams: microseconds per reading, a fraction of one in batches.
 
-Same left rule as octmip.trees.tree to the last bit, and the same sides for missing readings (NaN). Where a split on its
-way has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export, returns
-`REFUSED`.
+Same left rule as octmip.trees.nodes.tree to the last bit, and the same sides for missing readings (NaN). Where a split
+on its way has no side for one, a reading has no result: `label` refuses it with a sentence; a batch, and every export,
+returns `REFUSED`.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, nodes, splits
 
 REFUSED = -1
 """Result of a batch and of every export for a reading without a number where the tree asks for one."""

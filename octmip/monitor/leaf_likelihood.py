@@ -19,7 +19,7 @@ from octmip.errors import DataError
 from octmip.input.named_arrays import by_name
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.library import Applied, Library
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, nodes
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, nodes
 from octmip.trees.uncertainty import smoothed_shares
 
 Floats = NDArray[np.float64]

@@ -26,8 +26,8 @@ from octmip.input.messages import several, shown
 from octmip.monitor.compiled import CompiledTree
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Applied, Library
-from octmip.trees.tree import Leaf, Node, features_used, leaves
-from octmip.trees.tree_nodes import decode_tree, different, encode_tree
+from octmip.trees.nodes.tree import Leaf, Node, features_used, leaves
+from octmip.trees.nodes.tree_nodes import decode_tree, different, encode_tree
 from octmip.trees.uncertainty import posterior
 from octmip.twin import Loads
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.sensing.placement import problem_on
+from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 QUICK = SearchOptions(restarts=1, perturbations=0)

@@ -30,11 +30,11 @@ from octmip.monitor import (
 from octmip.monitor.library import DEFAULT_LEVELS, Applied
 from octmip.monitor.stream import Result
 from octmip.sensing.monitor_design import MonitorDesign, design_monitor
-from octmip.trees.certificate import certify
-from octmip.trees.prediction import predict
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.tree import Leaf, Node, condition, features_used
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Limits, Solution, Stop
+from octmip.trees.nodes.prediction import predict
+from octmip.trees.nodes.tree import Leaf, Node, condition, features_used
+from octmip.trees.question.problem import Problem
 from octmip.twin import Load, State, Twin, TwinAround, predict_states, state_limits_of, state_parameters, units_of
 
 Floats = NDArray[np.float64]

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.certificate import Certificate, certify, check_optimality
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution, Stop, relative_gap
-from octmip.trees.tree import Node
+from octmip.trees.answer.certificate import Certificate, certify, check_optimality
+from octmip.trees.answer.solution import Solution, Stop, relative_gap
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

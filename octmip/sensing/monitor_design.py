@@ -16,10 +16,10 @@ from octmip.errors import ProblemError
 from octmip.monitor import Library, ModelSelector, ParameterTree, grid_states, library_of
 from octmip.monitor.library import DEFAULT_LEVELS, Applied
 from octmip.sensing.sensor_sets import shared_budget
-from octmip.trees.losses import ClassCosts
-from octmip.trees.prediction import predict
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.answer.solution import Limits, Solution
+from octmip.trees.nodes.prediction import predict
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from octmip.twin import Twin, state_limits_of, state_parameters
 

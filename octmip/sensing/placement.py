@@ -22,15 +22,15 @@ from typing import Any, Literal
 import numpy as np
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.encoding.costs import exact_sum, rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Point
 from octmip.trees.tradeoff.frontier import frontier_run
-from octmip.trees.tree import Leaf, Node, Split
 
 MOST_LABEL_SETS = 20_000  # of which label_bound tries each
 

@@ -24,12 +24,12 @@ from octmip.sensing.joint_solution import (
     sensors_of,
     weighted_sum,
 )
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Run, refuse_unknown
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.nodes.tree import Leaf, Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Run, refuse_unknown
 from octmip.trees.solver import solve_run
-from octmip.trees.tree import Leaf, Node
 
 JointMethod = Literal["auto", "exact", "search"]
 EXACT_DEPTH = 3  # "auto" proves to this depth; a proof of one label takes a second there, and there are many

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from octmip.trees.encoding.ranks import NodeRow
 
 class Limits(Protocol):
-    """Limits of a call, as `octmip.trees.solution.Limits` has them."""
+    """Limits of a call, as `octmip.trees.answer.solution.Limits` has them."""
 
     @property
     def seconds(self) -> float: ...
@@ -133,7 +133,7 @@ class RegressionQuestion:
         sensor_cost: list[float],
         sensor_limit: float,
     ) -> RegressionQuestion:
-        """Take the problem; `slopes` is `octmip.trees.losses.exact_sums.Slopes`, None: squared errors."""
+        """Take the problem; `slopes` is `octmip.trees.question.losses.exact_sums.Slopes`, None: squared errors."""
 
     def identity(self) -> tuple[str, str, str]:
         """Return the error by its name, the sha256 of samples, targets and weights, and that of all the rest."""
@@ -144,7 +144,7 @@ class RegressionQuestion:
     def prove(self, scale: tuple[int, int, int, int], wanted: int) -> ProvenBelow | None:
         """Return a log that proves `wanted`, or what the best tree costs; None if it was stopped.
 
-        `scale` is `octmip.trees.regression.proof_log.LogScale`.
+        `scale` is `octmip.trees.evidence.proof_log.LogScale`.
         """
 
 class NearProblem:
@@ -265,7 +265,7 @@ def branch_and_bound(
     """Return the best tree and a bound.
 
     `incumbent`: objective and node table of a feasible tree. `checkpoint`: seconds between two states, who takes them,
-    the state to begin with (see `octmip.trees.checkpoint`) or None. `submit`: gives a cut of the root at a
+    the state to begin with (see `octmip.trees.methods.checkpoint`) or None. `submit`: gives a cut of the root at a
     level to somebody with a `CutSolver` and returns a future, with the number of cuts in work at once (0: as on one
     machine); without it the threads of this process solve the cuts.
     """
@@ -361,5 +361,6 @@ def regression(
 ) -> FoundBelow:
     """Return the best regression tree that costs less than `room` (None: any).
 
-    `squares` are rounded to the grid `grain`; `slopes` as `octmip.trees.losses.exact_sums.Slopes`, None: squared.
+    `squares` are rounded to the grid `grain`; `slopes` as `Slopes` of `octmip.trees.question.losses.exact_sums`, None:
+    squared.
     """

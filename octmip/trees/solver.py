@@ -24,10 +24,10 @@ from dataclasses import replace
 from operator import itemgetter
 
 from octmip.errors import CertificateError, ProblemError, SolverError
-from octmip.trees.certificate import certify, checked_incumbent, checked_leaf_index
-from octmip.trees.checkpoint.entry import Entry, entry_of
-from octmip.trees.drawn_rows import setup_seconds, tree_of_drawn_rows
-from octmip.trees.methods import interruption
+from octmip.trees.answer import interruption
+from octmip.trees.answer.certificate import certify, checked_incumbent, checked_leaf_index
+from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Solution, Stop
+from octmip.trees.methods.checkpoint.entry import Entry, entry_of
 from octmip.trees.methods.memory import within_process
 from octmip.trees.methods.options import (
     NO_OPTIONS,
@@ -37,12 +37,12 @@ from octmip.trees.methods.options import (
     Options,
     SearchOptions,
 )
-from octmip.trees.problem import Problem
-from octmip.trees.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 from octmip.trees.regression.ordered import freed, in_order
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.trees.solver_call import Call, options_for
-from octmip.trees.tree import Node
+from octmip.trees.runs.drawn_rows import setup_seconds, tree_of_drawn_rows
+from octmip.trees.runs.registry import EXACT, SHAPED, TWO_FEATURE, Method, Run, chosen_method, solvers_of
+from octmip.trees.runs.solver_call import Call, options_for
 
 # An incumbent may take this share of the time when time is limited: what remains is the proof's.
 SEARCH_SHARE, FIRST_RESTARTS = 0.2, 4  # few restarts: after the first ones a proof gains more from the time
@@ -89,7 +89,7 @@ def solve(
     options
         what the method's own solver takes beyond all this, `SearchOptions(restarts=20)` for instance
         (`octmip.trees.methods.options`). ``cluster`` is other processes that do the work of the search and of exact
-        axis-aligned proofs (`octmip.trees.cluster`). ``checkpoint`` is the name of a file that keeps what was found:
+        axis-aligned proofs (`octmip.trees.methods.cluster`). ``checkpoint`` is the name of a file of what was found:
         the same question again goes on from it, and is answered from it once it is ended. Proofs of classes keep the
         state of their search there as they run, so that a killed one goes on; other methods what they end with. A study
         of many solves gives `Study(path)`. A bound that rests on the file says so (`details["resumed_from"]`, or

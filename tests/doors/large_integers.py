@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from octmip import OptimalTreeClassifier, OptimalTreeRegressor, Problem, solve
-from octmip.trees.losses import SquaredError
+from octmip.trees.question.losses import SquaredError
 from tests.doors.row import Refused, Row, command
 
 FIRST = 2**53 + 1

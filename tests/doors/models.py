@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.outside import PACKAGES, PROGRAMS, solve_file
 from octmip.trees.mip.model_rows import Model, model_of
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 from tests.doors.row import Refused, Row
 
 # Ten samples that one split leaves with 3 errors. The constant of the flow model's objective is 10.

@@ -12,7 +12,7 @@ from octmip import OptimalTreeClassifier
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.monitor.export import c_source, onnx_model, sql_expression
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -13,11 +13,11 @@ import pytest
 
 from octmip import Problem, certify
 from octmip.interfaces.report.new_rows import choice_text
-from octmip.trees import drawn_rows
-from octmip.trees.losses import AbsoluteError, ClassCosts
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.methods import cart, exact, search
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.question.losses import AbsoluteError, ClassCosts
+from octmip.trees.runs import drawn_rows
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import solve_default
 

@@ -19,7 +19,7 @@ from octmip.formats.columns.times import days_in, read_times
 from octmip.input.names import shortened
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.words import number as page_number
-from octmip.trees.digits import exact, grouped, midpoint
+from octmip.trees.nodes.digits import exact, grouped, midpoint
 from tests.oracles.printed_rules import number, value_of
 
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)

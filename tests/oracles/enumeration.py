@@ -15,9 +15,9 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from octmip.trees.digits import midpoint
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Side, Split
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import Leaf, Node, Side, Split
+from octmip.trees.question.problem import Problem
 
 Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of missing, mask of samples that go left
 Best = tuple[int | Fraction, int, Node]  # cost, splits, tree

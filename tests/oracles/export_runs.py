@@ -17,7 +17,7 @@ import numpy as np
 from femlib.arrays import FloatArray
 from octmip.errors import TreeError
 from octmip.monitor.export import c_source, onnx_model, sql_expression
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, predict
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, predict
 
 EXACT, REFUSED = "exact", "refused"
 C_FLAGS = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-pedantic")

@@ -11,8 +11,8 @@ from itertools import product
 
 import numpy as np
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True)

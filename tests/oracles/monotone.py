@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 Box = tuple[tuple[int, int], ...]  # first and last rank of each feature
 Leaves = list[tuple[Box, float]]

@@ -11,7 +11,7 @@ import highspy
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 BINARY: dict[str, Any] = {"lb": 0, "ub": 1, "type": highspy.HighsVarType.kInteger}
 

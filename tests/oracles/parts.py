@@ -9,9 +9,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.parts import GivenSplit, PathRule
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.parts import GivenSplit, PathRule
+from octmip.trees.question.problem import Problem
 
 Costs = dict[tuple[int, int], Fraction]
 """Least cost by the numbers of splits and of changes."""

@@ -6,11 +6,11 @@ from typing import Literal, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.losses import Loss
+from octmip.trees.question.losses import Loss
 
 
 class ProblemOptions(TypedDict, total=False):
-    """Keyword arguments of `octmip.trees.problem.Problem`, any of them left out."""
+    """Keyword arguments of `octmip.trees.question.problem.Problem`, any of them left out."""
 
     depth: int
     split: Literal["axis", "hyperplane"]

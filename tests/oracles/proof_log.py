@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from octmip.trees.problem import Problem
-from octmip.trees.proof import proof_header
+from octmip.trees.evidence.proof import proof_header
+from octmip.trees.question.problem import Problem
 
 Rows = tuple[int, ...]
 

@@ -17,8 +17,8 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from octmip.formats.columns import Columns
-from octmip.trees.digits import midpoint
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, predict, predict_values
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, predict, predict_values
 from tests.oracles.sql_engines import ROW
 
 Rng = np.random.Generator

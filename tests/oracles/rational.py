@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, complexity, predict
+from octmip.trees.nodes.tree import Node, complexity, predict
+from octmip.trees.question.problem import Problem
 from tests.oracles.enumeration import whole_prices
 
 Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features of the split, which)

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 from tests.oracles.regression_trees import slopes_of
 
 Rows = NDArray[np.int64]

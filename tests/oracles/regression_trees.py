@@ -9,9 +9,9 @@ from functools import cache
 
 import numpy as np
 
-from octmip.trees.losses import number_loss
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf
+from octmip.trees.nodes.tree import Leaf
+from octmip.trees.question.losses import number_loss
+from octmip.trees.question.problem import Problem
 from tests.oracles.enumeration import least
 
 

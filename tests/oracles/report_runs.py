@@ -23,9 +23,9 @@ from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.markdown import code_block, markdown_table
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.words import Wording
-from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Leaf, Node, Split
-from octmip.trees.tree_nodes import decode_tree, encode_tree
+from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.nodes.tree_nodes import decode_tree, encode_tree
 from tests.oracles.export_runs import EXACT
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 Cuts = Sequence[Sequence[float]]

@@ -10,9 +10,9 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from tests.oracles.problem_options import ProblemOptions
 
 Generator = np.random.Generator

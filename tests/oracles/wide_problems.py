@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from tests.oracles.problem_options import ProblemOptions
 
 Generator = np.random.Generator

@@ -11,7 +11,7 @@ from benchmarks.cases.fuzz.everything import results, summary, watched
 from benchmarks.kinds.asked import KINDS, STREAM, answer, questions
 from benchmarks.kinds.classes import complaint
 from octmip import Leaf, Problem, Stop, solve
-from octmip.trees.tree import n_splits
+from octmip.trees.nodes.tree import n_splits
 from tests.oracles.enumeration import optimum
 from tests.oracles.rational import cost_of, least_cost
 from tests.oracles.strategies import random_problem, with_missing

@@ -6,8 +6,8 @@ import pytest
 from benchmarks.cases.fuzz.proofs import corrupted
 from benchmarks.kinds.numbers import NUMBER_KINDS, far_problem, wide_problem
 from octmip import solve
-from octmip.trees.losses import AbsoluteError, SquaredError
 from octmip.trees.methods.options import ExactOptions
+from octmip.trees.question.losses import AbsoluteError, SquaredError
 
 
 @pytest.mark.parametrize("first", [2000, 2040])

@@ -13,6 +13,6 @@ def test_from_a_problem_to_its_certificate_it_is_twenty_files_and_no_climb():
 
 
 def test_a_call_to_a_higher_level_is_a_climb():
-    walked = [("trees.solver", "trees.certificate"), ("trees.certificate", "trees.solver")]
+    walked = [("trees.solver", "trees.answer.certificate"), ("trees.answer.certificate", "trees.solver")]
     found = walk.figures(walked)
-    assert (found["files"], found["stays"], found["which"]) == (2, 2, ["trees.certificate > trees.solver"])
+    assert (found["files"], found["stays"], found["which"]) == (2, 2, ["trees.answer.certificate > trees.solver"])

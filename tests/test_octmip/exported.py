@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from octmip.monitor.export import c_source, onnx_model, sql_expression
-from octmip.trees.tree import leaves
+from octmip.trees.nodes.tree import leaves
 from tests.oracles.export_runs import C_FLAGS
 
 

@@ -9,8 +9,8 @@ from sklearn.datasets import load_iris
 
 from octmip import Problem, SquaredError
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.nodes.tree import leaf_index
 from octmip.trees.tradeoff import baselines_of, score_of
-from octmip.trees.tree import leaf_index
 
 X, Y = load_iris(return_X_y=True)
 IRIS = Problem(X, Y, depth=1)

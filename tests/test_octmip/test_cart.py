@@ -25,7 +25,7 @@ from octmip import (
 )
 from octmip.trees.methods import cart
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.tree import depth, features_used, leaf_index, n_splits
+from octmip.trees.nodes.tree import depth, features_used, leaf_index, n_splits
 
 
 def random_problem(seed: int, **settings: object) -> Problem:

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.errors import CertificateError
-from octmip.trees.certificate import first_forbidden_split
-from octmip.trees.losses import ClassCosts
-from octmip.trees.tree import leaf_index, leaves
+from octmip.trees.answer.certificate import first_forbidden_split
+from octmip.trees.nodes.tree import leaf_index, leaves
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.strategies import problems, random_tree
 
 FEATURES = np.array([[0.0, 5.0], [1.0, 5.0], [2.0, 7.0], [3.0, 7.0], [4.0, 9.0]])

@@ -12,10 +12,10 @@ import pytest
 
 from octmip import Limits, Options, Problem, SearchOptions, SquaredError, Stop, solve
 from octmip.errors import DataError
-from octmip.trees.checkpoint.file import first_line, summed
-from octmip.trees.losses import ClassCosts
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.methods.checkpoint.file import first_line, summed
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 from tests.oracles.wide_problems import wide_problem

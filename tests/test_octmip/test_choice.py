@@ -11,10 +11,10 @@ from sklearn.datasets import load_iris
 
 from octmip import ClassCosts, Problem, certify, predict
 from octmip.errors import ProblemError
+from octmip.trees.nodes.tree import n_splits
 from octmip.trees.tradeoff import choose_tree
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
 from octmip.trees.tradeoff.path import trace_path
-from octmip.trees.tree import n_splits
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=2)
 RNG = np.random.default_rng(5)

@@ -11,12 +11,12 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, near_optimal, solve
 from octmip.errors import CertificateError, SolverError
-from octmip.trees.losses import SquaredError
+from octmip.trees.answer.set_certificate import certify_set
 from octmip.trees.near_sets import NearTree, counting
 from octmip.trees.near_sets.whole_numbers import whole_problem
-from octmip.trees.set_certificate import certify_set
+from octmip.trees.nodes.tree import Node, ValueLeaf
+from octmip.trees.question.losses import SquaredError
 from octmip.trees.tradeoff import frontier
-from octmip.trees.tree import Node, ValueLeaf
 from tests.test_octmip.test_near_sets import Claimed, five_values
 
 

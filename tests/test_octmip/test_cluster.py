@@ -18,14 +18,14 @@ from distributed import Client, LocalCluster
 from octmip import Limits, Problem, Progress, Stop
 from octmip.errors import DataError, SolverError
 from octmip.interfaces.cli import main
-from octmip.trees.cluster import RESTART, Cluster, open_cluster
-from octmip.trees.losses import ClassCosts
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods import shared_work
+from octmip.trees.methods.cluster import RESTART, Cluster, open_cluster
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.shared_work import shared_problem
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import ClassCosts
 
 pytestmark = pytest.mark.filterwarnings("ignore:no worker of the cluster is left")
 """Where a killed worker comes back slowly; what says so has a test of its own."""
@@ -162,7 +162,7 @@ def test_limits_progress_and_control_c_of_a_shared_search(client: Client) -> Non
 
 
 def test_nobody_at_an_address_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.2)
+    monkeypatch.setattr("octmip.trees.methods.cluster.PATIENCE", 0.2)
     with (
         pytest.raises(DataError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'"),
         open_cluster("tcp://127.0.0.1:9"),
@@ -177,7 +177,7 @@ def test_what_a_task_raises_is_raised_here(client: Client, monkeypatch: pytest.M
 
 
 def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.trees.cluster.PATIENCE", 0.5)
+    monkeypatch.setattr("octmip.trees.methods.cluster.PATIENCE", 0.5)
     options = {"n_workers": 0, "dashboard_address": "127.0.0.1:0", "host": "127.0.0.1"}
     with (
         LocalCluster(**options, silence_logs=50) as empty,
@@ -188,7 +188,7 @@ def test_a_cluster_without_a_worker_is_one_sentence(monkeypatch: pytest.MonkeyPa
 
 
 def test_a_task_that_is_lost_each_time_is_given_up(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("octmip.trees.cluster.MOST_LOST", 1)
+    monkeypatch.setattr("octmip.trees.methods.cluster.MOST_LOST", 1)
     cluster = Cluster(client)
     task = cluster.submit(len, cluster.share("shared"))
     while not task.done():

@@ -10,7 +10,7 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.formats.columns import Columns, ColumnsError
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 
 
 def frame() -> pd.DataFrame:

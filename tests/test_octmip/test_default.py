@@ -11,11 +11,12 @@ from sklearn.tree import DecisionTreeClassifier
 
 from octmip import Problem, SquaredError, certify
 from octmip.interfaces.report.new_rows import choice_text
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.pruning import priced_prunings, prunings
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.nodes.tree import Leaf, Node, depth, n_splits, predict
+from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff import choice as choice_module
 from octmip.trees.tradeoff import default as default_module
 from octmip.trees.tradeoff import default_families, solve_default
@@ -24,7 +25,6 @@ from octmip.trees.tradeoff.family import trace_families
 from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.sample import FEWEST_ROWS, sampled
 from octmip.trees.tradeoff.validation import Judged, Nearness
-from octmip.trees.tree import Leaf, Node, depth, n_splits, predict
 
 IRIS = Problem(*load_iris(return_X_y=True), depth=1)
 RNG = np.random.default_rng(3)

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from octmip import Limits, Options
-from octmip.trees.registry import REGISTRY
+from octmip.trees.runs.registry import REGISTRY
 
 PACKAGES = ("octmip", "octmip.formats.columns", "octmip.monitor", "octmip.sensing", "femlib.rom")
 PACKAGES += tuple(f"octmip.trees.{name}" for name in ("losses", "near_sets", "tradeoff", "uncertainty"))

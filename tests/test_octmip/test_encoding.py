@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from octmip import ClassCosts, Leaf, Problem, Split, predict
-from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
-from octmip.trees.reached import without_empty_sides
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.reached import without_empty_sides
 from tests.oracles.strategies import problems, random_tree
 
 

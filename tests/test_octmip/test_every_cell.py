@@ -10,10 +10,10 @@ from octmip import ExactOptions, Leaf, Limits, Problem, Split, Stop, ValueLeaf, 
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.report.html import tree_page
-from octmip.trees.losses import SPELLINGS, ClassCosts, number_loss
-from octmip.trees.problem_file import encode, question_digest
-from octmip.trees.registry import REGISTRY
-from octmip.trees.tree import depth
+from octmip.trees.nodes.tree import depth
+from octmip.trees.question.losses import SPELLINGS, ClassCosts, number_loss
+from octmip.trees.question.problem_file import encode, question_digest
+from octmip.trees.runs.registry import REGISTRY
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}

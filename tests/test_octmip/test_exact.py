@@ -8,12 +8,12 @@ import pytest
 
 from octmip import ClassCosts, Solution
 from octmip.trees import _native
+from octmip.trees.answer.solution import Limits, Stop
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods import native_call
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.question.problem import Problem
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 

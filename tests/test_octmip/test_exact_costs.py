@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from octmip import ClassCosts, certify
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
+from octmip.trees.question.problem import Problem
 
 BLOCK = 30
 COST_BOUNDS = ("mixed_labels", "buckets", "cost_range", "vectors")

@@ -8,14 +8,14 @@ import pytest
 
 from octmip import certify, solve
 from octmip.trees import _native
+from octmip.trees.answer.solution import Limits, Progress, Stop
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
-from octmip.trees.solution import Limits, Progress, Stop
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
+from octmip.trees.question.problem import Problem
 
 
 def with_ties(seed: int) -> Problem:
@@ -104,8 +104,8 @@ import ctypes, sys
 import numpy as np
 from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.question.problem import Problem
+from octmip.trees.answer.solution import Limits
 n, p, classes, depth, threads, seconds = map(int, sys.argv[1:7])
 generator = np.random.default_rng(0)
 problem = Problem(generator.normal(size=(n, p)), generator.integers(0, classes, n), depth=depth)

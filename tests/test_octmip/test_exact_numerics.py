@@ -7,11 +7,11 @@ import pytest
 
 from octmip import ClassCosts, Leaf, Problem, Split, certify, predict
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Stop, closing_tolerance
 from octmip.trees.encoding import costs as grid
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.solution import Stop, closing_tolerance
-from octmip.trees.tree import n_splits
+from octmip.trees.nodes.tree import n_splits
 from tests.oracles.enumeration import optimum
 from tests.oracles.wide_problems import wide_problem
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz.proofs import corrupted
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.proof import check_proof
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 

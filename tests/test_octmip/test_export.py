@@ -11,7 +11,7 @@ import pytest
 from octmip.errors import TreeError
 from octmip.monitor import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql_expression
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, predict
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, predict
 from tests.oracles.export_runs import EXACT, REFUSED, run_c, run_onnx, run_sql
 from tests.oracles.hostile_names import hostile_names
 from tests.oracles.report_runs import run_json, run_markdown, run_page, run_picture, run_text, tree_over

@@ -11,7 +11,7 @@ from octmip.gap import CHAIN, diagnose
 from octmip.interfaces.report.diagnosis.as_json import as_object
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 from tests.test_octmip.beam_twin import Asset, Beam, Field, measured
 
 TWIN = Beam()

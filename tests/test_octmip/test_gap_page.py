@@ -13,7 +13,7 @@ from octmip.interfaces.report.diagnosis.measured import measured_cells
 from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.interfaces.report.diagnosis.words import page_of_words
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 from tests.oracles.hostile_names import hostile_names
 from tests.oracles.page_check import check_page
 from tests.test_octmip.beam_twin import Beam, measured, own_effects

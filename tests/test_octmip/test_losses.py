@@ -8,8 +8,8 @@ import pytest
 from octmip import AbsoluteError, Problem, SquaredError, certify, near_optimal, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.sensing.sensor_sets import shared_budget
-from octmip.trees.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
-from octmip.trees.registry import ASKED
+from octmip.trees.question.losses import SPELLINGS, ClassCosts, exact_sums, loss_of, number_loss
+from octmip.trees.runs.registry import ASKED
 from octmip.trees.tradeoff import leaves_on_fresh_rows, trace_frontier
 
 LOSSES = {

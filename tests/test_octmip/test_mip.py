@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.trees.losses import ClassCosts
 from octmip.trees.mip import engine, flow
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 

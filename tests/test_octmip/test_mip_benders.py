@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from octmip import Limits, Problem, Stop, solve
-from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.solver import solve_benders
 from octmip.trees.mip.benders.subproblem import Subproblem
 from octmip.trees.mip.prices import own_prices
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 
@@ -127,7 +127,7 @@ for name in ("search", "branch_and_bound", "prove", "two_feature_branch_and_boun
     assert hasattr(_native, name)
     setattr(_native, name, None)
 from octmip.trees.mip.benders.solver import solve_benders
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 rng = np.random.default_rng(0)
 features = rng.normal(size=(60, 3)).round(1)
 found = solve_benders(Problem(features, (features.sum(axis=1) > 0).astype(int), depth=2))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, solve
-from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct_h
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
@@ -15,7 +14,8 @@ from octmip.trees.mip.blocks.hyperplanes import choose_mu, space_of
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.oct_h import solve_oct_h
-from octmip.trees.tree import predict
+from octmip.trees.nodes.tree import predict
+from octmip.trees.question.losses import ClassCosts
 
 SOLVERS = {
     "oct_h": solve_oct_h,

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from octmip import Leaf, Limits, Problem, Stop, certify
-from octmip.trees.losses import ClassCosts
 from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
@@ -16,7 +15,8 @@ from octmip.trees.mip.highs import claims, highs
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
-from octmip.trees.tree import HyperplaneSplit, Split
+from octmip.trees.nodes.tree import HyperplaneSplit, Split
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.rational import least_cost
 

@@ -187,7 +187,7 @@ def test_masters_are_solved_beside_others_who_use_highs_with_other_threads():
     program = """
 import highspy, numpy as np
 from octmip.trees.mip.benders.solver import solve_benders
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 other = highspy.Highs()
 other.setOptionValue("output_flag", False)
 other.addVar(0.0, 1.0)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from octmip.trees.certificate import first_forbidden_split
+from octmip.trees.answer.certificate import first_forbidden_split
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.mip import flow, oct
 from octmip.trees.mip.blocks.heap import place, to_tree
 from octmip.trees.mip.incumbent import canonicalise
-from octmip.trees.tree import Leaf
+from octmip.trees.nodes.tree import Leaf
 from tests.oracles.strategies import random_problem, random_tree
 
 

@@ -7,12 +7,12 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
-from octmip.trees import solver_call
 from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.incumbent import pruned
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
-from octmip.trees.tree import HyperplaneSplit, Node, complexity
+from octmip.trees.nodes.tree import HyperplaneSplit, Node, complexity
+from octmip.trees.runs import solver_call
 from tests.oracles.strategies import random_problem
 
 METHODS = {"oct": solve_oct, "flow": solve_flow}

@@ -8,15 +8,15 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Solution, Stop
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
+from octmip.trees.evidence.proof import check_proof, checker_question
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem_file import data_digest, encode, question_digest
-from octmip.trees.proof import check_proof, checker_question
-from octmip.trees.reached import centred, without_empty_sides
-from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import condition, goes_left, splits, with_sides_for_missing
+from octmip.trees.nodes.reached import centred, without_empty_sides
+from octmip.trees.nodes.tree import condition, goes_left, splits, with_sides_for_missing
+from octmip.trees.question.problem_file import data_digest, encode, question_digest
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem, with_missing
 

@@ -19,7 +19,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 from tests.test_octmip.test_monitor_selector import LinearBeam
 
 CENTRES = tuple(0.05 + 0.1 * k for k in range(8))

@@ -15,7 +15,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 from tests.test_octmip.test_monitor_filter import WholeReading
 
 LEVELS = (0.0, 0.2, 0.4)

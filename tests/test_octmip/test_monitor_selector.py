@@ -16,7 +16,7 @@ from octmip.monitor import (
     grid_states,
     library_of,
 )
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
 from tests.oracles.strategies import random_tree, trees
 from tests.test_octmip.beam_twin import Beam
 

@@ -12,13 +12,13 @@ from benchmarks.kinds.shaped import MONOTONE_KINDS
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
-from octmip.trees.losses import AbsoluteError, QuantileError, SquaredError
 from octmip.trees.methods.ordering import ordered
-from octmip.trees.order import disorder
-from octmip.trees.registry import Run
+from octmip.trees.nodes.order import disorder
+from octmip.trees.nodes.tree import predict
+from octmip.trees.question.losses import AbsoluteError, QuantileError, SquaredError
+from octmip.trees.runs.registry import Run
+from octmip.trees.runs.solver_call import Call
 from octmip.trees.solver import SHALLOWER, _first_tree
-from octmip.trees.solver_call import Call
-from octmip.trees.tree import predict
 
 RNG = np.random.default_rng(4)
 FEATURES, LABELS = RNG.normal(size=(40, 3)), RNG.integers(0, 2, 40)

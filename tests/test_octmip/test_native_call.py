@@ -7,13 +7,13 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Problem, Solution, Split
 from octmip.errors import DataError, ProblemError
+from octmip.trees.answer.solution import Progress, Stop
 from octmip.trees.encoding import integer_costs
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import feasible_incumbent, native_progress, relabelled, write_log
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.solution import Progress, Stop
 
 SOLVERS = (branch_and_bound, two_feature_branch_and_bound, local_search)
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Leaf(0)))

@@ -9,12 +9,12 @@ import pytest
 
 from octmip import ClassCosts, Solution, sensor_roles, solve
 from octmip.errors import ProblemError
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.answer.certificate import checked_leaf_index
+from octmip.trees.answer.set_certificate import recount
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.near_sets import Role, SensorRole, roles, without
 from octmip.trees.near_sets.without import Calls, loss_of
-from octmip.trees.problem import Problem
-from octmip.trees.set_certificate import recount
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.question.problem import Problem
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 

@@ -11,12 +11,12 @@ import pytest
 
 from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.set_certificate import certify_set, recount
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.near_sets import NearOptimalSet, NearTree, counting
-from octmip.trees.problem import Problem
-from octmip.trees.set_certificate import certify_set, recount
-from octmip.trees.solution import Limits, Stop
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from tests.oracles.strategies import random_problem, with_missing
 
 

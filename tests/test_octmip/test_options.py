@@ -8,7 +8,7 @@ import pytest
 from octmip import ExactOptions, MipOptions, Options, Problem, SearchOptions, SquaredError, solve
 from octmip.errors import ProblemError
 from octmip.trees.methods.options import METHODS, OPTIONS
-from octmip.trees.registry import REGISTRY
+from octmip.trees.runs.registry import REGISTRY
 from octmip.trees.solver import options_for
 
 CLASSES = (Options, SearchOptions, ExactOptions, MipOptions)

@@ -14,10 +14,10 @@ from octmip.formats.tree_file import read_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.interfaces.report.tree.evidence import gather
+from octmip.trees.answer.solution import Stop
 from octmip.trees.encoding.parts import with_given_thresholds
-from octmip.trees.part_check import n_changes
-from octmip.trees.parts import rules_of_columns
-from octmip.trees.solution import Stop
+from octmip.trees.question.part_check import n_changes
+from octmip.trees.question.parts import rules_of_columns
 from octmip.trees.tradeoff import choose_tree, edits
 from octmip.trees.tradeoff.edits import tree_edits
 from tests.oracles.parts import least_cost_with_parts

@@ -11,11 +11,11 @@ from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.registry import Run
+from octmip.trees.nodes.tree import complexity
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path
-from octmip.trees.tree import complexity
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem
 from tests.test_octmip.test_mip import blobs

@@ -5,8 +5,8 @@ import pytest
 
 import octmip
 from octmip.errors import TreeError
-from octmip.trees.prediction import LEAST_ROWS, reached_leaves
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, predict
+from octmip.trees.nodes.prediction import LEAST_ROWS, reached_leaves
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, leaf_index, predict
 
 
 def drawn(rng, levels, takes_missing):

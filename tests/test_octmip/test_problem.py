@@ -9,12 +9,12 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify, predict
 from octmip.errors import ProblemError
-from octmip.trees import problem_values
-from octmip.trees.certificate import first_forbidden_split
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.certificate import first_forbidden_split
 from octmip.trees.methods.exact import branch_and_bound
-from octmip.trees.problem_file import data_digest, question_digest
-from octmip.trees.tree import splits
+from octmip.trees.nodes.tree import splits
+from octmip.trees.question import problem_values
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem_file import data_digest, question_digest
 
 FEATURES = np.arange(12.0).reshape(4, 3)
 LABELS = ["b", "a", "b", "a"]

@@ -5,8 +5,8 @@ import json
 import numpy as np
 
 from octmip import Leaf, Problem, Split
-from octmip.trees.problem_file import data_digest, encode, question_digest
-from octmip.trees.proof import checker_question
+from octmip.trees.evidence.proof import checker_question
+from octmip.trees.question.problem_file import data_digest, encode, question_digest
 from tests.oracles.strategies import random_problem
 from tests.oracles.two_feature_problems import random_two_feature_problem
 

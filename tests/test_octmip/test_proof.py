@@ -8,8 +8,8 @@ import pytest
 
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.trees.losses import ClassCosts
-from octmip.trees.proof import check_proof
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.question.losses import ClassCosts
 from tests.oracles.enumeration import optimum
 from tests.oracles.proof_log import proof_log
 from tests.oracles.strategies import random_problem

@@ -9,9 +9,9 @@ import pytest
 from benchmarks.kinds.numbers import NUMBER_KINDS
 from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
-from octmip.trees.losses import SPELLINGS, SquaredError, number_loss
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import ExactOptions, SearchOptions
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import SPELLINGS, SquaredError, number_loss
 from octmip.trees.regression.exact import exact_regression
 from tests.oracles.regression_trees import least_objective, random_problem
 

@@ -12,15 +12,15 @@ import pytest
 from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
 from octmip.trees import _native
-from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
+from octmip.trees.answer.solution import closing_tolerance
+from octmip.trees.evidence.far_targets import FARTHEST, closed_up, reach
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.evidence.proof_log import log_scale
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
 from octmip.trees.regression import grid as grid_module
 from octmip.trees.regression.exact import exact_regression
-from octmip.trees.regression.far_targets import FARTHEST, closed_up, reach
 from octmip.trees.regression.grid import Grid
-from octmip.trees.regression.proof_log import log_scale
-from octmip.trees.solution import closing_tolerance
 from tests.oracles.regression_runs import Runs
 from tests.oracles.regression_trees import least_objective, random_problem
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from octmip.errors import CertificateError, ProblemError
-from octmip.trees.certificate import certify
-from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Stop
+from octmip.trees.evidence.proof import check_proof
+from octmip.trees.evidence.proof_log import write_proof
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
+from octmip.trees.question.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
+from octmip.trees.question.problem import Problem
 from octmip.trees.regression.exact import exact_regression
-from octmip.trees.regression.proof_log import write_proof
-from octmip.trees.solution import Stop
 from tests.oracles.regression_trees import least_objective, random_problem
 
 N_RANDOM = 12

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from octmip import Problem
-from octmip.trees.losses import AbsoluteError, SquaredError
+from octmip.trees.nodes.tree import HyperplaneSplit, Split
+from octmip.trees.question.losses import AbsoluteError, SquaredError
 from octmip.trees.regression.best_split import Samples, by_means, parts
 from octmip.trees.regression.leaf_models import fitted_leaf
-from octmip.trees.tree import HyperplaneSplit, Split
 
 SQUARE = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
 

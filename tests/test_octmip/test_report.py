@@ -7,9 +7,9 @@ import numpy as np
 from octmip import HyperplaneSplit, Leaf, Problem, Split, Stop
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import solution_text, tree_text
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.scope import within
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.scope import within
 
 TREE = Split(0, 0.5, Leaf(1), HyperplaneSplit((0, 1), (-2.0, 1.0), 1 / 3, Leaf(0), Leaf(1)))
 FEATURES, CLASSES = ('a"1', "b<2"), ("no & never", "yes")

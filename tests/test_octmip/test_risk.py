@@ -8,7 +8,7 @@ import pytest
 
 from octmip import Limits, Problem, certify, predict, solve
 from octmip.errors import ProblemError
-from octmip.trees.risk import RiskModel
+from octmip.trees.question.risk import RiskModel
 from octmip.trees.tradeoff import trace_risk_frontier
 
 LOSSES = np.array([[0.0, 0.0], [0.4, 0.2], [0.2, 0.6], [0.8, 0.8]])

@@ -13,10 +13,10 @@ from benchmarks.outside import BY_PYOMO
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import ProblemError
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
+from octmip.trees.answer.solution import Stop
 from octmip.trees.encoding.sample_costs import weighted_rows
-from octmip.trees.losses import loss_of
-from octmip.trees.problem_file import write_problem_file
-from octmip.trees.solution import Stop
+from octmip.trees.question.losses import loss_of
+from octmip.trees.question.problem_file import write_problem_file
 
 COSTS = [[0.0, 3.0, 1.0], [5.0, 0.0, 1.0], [2.0, 2.0, 1.0], [0.0, 9.0, 4.0]]
 

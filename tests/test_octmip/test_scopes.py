@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.cases.exact.scopes import outcome
 from octmip import Leaf, Problem, certify, solve
-from octmip.trees.registry import Run
-from octmip.trees.scope import depth_in_words, scope_of
+from octmip.trees.answer.scope import depth_in_words, scope_of
+from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.family import Family, solve_in_family
 from tests.oracles.scopes import PATTERNS, Said, least_inside
 

@@ -9,7 +9,7 @@ from octmip import HyperplaneSplit, Leaf, Limits, Problem, certify
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
-from octmip.trees.tree import leaf_index, predict
+from octmip.trees.nodes.tree import leaf_index, predict
 
 LARGEST, TINIEST, NORMAL = np.finfo(np.float64).max, 5e-324, np.finfo(np.float64).tiny
 BELOW_ONE, ABOVE_ONE = np.nextafter(1.0, 0.0), np.nextafter(1.0, 2.0)

@@ -8,7 +8,7 @@ import pytest
 from octmip import HyperplaneSplit, Problem
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
-from octmip.trees.tree import splits
+from octmip.trees.nodes.tree import splits
 
 
 def test_hyperplanes_are_never_worse_than_the_axis_aligned_search():

@@ -12,7 +12,7 @@ from octmip.trees.methods.margin import width
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
-from octmip.trees.tree import Node, leaf_index, splits
+from octmip.trees.nodes.tree import Node, leaf_index, splits
 from tests.oracles.strategies import hyperplane_problem
 
 

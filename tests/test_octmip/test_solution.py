@@ -6,7 +6,7 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Limits, Solution, Split, Stop
 from octmip.errors import ProblemError, SolverError
-from octmip.trees.solution import relative_gap
+from octmip.trees.answer.solution import relative_gap
 
 
 def solution(objective=10.0, bound=8.0, tree=Leaf(0), **changes):  # noqa: B008 (frozen)

@@ -10,10 +10,11 @@ import pytest
 
 from octmip import Leaf, Limits, Problem, Solution, Split, Stop, certify, solve
 from octmip.errors import ProblemError, SolverError
-from octmip.trees import registry, solver
-from octmip.trees.losses.errors_of_numbers import SquaredError
-from octmip.trees.methods import interruption
+from octmip.trees import solver
+from octmip.trees.answer import interruption
 from octmip.trees.methods.options import ExactOptions, SearchOptions
+from octmip.trees.question.losses.errors_of_numbers import SquaredError
+from octmip.trees.runs import registry
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0]], [0, 1, 1, 0], depth=2)
 ZERO_ERRORS = Split(0, 0.5, Leaf(0), Split(0, 2.5, Leaf(1), Leaf(0)))

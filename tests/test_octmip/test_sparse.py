@@ -10,7 +10,7 @@ from octmip import Leaf, Problem, Split, solve
 from octmip.errors import ProblemError
 from octmip.interfaces.estimator import OptimalTreeClassifier
 from octmip.trees.methods import exact, native_call
-from octmip.trees.tree import depth
+from octmip.trees.nodes.tree import depth
 
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.normal(size=(30, 2)), RNG.integers(0, 3, 30)

@@ -10,7 +10,7 @@ from octmip.formats.columns.column import Column
 from octmip.formats.tree_file import read_tree_file
 from octmip.interfaces.cli import main
 from octmip.interfaces.estimator import OptimalTreeClassifier
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 
 COLOURS = pd.DataFrame({"colour": ["red", "blue", "green", "blue", "grey", "red"]})
 STATE = np.array(["hot", "hot", "cold", "hot", "cold", "hot"])

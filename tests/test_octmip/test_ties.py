@@ -10,7 +10,7 @@ from benchmarks.kinds.ties import TIES_KIND
 from octmip import Leaf, Limits, Problem
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.ties import UNBROKEN
-from octmip.trees.tree import n_splits
+from octmip.trees.nodes.tree import n_splits
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -5,8 +5,18 @@ import pytest
 
 from octmip import HyperplaneSplit, Leaf, Split, predict
 from octmip.errors import TreeError
-from octmip.trees.reached import centred, without_empty_sides
-from octmip.trees.tree import complexity, depth, features_used, goes_left, leaf_index, leaves, n_splits, nodes, simplify
+from octmip.trees.nodes.reached import centred, without_empty_sides
+from octmip.trees.nodes.tree import (
+    complexity,
+    depth,
+    features_used,
+    goes_left,
+    leaf_index,
+    leaves,
+    n_splits,
+    nodes,
+    simplify,
+)
 
 STUMP = Split(0, 2.5, Leaf(0), Leaf(1))
 TREE = Split(1, 0.0, STUMP, HyperplaneSplit((0, 2), (1.0, -1.0), 0.5, Leaf(2), Leaf(0)))

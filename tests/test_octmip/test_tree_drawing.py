@@ -19,7 +19,7 @@ from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
-from octmip.trees.tree import ValueLeaf
+from octmip.trees.nodes.tree import ValueLeaf
 
 RNG = np.random.default_rng(0)
 POINTS = RNG.normal(size=(200, 2))

@@ -13,7 +13,7 @@ from octmip.formats.table.preparation import Preparation
 from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_file
 from octmip.interfaces.report.text import tree_text
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.tree import splits
+from octmip.trees.nodes.tree import splits
 
 FRAME = pd.DataFrame({"colour": ["red", "blue", "red", "green"] * 3, "age": [1.0, None, 3.0, 2.0] * 3})
 

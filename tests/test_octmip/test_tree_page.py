@@ -28,8 +28,8 @@ from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
 from octmip.interfaces.report.tree.evidence import gather, judged_by
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
+from octmip.trees.nodes.tree import leaf_index, leaves
 from octmip.trees.tradeoff.held_out import Samples
-from octmip.trees.tree import leaf_index, leaves
 from tests.oracles.hostile_names import hostile_names
 from tests.oracles.page_check import check_page
 from tests.oracles.report_runs import tree_file

@@ -16,8 +16,8 @@ from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.evidence import gather, judged_by
 from octmip.interfaces.report.tree.words import Wording, figure
-from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.question.losses import Loss
 from tests.oracles.page_check import check_page
 from tests.test_octmip.test_tree_page import drawn_from
 

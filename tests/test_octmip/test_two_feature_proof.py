@@ -8,9 +8,9 @@ import pytest
 from benchmarks.cases.fuzz.proofs import corrupted
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.proof import check_proof
 from tests.oracles.rational import least_cost
 from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 

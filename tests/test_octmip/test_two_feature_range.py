@@ -8,10 +8,10 @@ import pytest
 from octmip import Problem, Stop, certify
 from octmip.errors import CertificateError
 from octmip.interfaces.cli import main
+from octmip.trees.answer.solution import ProofError
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.proof import check_proof
-from octmip.trees.solution import ProofError
 from tests.oracles.rational import least_cost
 
 # Features, labels, options of small problems; the name says what was wrong.

@@ -14,8 +14,8 @@ import pytest
 from benchmarks.cases.fuzz.verified import PROGRAM, agree, compared, verdict
 from octmip import Problem
 from octmip.errors import CertificateError
-from octmip.trees.problem_file import write_problem_file
-from octmip.trees.proof import check_proof, proof_header
+from octmip.trees.evidence.proof import check_proof, proof_header
+from octmip.trees.question.problem_file import write_problem_file
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "octmip" / "trees" / "verified"

@@ -9,7 +9,7 @@ import pytest
 from octmip import OptimalTreeClassifier
 from octmip.formats.columns import Columns, ColumnsError
 from octmip.interfaces.cli import main
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 
 
 def learned(cells, **settings):

@@ -14,8 +14,8 @@ import numpy as np
 from benchmarks.tables import Line
 from octmip import OptimalTreeClassifier, Problem
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.answer.solution import Limits, Solution
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import solve_default
 

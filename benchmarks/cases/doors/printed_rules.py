@@ -25,8 +25,8 @@ from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import with_written_cuts
 from octmip.interfaces.estimator.drawing import notebook_picture, words_of
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.losses import SquaredError
-from octmip.trees.tree import Node, predict, predict_values
+from octmip.trees.nodes.tree import Node, predict, predict_values
+from octmip.trees.question.losses import SquaredError
 from tests.oracles.printed_rules import Row, answers, holds, number
 
 CATEGORIES = ("yes-no", "subsets", "order")

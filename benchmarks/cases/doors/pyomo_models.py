@@ -18,7 +18,7 @@ from benchmarks.pyomo_ways import WAYS, Changed
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.mip.pyomo_model import model, solution_of
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 from tests.oracles.heap_trees import heap_tree, heap_trees
 
 COUNT, FIRST_SEED = 200, 91_000

@@ -12,11 +12,11 @@ from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line, markdown
 from octmip.trees import _native
-from octmip.trees.losses import ClassCosts
+from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.native_call import without
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 
 LARGE = 250_000
 WHOLE = "all prunes"

@@ -14,9 +14,9 @@ import numpy as np
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.public_tables import ordered, samples
 from benchmarks.tables import Line, markdown
+from octmip.trees.answer.solution import Solution
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 SETTLED = ("pima-diabetes", "breast-cancer-wisconsin-diagnostic", "ct-wilt", "wine", "vertebral-column-3c", "spambase")

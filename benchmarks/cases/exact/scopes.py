@@ -15,11 +15,11 @@ import numpy as np
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.losses import ClassCosts, SquaredError
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Run
-from octmip.trees.scope import scope_of
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.answer.scope import scope_of
+from octmip.trees.answer.solution import Limits, Solution
+from octmip.trees.question.losses import ClassCosts, SquaredError
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff.default import solve_default
 from tests.oracles.scopes import least_inside

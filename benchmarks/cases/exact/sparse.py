@@ -12,7 +12,7 @@ from benchmarks.cpu import Stopwatch, within
 from benchmarks.data import uci
 from benchmarks.rivals import RIVALS, Answer, can_be_binary
 from benchmarks.tables import Line, race_table
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 OURS, PEER = "octmip", "fastsmalltree"
 BINARY = ("pystreed", "treefarms")

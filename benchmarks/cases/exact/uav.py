@@ -6,7 +6,7 @@ from functools import partial
 from benchmarks.case import Case
 from benchmarks.data import published, synthetic_uav
 from benchmarks.tables import race_table
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 SEEDS = (0, 1, 2)
 SOLVERS = ("octmip", "octmip-core", "pycontree")

@@ -7,7 +7,7 @@ from benchmarks.case import Case
 from benchmarks.data import numeric_sets, uci
 from benchmarks.rivals import can_be_binary
 from benchmarks.tables import race_table
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 DEPTHS = (2, 3, 4)
 

@@ -27,12 +27,12 @@ from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
-from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.problem import Problem
-from octmip.trees.problem_file import write_problem_file
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_file import write_problem_file
 from tests.oracles.rational import least_cost
 from tests.oracles.strategies import random_problem, with_missing
 from tests.oracles.two_feature_problems import random_two_feature_problem

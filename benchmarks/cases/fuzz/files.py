@@ -11,15 +11,15 @@ All readers of the two packages, each a line of the table:
     octmip.formats.tree_file.read_tree_file     tree file; with certify, predict, report, solve --incumbent
     octmip.formats.table.read_table             tables, .csv, .csv.gz, .tsv, .parquet; with solve, certify, predict
     octmip.formats.table.read_costs, .read_sensors  solve --costs, solve --sensor-cost
-    octmip.trees.proof.check_proof                    proof logs, both kinds; with certify --proof
+    octmip.trees.evidence.proof.check_proof                    proof logs, both kinds; with certify --proof
     octmip.monitor.ModelSelector.read           selector
     octmip.gap.read_campaign                    campaign, commissioning run; with diagnose
     femlib.dataset.open_dataset                 streamed dataset, and its side file
     femlib.dataset.published_strains            published table
     femlib.rom.ReducedModel.load_file           reduced model; ReducedWing.load_file reads by it
     femlib.wing.export.calculix.read_gauges     result of CalculiX
-    octmip.trees.checkpoint                     checkpoints of both kinds, the sum corrected after most changes
-    octmip.trees.proof.check_proof                    proof log of regression trees; with certify --proof
+    octmip.trees.methods.checkpoint                     checkpoints of both kinds, the sum corrected after most changes
+    octmip.trees.evidence.proof.check_proof                    proof log of regression trees; with certify --proof
     octmip.gap.doors.opening.table_twin           table of a twin, .csv and .parquet, and its card
     femlib.read                                 meshes: Abaqus, gmsh (text, binary), Nastran, VTK
     femlib.structure.calculix.read_gauges       results of CalculiX: strains,

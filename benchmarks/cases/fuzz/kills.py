@@ -30,11 +30,11 @@ from octmip.formats.tree_file import read_tree_file, record_tree, write_tree_fil
 from octmip.input.files import write_bytes
 from octmip.interfaces.cli import main
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.checkpoint.file import CheckpointFile
 from octmip.trees.methods.cart import greedy_tree
+from octmip.trees.methods.checkpoint.file import CheckpointFile
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 KILLS_A_CHAIN, N_KILLS = 5, 50

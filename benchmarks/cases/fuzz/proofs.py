@@ -22,13 +22,13 @@ from benchmarks.kinds.classes import LARGE_LEAVES_KIND
 from benchmarks.kinds.numbers import NUMBER_KINDS
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Solution
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof
-from octmip.trees.solution import Solution
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
 from tests.oracles.rational import least_cost
 from tests.oracles.regression_runs import Runs
 from tests.oracles.strategies import random_problem, with_missing

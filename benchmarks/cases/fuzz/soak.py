@@ -18,12 +18,12 @@ import numpy as np
 
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.certificate import certify
-from octmip.trees.losses import SquaredError
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.set_certificate import certify_set
+from octmip.trees.answer.solution import Limits
 from octmip.trees.near_sets import near_optimal
-from octmip.trees.problem import Problem
-from octmip.trees.set_certificate import certify_set
-from octmip.trees.solution import Limits
+from octmip.trees.question.losses import SquaredError
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from tests.oracles.strategies import random_problem
 

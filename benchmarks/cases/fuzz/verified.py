@@ -18,11 +18,11 @@ import numpy as np
 from benchmarks.corruptions import LINE_CHANGES, Generator, changed_data, raise_claim
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
+from octmip.trees.evidence.proof import check_proof
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.problem_file import write_problem_file
-from octmip.trees.proof import check_proof
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_file import write_problem_file
 from tests.oracles.strategies import random_problem, with_missing
 from tests.oracles.wide_problems import wide_problem
 

@@ -18,11 +18,11 @@ import numpy as np
 
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.cluster import open_cluster
+from octmip.trees.methods.cluster import open_cluster
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions, Options, SearchOptions
 from octmip.trees.methods.search import local_search
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 N_SOLVES = 40
 MOST_SECONDS = 120.0

@@ -13,11 +13,11 @@ from benchmarks.cpu import Stopwatch
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, is_installed
 from benchmarks.tables import Line
 from octmip.errors import SolverError
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Limits, Solution
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.pyomo_model import model, solution_of
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 from tests.oracles.enumeration import optimum
 from tests.oracles.strategies import random_problem

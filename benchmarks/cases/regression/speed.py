@@ -13,9 +13,9 @@ from sklearn.tree import DecisionTreeRegressor
 from benchmarks.data import published
 from benchmarks.regression.samples import made_up
 from benchmarks.tables import Line
-from octmip.trees.losses import number_loss
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.answer.solution import Limits
+from octmip.trees.question.losses import number_loss
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 SIZES = (100_000, 1_000_000)

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, numeric_sets, published, synthetic_uav, uci
 from benchmarks.tables import Line, markdown
+from octmip.trees.answer.solution import Limits, Progress
 from octmip.trees.methods.search import local_search
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Progress
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
 
 DEPTHS = (2, 3, 4)

@@ -12,10 +12,10 @@ import numpy as np
 from benchmarks.cpu import Stopwatch
 from benchmarks.data import Table, published, uci
 from benchmarks.tables import Line, markdown
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.question.problem import Problem
 
 
 def _strains(target: str, n_samples: int, n_gauges: int) -> Table:

@@ -30,8 +30,8 @@ from octmip.formats.columns.written import FORMS, is_date
 from octmip.input.cells import plain_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
-from octmip.trees.digits import exact
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.digits import exact
+from octmip.trees.nodes.tree import Leaf, Split
 
 FeatureKind = Literal["number", "missing-left", "missing-right", "is", "is-missing", "among", "order"]
 MOST_LEVELS = 12

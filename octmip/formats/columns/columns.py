@@ -20,8 +20,8 @@ from octmip.formats.columns.written import words_of
 from octmip.input.cells import plain_number
 from octmip.input.checked import ListOf, Record
 from octmip.input.messages import MOST_NAME, shown
-from octmip.trees.digits import exact
-from octmip.trees.tree import Leaf, Node, Split, goes_left
+from octmip.trees.nodes.digits import exact
+from octmip.trees.nodes.tree import Leaf, Node, Split, goes_left
 
 Categories = Literal["yes-no", "subsets", "order", "refuse"]
 Missing = Literal["either-side", "refuse"]

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import exact
+from octmip.trees.nodes.digits import exact
 
 MICROSECOND, SECOND = 10**3, 10**9
 DAY = 86400 * SECOND

@@ -9,8 +9,8 @@ import numpy as np
 from octmip.errors import DataError
 from octmip.formats.columns import Columns
 from octmip.formats.table.samples import Table
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.answer.solution import Solution
+from octmip.trees.question.problem import Problem
 
 RowsKept = Literal["all", "labelled", "complete"]
 

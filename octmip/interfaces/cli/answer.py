@@ -13,13 +13,13 @@ from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
 from octmip.interfaces.report.new_rows import counts_errors
 from octmip.interfaces.report.text import number, percent, progress_words
-from octmip.trees.certificate import Certificate
-from octmip.trees.methods.interruption import held_back
-from octmip.trees.problem import Problem
-from octmip.trees.scope import limits_in_words
-from octmip.trees.solution import Progress, Solution
+from octmip.trees.answer.certificate import Certificate
+from octmip.trees.answer.interruption import held_back
+from octmip.trees.answer.scope import limits_in_words
+from octmip.trees.answer.solution import Progress, Solution
+from octmip.trees.nodes.tree_nodes import encode_tree
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Comparison, Score
-from octmip.trees.tree_nodes import encode_tree
 
 INTERVAL = 0.1  # seconds between two progress lines
 

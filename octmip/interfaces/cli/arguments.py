@@ -16,10 +16,10 @@ from octmip.interfaces.cli.samples.options import (
     add_leaf_model,
     add_target_arguments,
 )
+from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.options import CHECKPOINT, FILE, METHODS, Options, all_options, help_of, values_of
-from octmip.trees.problem import Problem
-from octmip.trees.registry import chosen_method, read_options
-from octmip.trees.solution import Limits
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import chosen_method, read_options
 
 MOST_THREADS = 1024
 DATA, TREE, LOSS, METHOD, OUTPUT = "data", "tree", "loss", "method and limits", "output"

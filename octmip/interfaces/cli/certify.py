@@ -11,9 +11,9 @@ from octmip.interfaces.cli.arguments import MOST_THREADS
 from octmip.interfaces.cli.samples.training import Training, read_test, read_training
 from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.text import number, solution_text
-from octmip.trees.certificate import certify
-from octmip.trees.problem import Problem
-from octmip.trees.proof import ProofReport, check_proof
+from octmip.trees.answer.certificate import certify
+from octmip.trees.evidence.proof import ProofReport, check_proof
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Samples, Score, score
 
 

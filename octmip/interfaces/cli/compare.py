@@ -24,8 +24,8 @@ from octmip.interfaces.cli.options.compare import PICTURE, ROWS
 from octmip.interfaces.cli.picture import write_picture
 from octmip.interfaces.cli.samples.table_problem import read_problem
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.methods.interruption import held_back, is_heard
-from octmip.trees.solution import Limits
+from octmip.trees.answer.interruption import held_back, is_heard
+from octmip.trees.answer.solution import Limits
 
 SHIFT = 1.0
 """Seconds added before the geometric mean, so that a table of milliseconds does not decide it."""

@@ -14,13 +14,13 @@ from octmip.interfaces.cli.arguments import limits_of, nameable, words_of
 from octmip.interfaces.cli.gap_times import GAPS, GapTimes
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.certificate import certify
-from octmip.trees.methods import interruption
-from octmip.trees.methods.interruption import held_back
+from octmip.trees.answer import interruption
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.interruption import held_back
+from octmip.trees.answer.solution import Limits, Stop, relative_gap
 from octmip.trees.methods.options import METHODS
-from octmip.trees.problem import Problem
-from octmip.trees.registry import chosen_method, read_options, taken
-from octmip.trees.solution import Limits, Stop, relative_gap
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import chosen_method, read_options, taken
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import baselines_of, score, score_of
 

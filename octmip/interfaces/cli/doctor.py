@@ -16,7 +16,7 @@ from typing import Any
 
 from octmip.errors import EXTRA_OF
 from octmip.input.names import visible
-from octmip.trees.methods.interruption import is_heard
+from octmip.trees.answer.interruption import is_heard
 
 NEEDED: Mapping[str, str] = MappingProxyType(
     {name: name for name in ("numpy", "scipy", "pandas", "joblib", "highspy", "shtab")} | {"scikit-learn": "sklearn"}
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _methods() -> dict[str, dict[str, Any]]:
     """Return the options of each method; nothing where the package cannot be imported, as a finding says."""
     try:
-        registry = importlib.import_module("octmip.trees.registry")
+        registry = importlib.import_module("octmip.trees.runs.registry")
     except Exception:
         return {}
     found: dict[str, dict[str, Any]] = registry.options_by_method()
@@ -128,8 +128,8 @@ def _core() -> Finding:
     try:
         import numpy as np
 
-        from octmip.trees.certificate import certify
-        from octmip.trees.problem import Problem
+        from octmip.trees.answer.certificate import certify
+        from octmip.trees.question.problem import Problem
         from octmip.trees.solver import solve
 
         problem = Problem(np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]), np.array([0, 1, 1, 0]), depth=2)

@@ -5,10 +5,10 @@ import math
 
 from octmip.errors import DataError
 from octmip.input.messages import shown
+from octmip.trees.answer.solution import Limits, Solution
 from octmip.trees.methods.options import MipOptions, Options
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 MODELS = ("oct", "oct_h", "flow")
 """Methods whose models have files."""

@@ -25,13 +25,13 @@ from octmip.interfaces.cli.picture import check_picture, write_picture
 from octmip.interfaces.cli.samples.table_problem import TableProblem, read_problem
 from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import markdown_table
-from octmip.trees.certificate import certify
-from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.interruption import held_back, is_heard
+from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.options import Options
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
+from octmip.trees.nodes.tree import n_splits
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Choice, Point, choose_tree, trace_frontier
-from octmip.trees.tree import n_splits
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -2,7 +2,7 @@
 
 import math
 
-from octmip.trees.solution import Progress, ProgressCallback, Solution, relative_gap
+from octmip.trees.answer.solution import Progress, ProgressCallback, Solution, relative_gap
 
 GAPS = (0.1, 0.01, 0.0)
 

@@ -15,7 +15,7 @@ from octmip.interfaces.cli.monitor_loop import run_loop
 from octmip.interfaces.cli.stages import StageLine
 from octmip.sensing.enrichment import PartOf
 from octmip.sensing.monitor_design import design_monitor
-from octmip.trees.solution import Limits
+from octmip.trees.answer.solution import Limits
 from octmip.twin import Twin, load_of, load_words, loads_of, units_of
 
 

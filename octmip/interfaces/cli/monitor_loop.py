@@ -23,8 +23,8 @@ from octmip.interfaces.report.text import number
 from octmip.monitor import ModelSelector, ParameterTree
 from octmip.monitor.library import Applied
 from octmip.sensing.enrichment import SIGNIFICANT, Enriched, PartOf, Seen, TreeChange, enrich, watched
-from octmip.trees.tree import depth
-from octmip.trees.tree_nodes import encode_tree
+from octmip.trees.nodes.tree import depth
+from octmip.trees.nodes.tree_nodes import encode_tree
 from octmip.twin import Twin, amounts_of, loads_of
 
 MOST_PLACES = 5

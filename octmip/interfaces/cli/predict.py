@@ -21,8 +21,8 @@ from octmip.input.names import visible, visible_lines
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.samples.names import one_name
 from octmip.interfaces.cli.samples.training import targets_of
-from octmip.trees.classes import codes_of
-from octmip.trees.tree import leaf_index, leaves, predict_values
+from octmip.trees.nodes.tree import leaf_index, leaves, predict_values
+from octmip.trees.question.classes import codes_of
 
 MADE = "shares of the training rows, which are too high for fresh ones"
 

@@ -22,8 +22,8 @@ from octmip.interfaces.cli.arguments import Parser
 from octmip.interfaces.cli.samples.file_arguments import check_files
 from octmip.interfaces.cli.stages import Heard, Watch, leave, term_as_interrupt
 from octmip.interfaces.cli.streams import open_streams
+from octmip.trees.answer.solution import ProofError
 from octmip.trees.methods.memory import address_space_left, open_blas
-from octmip.trees.solution import ProofError
 
 COMMANDS = {
     "solve": "find the best tree for a table, and prove how good it is",

@@ -79,7 +79,7 @@ def _number_columns(columns: Columns | None, file: TreeFile) -> tuple[str, ...]:
 def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -> "Evidence":
     from octmip.interfaces.cli.samples.training import read_test, read_training
     from octmip.interfaces.report.tree.evidence import gather, judged_by
-    from octmip.trees.proof import check_proof
+    from octmip.trees.evidence.proof import check_proof
 
     training = read_training(file, arguments.data, source=arguments.tree)
     seconds = arguments.seconds if has_depths else 0.0

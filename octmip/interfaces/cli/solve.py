@@ -33,17 +33,17 @@ from octmip.interfaces.report.new_rows import (
     warning_text,
 )
 from octmip.interfaces.report.text import solution_text, tree_text
-from octmip.trees.certificate import Certificate, certify
-from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.answer.certificate import Certificate, certify
+from octmip.trees.answer.interruption import held_back, is_heard
+from octmip.trees.answer.solution import Limits, ProofError, Solution
+from octmip.trees.evidence.proof import check_provable
 from octmip.trees.methods.options import Options
-from octmip.trees.problem import Problem
-from octmip.trees.problem_file import write_problem_file
-from octmip.trees.proof import check_provable
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, ProofError, Solution
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_file import write_problem_file
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff import Comparison, beside_cart, solve_default
-from octmip.trees.tree import Node
 
 MOST_SECONDS = 60.0
 """Of a choice, where no --seconds are given."""

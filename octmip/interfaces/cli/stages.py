@@ -2,7 +2,7 @@
 
 SIGTERM, which batch systems and service managers send before they kill, is heard as Ctrl-C. One mechanism:
 
-handler     notes the signal (`octmip.trees.methods.interruption`) and raises KeyboardInterrupt; the solve that runs
+handler     notes the signal (`octmip.trees.answer.interruption`) and raises KeyboardInterrupt; the solve that runs
             takes it and returns its best tree and bound, those behind it in the same command return at once, and the
             command shows and writes what is known. Between solves KeyboardInterrupt ends the command itself
 held back   while a result is shown and written a first signal is noted alone
@@ -25,7 +25,7 @@ from types import FrameType, TracebackType
 from typing import NoReturn
 
 from octmip.input.names import visible
-from octmip.trees.methods import interruption
+from octmip.trees.answer import interruption
 
 INTERRUPTED, TERMINATED = 130, 143
 """Exit codes of a program that ended by SIGINT and by SIGTERM without a result: 128 and the number of the signal."""

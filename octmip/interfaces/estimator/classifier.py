@@ -18,9 +18,9 @@ from octmip.interfaces.estimator.decision_tree import sklearn_tree
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.leaf_shares import LeafShares, Smoothing
 from octmip.interfaces.estimator.samples import label_name, labels_of, learn_samples, read_samples
-from octmip.trees.classes import ClassWeight, class_order_of, codes_of, factors_of, words_of_order
-from octmip.trees.losses import ClassCosts
-from octmip.trees.prediction import predict
+from octmip.trees.nodes.prediction import predict
+from octmip.trees.question.classes import ClassWeight, class_order_of, codes_of, factors_of, words_of_order
+from octmip.trees.question.losses import ClassCosts
 from octmip.trees.uncertainty import LeafDistribution
 
 

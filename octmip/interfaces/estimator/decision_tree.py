@@ -13,8 +13,8 @@ from sklearn.tree._tree import NODE_DTYPE, TREE_LEAF, TREE_UNDEFINED, Tree
 
 from octmip.errors import TreeError
 from octmip.interfaces.estimator.paths import NodeTable
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, depth, goes_left, leaf_index, leaves, splits
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, depth, goes_left, leaf_index, leaves, splits
+from octmip.trees.question.problem import Problem
 from octmip.trees.uncertainty import LeafDistribution
 
 Floats = NDArray[np.float64]

@@ -11,11 +11,11 @@ from octmip.interfaces.report.tree.drawing import draw_tree
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording
-from octmip.trees.certificate import certify
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.answer.certificate import certify
+from octmip.trees.answer.solution import Solution
+from octmip.trees.nodes.tree import Node, leaves
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.held_out import Samples
-from octmip.trees.tree import Node, leaves
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

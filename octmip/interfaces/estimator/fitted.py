@@ -32,17 +32,17 @@ from octmip.interfaces.estimator.settings import (
     sensors_of,
     threads_of,
 )
-from octmip.trees.certificate import Certificate, certify
-from octmip.trees.drawn_rows import search_seconds
+from octmip.trees.answer.certificate import Certificate, certify
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS
-from octmip.trees.parts import rules_of_columns
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Run
-from octmip.trees.shape import splits_of
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.nodes.tree import Node, depth, leaves, with_sides_for_missing
+from octmip.trees.question.parts import rules_of_columns
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import splits_of
+from octmip.trees.runs.drawn_rows import search_seconds
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import Choice, solve_default
-from octmip.trees.tree import Node, depth, leaves, with_sides_for_missing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

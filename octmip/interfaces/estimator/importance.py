@@ -13,8 +13,8 @@ the cost of the tree in place of an impurity.
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.question.problem import Problem
 
 
 def feature_savings(problem: Problem, tree: Node) -> NDArray[np.float64]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import leaves_on_fresh_rows
-from octmip.trees.tree import Node
 from octmip.trees.uncertainty import LeafDistribution
 
 Smoothing = float | Literal["out-of-fold"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from octmip.trees.tree import Leaf, Node, leaf_index, nodes
+from octmip.trees.nodes.tree import Leaf, Node, leaf_index, nodes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

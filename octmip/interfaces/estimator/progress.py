@@ -3,7 +3,7 @@
 import time
 
 from octmip.interfaces.report.text import progress_words
-from octmip.trees.solution import Progress
+from octmip.trees.answer.solution import Progress
 
 INTERVAL = 2.0
 """Seconds between two lines; a shorter fit prints none."""

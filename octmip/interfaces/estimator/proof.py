@@ -5,9 +5,9 @@ import warnings
 
 from sklearn.exceptions import ConvergenceWarning
 
-from octmip.trees.problem import Problem
-from octmip.trees.registry import chosen_method, solvers_of
-from octmip.trees.solution import Solution, Stop
+from octmip.trees.answer.solution import Solution, Stop
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import chosen_method, solvers_of
 
 ENDED = {
     Stop.TIME: "at its limit of {seconds:g} s",

@@ -15,8 +15,8 @@ from octmip.formats.columns.frames import series_of
 from octmip.input.cells import BEYOND, beyond_exact
 from octmip.interfaces.estimator.fitted import FittedTree
 from octmip.interfaces.estimator.samples import label_name, learn_samples, read_samples
-from octmip.trees.losses import NumberLoss, number_loss
-from octmip.trees.prediction import predict_values
+from octmip.trees.nodes.prediction import predict_values
+from octmip.trees.question.losses import NumberLoss, number_loss
 
 
 @dataclass(kw_only=True, eq=False, repr=False)

@@ -21,7 +21,7 @@ from octmip.formats.columns.column import Column
 from octmip.formats.columns.frames import frame_of, series_of
 from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact
 from octmip.input.messages import shown
-from octmip.trees.classes import codes_of
+from octmip.trees.question.classes import codes_of
 from octmip.trees.tradeoff.held_out import Samples
 
 Floats = NDArray[np.float64]

@@ -13,9 +13,9 @@ from sklearn.utils import check_random_state
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.trees.methods.options import Options
-from octmip.trees.problem_values import directions_of, number_of, whole_of
-from octmip.trees.registry import Method
-from octmip.trees.shape import MAX_DEPTH
+from octmip.trees.question.problem_values import directions_of, number_of, whole_of
+from octmip.trees.question.shape import MAX_DEPTH
+from octmip.trees.runs.registry import Method
 
 RandomState = int | np.random.RandomState | None
 MOST_SEED = 2**31 - 1

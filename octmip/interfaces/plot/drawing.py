@@ -20,8 +20,8 @@ from octmip.interfaces.report.tree.drawing import Answer, Box, draw_tree
 from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.seen import Seen
 from octmip.interfaces.report.tree.words import Wording
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, leaf_index
+from octmip.trees.nodes.tree import Node, leaf_index
+from octmip.trees.question.problem import Problem
 
 PIXELS_PER_INCH = 96
 LETTERS = 12.5

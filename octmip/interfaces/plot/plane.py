@@ -12,8 +12,8 @@ from octmip.errors import ProblemError
 from octmip.input.names import shown
 from octmip.interfaces.plot.names import drawn, in_font, name_entries, plain
 from octmip.interfaces.plot.style import INK, PAPER, Picture, check_names, class_colours, quiet_frame
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, features_used
+from octmip.trees.question.problem import Problem
 
 
 def partition_figure(

@@ -12,8 +12,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
+from octmip.trees.nodes.tree import Node, ValueLeaf, features_used, leaves
+from octmip.trees.question.problem import Problem
 
 DOTS_PER_INCH = 96
 """Of a picture in a notebook."""

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from octmip.input.names import shown, visible
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution
+from octmip.trees.answer.solution import Solution
+from octmip.trees.nodes.tree import Node, ValueLeaf, leaf_index, leaves
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Comparison
-from octmip.trees.tree import Node, ValueLeaf, leaf_index, leaves
 
 FEW_SAMPLES = 5
 """A leaf of fewer training samples says little about new rows."""

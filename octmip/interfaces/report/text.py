@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from octmip.formats.columns import Columns
 from octmip.input.names import shown, visible
-from octmip.trees.certificate import Certificate
-from octmip.trees.classes import words_of_order
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Progress, Solution, relative_gap
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
-from octmip.trees.tree import condition as named_condition
+from octmip.trees.answer.certificate import Certificate
+from octmip.trees.answer.solution import Progress, Solution, relative_gap
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
+from octmip.trees.nodes.tree import condition as named_condition
+from octmip.trees.question.classes import words_of_order
+from octmip.trees.question.problem import Problem
 
 
 def condition(split: Split | HyperplaneSplit, feature_names: Sequence[str], columns: Columns | None = None) -> str:

@@ -28,7 +28,7 @@ from octmip.monitor.export.questions import (
     TextAsked,
     own_tree,
 )
-from octmip.trees.tree import SIDES, Node, Side
+from octmip.trees.nodes.tree import SIDES, Node, Side
 
 KEYWORDS = frozenset(
     [

@@ -12,7 +12,7 @@ from typing import Any
 from octmip.formats.columns.column import Column
 from octmip.formats.tree_file import NO_READINGS, Readings
 from octmip.monitor.export.questions import OwnTree
-from octmip.trees.digits import exact
+from octmip.trees.nodes.digits import exact
 
 
 @dataclass(frozen=True, slots=True)

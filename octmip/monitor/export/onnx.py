@@ -20,7 +20,7 @@ from octmip.input.cells import EXACT_INTEGERS
 from octmip.input.names import shown
 from octmip.monitor.export.legend import Legend
 from octmip.monitor.export.questions import Answer, Asked, NumberAsked, OwnTree, Part, Term, TextAsked, own_tree
-from octmip.trees.tree import SIDES, Node, Side
+from octmip.trees.nodes.tree import SIDES, Node, Side
 
 if TYPE_CHECKING:
     import onnx

@@ -21,8 +21,8 @@ from octmip.errors import TreeError
 from octmip.formats.columns import Columns, Feature, FeatureNames
 from octmip.formats.columns.column import Column
 from octmip.input.messages import several
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, features_used, leaves
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, features_used, leaves
+from octmip.trees.question.shape import MAX_DEPTH
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,7 @@ from octmip.monitor.export.questions import (
     own_tree,
 )
 from octmip.monitor.export.sql_cells import Cells, exact, plain, text_literal
-from octmip.trees.tree import SIDES, Node, Side, depth
+from octmip.trees.nodes.tree import SIDES, Node, Side, depth
 
 DEEPEST_NEST = 10
 """Levels written as CASE within CASE."""

@@ -25,7 +25,7 @@ from octmip.formats.columns.spellings import DAYS
 from octmip.formats.columns.written import is_date, words_of
 from octmip.input.cells import EXACT_INTEGERS, MISSING_WORDS, plain_number
 from octmip.input.names import shown
-from octmip.trees.tree import Side
+from octmip.trees.nodes.tree import Side
 
 LARGEST = 62
 """Powers of two up to 2**62 are whole numbers of every database."""

@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import midpoint
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import Leaf, Node, Split
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.solution import closing_tolerance
-from octmip.trees.tree import Node, complexity, predict
+from octmip.trees.answer.solution import closing_tolerance
+from octmip.trees.nodes.tree import Node, complexity, predict
+from octmip.trees.question.problem import Problem
 
 MOST = 2**62  # larger whole numbers do not enter the native core
 CAPACITY = 2.0**52  # whole-numbered objectives stay below it, so float64 holds every one of them exactly

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding.ranks import Ranks, split_as_cut
-from octmip.trees.parts import banned_below
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Node, Split, goes_left
+from octmip.trees.nodes.tree import Leaf, Node, Split, goes_left
+from octmip.trees.question.parts import banned_below
+from octmip.trees.question.problem import Problem
 
 NamedRow = tuple[list[tuple[int, int | None]], bool, list[int | None]]
 """Columns with a largest rank on their left (or any), whether a leaf stands there, rows of both sides."""

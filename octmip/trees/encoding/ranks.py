@@ -28,12 +28,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees import _native
-from octmip.trees.digits import midpoint
 from octmip.trees.encoding.costs import IntegerCosts
-from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_missing
-from octmip.trees.reached import centred
-from octmip.trees.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.reached import centred
+from octmip.trees.nodes.tree import SIDES, HyperplaneSplit, Leaf, Node, Side, Split
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_values import refuse_missing
 
 
 @dataclass(slots=True, eq=False)

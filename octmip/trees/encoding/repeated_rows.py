@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 LARGEST_DIVISOR = 12
 """The unit is the least weight, or it divided by a whole number up to this."""

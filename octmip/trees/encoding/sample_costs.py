@@ -21,10 +21,10 @@ from fractions import Fraction
 import numpy as np
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Progress, ProgressCallback, Solution, Stop, is_tolerable
 from octmip.trees.encoding.costs import rounded_down
-from octmip.trees.losses import ClassCosts
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Progress, ProgressCallback, Solution, Stop, is_tolerable
+from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.problem import Problem
 
 OF_ROWS = ("baseline", "alpha", "normalised_objective", "start", "bound_in_scope")
 """Details of a solution that speak of the weighted rows."""

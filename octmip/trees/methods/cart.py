@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import midpoint
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.encoding import Ranks, rank_features
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import SIDES, Leaf, Node, Split, complexity
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import SIDES, Leaf, Node, Split, complexity
+from octmip.trees.question.problem import Problem
 
 if TYPE_CHECKING:
     import sklearn

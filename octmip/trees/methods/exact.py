@@ -16,8 +16,8 @@ from typing import Any
 from octmip.errors import NoTreeError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
-from octmip.trees.checkpoint.search_state import ExactState, KnownRow, StateEntry, every_of
-from octmip.trees.cluster import Cluster, Future
+from octmip.trees.answer.scope import limits_in_words
+from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.encoding import (
     IntegerCosts,
     Ranks,
@@ -32,6 +32,9 @@ from octmip.trees.encoding import (
     with_given_thresholds,
     with_old_sides,
 )
+from octmip.trees.evidence.proof import log_header
+from octmip.trees.methods.checkpoint.search_state import ExactState, KnownRow, StateEntry, every_of
+from octmip.trees.methods.cluster import Cluster, Future
 from octmip.trees.methods.native_call import (
     NO_TREE,
     check_threads,
@@ -46,12 +49,9 @@ from octmip.trees.methods.native_call import (
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.shared_work import submitter
 from octmip.trees.methods.ties import UNBROKEN, Effort, break_ties
-from octmip.trees.problem import Problem
-from octmip.trees.proof import log_header
-from octmip.trees.scope import limits_in_words
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import MAX_DEPTH
 
 SOLVER = "exact"
 

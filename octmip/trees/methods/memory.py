@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from octmip.trees.solution import Limits
+from octmip.trees.answer.solution import Limits
 
 SHARE = 0.5
 """Of what is left for the tables of a solver; the rest is for its threads and for Python."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks, rank_features
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 MOST_INTEGER = 2**53
 """Integer coefficients up to this size are float64 values, all of them; larger ones need not be looked for."""

@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, DataError, ProblemError, SolverError
 from octmip.input.files import write_bytes
-from octmip.trees.certificate import checked_leaf_index, first_forbidden_split
+from octmip.trees.answer.certificate import checked_leaf_index, first_forbidden_split
+from octmip.trees.answer.interruption import is_heard, note
+from octmip.trees.answer.solution import Progress, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.encoding import IntegerCosts
-from octmip.trees.methods.interruption import is_heard, note
-from octmip.trees.problem import Problem
-from octmip.trees.reached import without_empty_sides
-from octmip.trees.solution import Progress, ProgressCallback, ProofError, Solution, Stop
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left, splits
+from octmip.trees.nodes.reached import without_empty_sides
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, goes_left, splits
+from octmip.trees.question.problem import Problem
 
 NativeProgress = Callable[[float, int, int, int], None]
 """Seconds, objective, bound and nodes, as the native core reports them."""

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Self, TypeVar
 
 from octmip.errors import ProblemError
-from octmip.trees.cluster import Cluster, open_cluster
+from octmip.trees.methods.cluster import Cluster, open_cluster
 
 SET_HERE = frozenset(
     {"time_limit", "mip_abs_gap", "mip_rel_gap", "mip_max_nodes", "mip_feasibility_tolerance", "random_seed", "threads"}

@@ -18,10 +18,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.order import disorder, n_disorders, ordered_pairs
-from octmip.trees.problem import Problem
-from octmip.trees.shape import with_leaves
-from octmip.trees.tree import (
+from octmip.trees.nodes.order import disorder, n_disorders, ordered_pairs
+from octmip.trees.nodes.tree import (
     HyperplaneSplit,
     Leaf,
     Node,
@@ -33,6 +31,8 @@ from octmip.trees.tree import (
     simplify,
     splits,
 )
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import with_leaves
 
 MOST_SPLITS = 15
 """Of trees with more splits no threshold moves: each place is tried beside all pairs of leaves."""

@@ -19,10 +19,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import midpoint
 from octmip.trees.methods.margin import widened, width
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, goes_left
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, goes_left
+from octmip.trees.question.problem import Problem
 
 MOST_DIGITS = 6
 KEPT = 0.9

@@ -21,10 +21,10 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.answer.solution import Solution, Stop
 from octmip.trees.methods.ordering import ordered
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution, Stop
-from octmip.trees.tree import Leaf, Node, complexity, goes_left
+from octmip.trees.nodes.tree import Leaf, Node, complexity, goes_left
+from octmip.trees.question.problem import Problem
 
 SMALL = 24
 """Prunings of fewer splits are all kept."""

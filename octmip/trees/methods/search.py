@@ -19,8 +19,9 @@ import time
 from collections.abc import Callable
 
 from octmip.trees import _native
-from octmip.trees.cluster import Cluster
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.encoding import integer_costs, native_arguments, rows_from_tree, tree_from_rows
+from octmip.trees.methods.cluster import Cluster
 from octmip.trees.methods.merging import merged
 from octmip.trees.methods.native_call import (
     better,
@@ -32,10 +33,9 @@ from octmip.trees.methods.native_call import (
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.shared_work import turn_submitter
-from octmip.trees.problem import Problem
-from octmip.trees.reached import centred, without_empty_sides
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Node, simplify
+from octmip.trees.nodes.reached import centred, without_empty_sides
+from octmip.trees.nodes.tree import Node, simplify
+from octmip.trees.question.problem import Problem
 
 # Restarts, and perturbations in a row without a better tree that end one: hyperplanes profit from longer restarts, and
 # small axis-aligned problems from both more and longer ones, for which there is time.

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 from octmip.errors import SolverError
 from octmip.trees import _native
-from octmip.trees.cluster import Cluster, Future, is_given_up
+from octmip.trees.answer.solution import Limits
 from octmip.trees.encoding import NodeRow
-from octmip.trees.solution import Limits
+from octmip.trees.methods.cluster import Cluster, Future, is_given_up
 
 MOST_KEPT = 2
 """Problems that a worker keeps."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from octmip.trees import _native
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.encoding import CAPACITY, IntegerCosts, NodeRow, Ranks, native_problem, tree_from_rows
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.question.problem import Problem
 
 UNBROKEN = {"splits": "not broken", "sensors": "not broken", "margin": "thresholds centred in their nodes"}
 

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from octmip.errors import CertificateError, ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
-from octmip.trees.checkpoint.search_state import StateEntry, TwoFeatureState, every_of
-from octmip.trees.digits import midpoint
+from octmip.trees.answer.solution import Limits, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.encoding import (
     IntegerCosts,
     integer_costs,
@@ -31,6 +30,8 @@ from octmip.trees.encoding import (
     rank_features,
     tree_from_rows,
 )
+from octmip.trees.evidence.proof import check_proof, log_header
+from octmip.trees.methods.checkpoint.search_state import StateEntry, TwoFeatureState, every_of
 from octmip.trees.methods.native_call import (
     better,
     check_threads,
@@ -43,10 +44,9 @@ from octmip.trees.methods.native_call import (
     write_log,
 )
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
-from octmip.trees.proof import check_proof, log_header
-from octmip.trees.solution import Limits, ProgressCallback, ProofError, Solution, Stop
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
+from octmip.trees.question.problem import Problem
 
 SOLVER = "two-feature exact"
 MOST_DEPTH = 2

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from octmip.trees.answer.solution import Solution
 from octmip.trees.encoding import Ranks, rank_features, rows_from_tree, tree_from_rows
-from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_missing
-from octmip.trees.reached import without_empty_sides
-from octmip.trees.solution import Solution
-from octmip.trees.tree import Node
+from octmip.trees.nodes.reached import without_empty_sides
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_values import refuse_missing
 
 
 def over_columns(solver: Callable[..., Solution]) -> Callable[..., Solution]:

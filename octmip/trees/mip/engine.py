@@ -19,7 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import CertificateError, SolverError
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.answer.certificate import checked_leaf_index
+from octmip.trees.answer.scope import within
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip.blocks.heap import Heap, Placed, place, to_tree
 from octmip.trees.mip.blocks.scope import Scope
@@ -30,10 +32,8 @@ from octmip.trees.mip.incumbent import canonicalise, starting_tree
 from octmip.trees.mip.prices import Prices, whole_prices
 from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
-from octmip.trees.scope import within
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import HyperplaneSplit, Node, Split
+from octmip.trees.nodes.tree import HyperplaneSplit, Node, Split
+from octmip.trees.question.problem import Problem
 
 FINEST = 1e-9  # HiGHS's feasibility tolerance that a refuted solution is tried again with
 # Above it interior points solve the first relaxation: measured on 175 x 20 thresholds, 6828 columns, 1.6 s against the

@@ -50,8 +50,8 @@ from octmip.trees.mip.engine import solver_of
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Columns, Rows
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Node, Split
+from octmip.trees.nodes.tree import HyperplaneSplit, Node, Split
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,9 +4,9 @@ from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.methods.native_call import relabelled
 from octmip.trees.methods.pruning import pruned
-from octmip.trees.problem import Problem
-from octmip.trees.reached import without_empty_sides
-from octmip.trees.tree import Leaf, Node, depth, simplify
+from octmip.trees.nodes.reached import without_empty_sides
+from octmip.trees.nodes.tree import Leaf, Node, depth, simplify
+from octmip.trees.question.problem import Problem
 
 
 def starting_tree(problem: Problem, incumbent: Node | None, seed: int) -> Node:

@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError
 from octmip.input.files import PathLike
-from octmip.trees.certificate import certify, checked_incumbent
+from octmip.trees.answer.certificate import certify, checked_incumbent
+from octmip.trees.answer.scope import within
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import MipOptions
 from octmip.trees.mip import flow, oct, oct_h
 from octmip.trees.mip.blocks.heap import place, to_tree
@@ -31,12 +33,10 @@ from octmip.trees.mip.result import Known, RunResult
 from octmip.trees.mip.result import solution_of as solution_of_run
 from octmip.trees.mip.rows import Rows
 from octmip.trees.mip.rows_file import read_values, title_of, write_rows, write_values
-from octmip.trees.problem import Problem
-from octmip.trees.problem_values import refuse_missing
-from octmip.trees.reached import without_empty_sides
-from octmip.trees.scope import within
-from octmip.trees.solution import Limits, Solution, Stop
-from octmip.trees.tree import Node
+from octmip.trees.nodes.reached import without_empty_sides
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.problem_values import refuse_missing
 
 FORMULATIONS: Mapping[str, Formulate] = {
     "oct": oct.formulate,

@@ -57,8 +57,8 @@ from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.mip.prices import Prices, own_prices
 from octmip.trees.mip.result import Known
 from octmip.trees.mip.rows import Columns, Rows
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

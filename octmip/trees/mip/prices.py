@@ -25,8 +25,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, complexity, predict
+from octmip.trees.nodes.tree import Node, complexity, predict
+from octmip.trees.question.problem import Problem
 
 LARGEST = 10**6  # of the prices in sum: HiGHS's finest tolerances then move the objective by far less than 1
 NEARLY_WHOLE = Fraction(1, 10**9)  # decimal weights are this close to whole numbers of their last digit

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError, SolverError, needed_by
+from octmip.trees.answer.solution import Limits, Solution
 from octmip.trees.encoding.sample_costs import weighted_rows
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
@@ -23,9 +24,8 @@ from octmip.trees.mip.model_rows import Answer, Model, model_of, named
 from octmip.trees.mip.pyomo_changes import Changes, changes_of, is_untouched
 from octmip.trees.mip.pyomo_results import Report, report_of
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Solution
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 with needed_by("a Pyomo model"):
     import pyomo.environ as pyo

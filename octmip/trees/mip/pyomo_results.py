@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from octmip.trees.solution import Stop
+from octmip.trees.answer.solution import Stop
 
 NO_ANSWER = ("infeasible", "provenInfeasible", "locallyInfeasible", "unbounded", "infeasibleOrUnbounded")
 """The conditions that deny every solution, or every best one, of a model."""

@@ -10,13 +10,13 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 
+from octmip.trees.answer.solution import Solution, Stop, relative_gap
 from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.mip.highs.highs import VERSION
 from octmip.trees.mip.prices import Prices
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Solution, Stop, relative_gap
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(slots=True, eq=False)

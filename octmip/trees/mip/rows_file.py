@@ -26,7 +26,7 @@ from octmip.input.messages import shown
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.highs import VERSION, arrays
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 COMMENT = {".lp": "\\", ".mps": "*", ".mst": "#"}
 """How a line of a comment begins, by kind of file."""

@@ -15,17 +15,17 @@ from itertools import groupby
 
 from octmip.errors import ProblemError, SolverError
 from octmip.trees import _native
-from octmip.trees.certificate import checked_leaf_index
+from octmip.trees.answer import interruption
+from octmip.trees.answer.certificate import checked_leaf_index
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.encoding import centred_tree
 from octmip.trees.encoding.ranks import Ranks, threshold_of_cut
-from octmip.trees.methods import interruption
 from octmip.trees.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval, Wanted
 from octmip.trees.near_sets.whole_numbers import WholeProblem, whole_problem
-from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_unknown
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import refuse_unknown
 from octmip.trees.solver import solve
-from octmip.trees.tree import Node
 
 FIRST_SHARE = 0.5
 """Share of the time that the proof of the optimum may take."""

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from octmip.errors import ProblemError
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Stop
-from octmip.trees.tree import Node, Side
+from octmip.trees.answer.solution import Stop
+from octmip.trees.nodes.tree import Node, Side
+from octmip.trees.question.problem import Problem
 
 Entry = tuple[int, int, int]
 """Cost in units, sensors as bits, number of trees."""

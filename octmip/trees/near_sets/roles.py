@@ -23,15 +23,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.answer import interruption
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.encoding.ranks import Ranks, cut_as_split
-from octmip.trees.methods import interruption
 from octmip.trees.near_sets.counting import near_optimal
 from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.near_sets.without import Calls, Without, loss_of
-from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_unknown
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Leaf, Node, Split, goes_left
+from octmip.trees.nodes.tree import Leaf, Node, Split, goes_left
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import refuse_unknown
 
 NO_TREE = math.inf
 

@@ -14,8 +14,8 @@ from octmip.errors import ProblemError
 from octmip.trees import _native
 from octmip.trees.encoding import Ranks, integer_costs, native_problem, rank_features
 from octmip.trees.encoding.costs import power_of_two, whole_exponent
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 NARROW, WIDE = 2**61, 2**125
 

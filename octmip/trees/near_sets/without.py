@@ -4,12 +4,12 @@ import time
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from octmip.trees.methods import interruption
+from octmip.trees.answer import interruption
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.near_sets.counting import near_optimal
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve, until_interrupted
-from octmip.trees.tree import Node
 
 
 @dataclass(frozen=True, slots=True)

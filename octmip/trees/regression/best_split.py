@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import midpoint
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, goes_left
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, goes_left
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]

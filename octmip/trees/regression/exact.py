@@ -16,16 +16,24 @@ from itertools import count
 from octmip.errors import ProblemError
 from octmip.input.files import check_writable
 from octmip.trees import _native
-from octmip.trees.certificate import checked_incumbent
+from octmip.trees.answer.certificate import checked_incumbent
+from octmip.trees.answer.solution import (
+    Limits,
+    Progress,
+    ProgressCallback,
+    Solution,
+    Stop,
+    closing_tolerance,
+    relative_gap,
+)
 from octmip.trees.encoding import Ranks, centred_tree
 from octmip.trees.encoding.costs import rounded_down
+from octmip.trees.evidence.proof_log import write_proof
 from octmip.trees.methods.native_call import check_threads, logged, native_progress
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 from octmip.trees.regression.grid import Grid
-from octmip.trees.regression.proof_log import write_proof
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, closing_tolerance, relative_gap
-from octmip.trees.tree import Node
 
 SOLVER = "exact"
 PARTS = 2.0**50

@@ -1,7 +1,7 @@
 """A regression problem as the native core counts it, and what its bounds prove of the true one.
 
 The core adds float64. Gaps between targets that no leaf of a better tree spans are closed up
-(`octmip.trees.regression.far_targets`); then the targets are moved to the middle of their range and scaled by a power
+(`octmip.trees.evidence.far_targets`); then the targets are moved to the middle of their range and scaled by a power
 of two, so that
 
 * where targets and weights are whole numbers of some power of two, small enough together, nothing is rounded;
@@ -21,9 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.encoding.costs import power_of_two, rounded_down, whole_exponent
-from octmip.trees.losses import NumberLoss
-from octmip.trees.problem import Problem
-from octmip.trees.regression.far_targets import closed_up, reach
+from octmip.trees.evidence.far_targets import closed_up, reach
+from octmip.trees.question.losses import NumberLoss
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 CAPACITY = 2.0**53

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, ValueLeaf, predict_values
+from octmip.trees.nodes.tree import Node, ValueLeaf, predict_values
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.int64]

@@ -3,12 +3,12 @@
 import time
 from dataclasses import replace
 
+from octmip.trees.answer.solution import Progress, Solution, Stop, closing_tolerance
 from octmip.trees.methods.pruning import fitting
-from octmip.trees.problem import Problem
-from octmip.trees.registry import solvers_of
-from octmip.trees.solution import Progress, Solution, Stop, closing_tolerance
-from octmip.trees.solver_call import Call
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import solvers_of
+from octmip.trees.runs.solver_call import Call
 
 FREE_SHARE = 0.5
 """Of the time that is left goes to the proof in no order."""

@@ -18,17 +18,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees import _native
-from octmip.trees.certificate import checked_incumbent
+from octmip.trees.answer.certificate import checked_incumbent
+from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Solution, Stop
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.ordering import ordered
 from octmip.trees.methods.pruning import pruned
-from octmip.trees.order import disorder
-from octmip.trees.problem import Problem
-from octmip.trees.reached import without_empty_sides
+from octmip.trees.nodes.order import disorder
+from octmip.trees.nodes.reached import without_empty_sides
+from octmip.trees.nodes.tree import Leaf, Node, complexity
+from octmip.trees.question.problem import Problem
 from octmip.trees.regression.best_split import Samples, by_means, by_sides, parts
 from octmip.trees.regression.leaf_models import constant_of, errors, fitted_leaf
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop
-from octmip.trees.tree import Leaf, Node, complexity
 
 SOLVER = "search"
 MOST_SWEEPS = 20

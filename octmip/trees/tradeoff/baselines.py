@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits
 from octmip.trees.methods.cart import unit_sized
-from octmip.trees.problem import Problem
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Limits
+from octmip.trees.nodes.tree import predict, predict_values
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import MAX_DEPTH
 from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.family import Family
-from octmip.trees.tree import predict, predict_values
 
 Predictor = Callable[[NDArray[np.float64]], NDArray[Any]]
 """From features (n, n_features) to what `Problem.codes` holds: index of the class, or number (n,)."""

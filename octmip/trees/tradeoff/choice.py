@@ -28,17 +28,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.nodes.tree import Node, depth
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.tradeoff.family import Family, default_families, solve_in_family, trace_families
 from octmip.trees.tradeoff.folds import Fold, checked_folds, fold_numbers, part_of, stratified_folds
 from octmip.trees.tradeoff.path import MOST_SOLVES, PenaltyPath
 from octmip.trees.tradeoff.repeats import counted
 from octmip.trees.tradeoff.steps import Step, all_together, judged_steps
 from octmip.trees.tradeoff.validation import Expectation, Nearness
-from octmip.trees.tree import Node, depth
 
 Rule = Literal["least", "paired", "one_se"]
 RULES: Mapping[Rule, Nearness] = {

@@ -6,12 +6,12 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from octmip.trees.drawn_rows import search_seconds
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS
 from octmip.trees.methods.ordering import ordered
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.drawn_rows import search_seconds
+from octmip.trees.runs.registry import Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.choice import N_FOLDS, SHARE_OF_PATHS, Choice, choose_default
 from octmip.trees.tradeoff.sample import sampled

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import NoTreeError, ProblemError
-from octmip.trees.parts import address
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, ProgressCallback, Stop
+from octmip.trees.answer.solution import Limits, ProgressCallback, Stop
+from octmip.trees.nodes.tree import Node, Split, goes_left
+from octmip.trees.question.parts import address
+from octmip.trees.question.problem import Problem
 from octmip.trees.solver import solve
-from octmip.trees.tree import Node, Split, goes_left
 
 Above = tuple[tuple[str, tuple[int, float]], ...]
 """Addresses of splits with feature and threshold."""

@@ -11,17 +11,17 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from octmip.trees.answer.scope import within
+from octmip.trees.answer.solution import Solution
 from octmip.trees.encoding import Coarse
 from octmip.trees.methods.cart import greedy_solution
 from octmip.trees.methods.options import Options, SearchOptions
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run
-from octmip.trees.scope import within
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Solution
+from octmip.trees.nodes.tree import Node, depth
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import MAX_DEPTH
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import PenaltyPath, trace_impurity, trace_run
-from octmip.trees.tree import Node, depth
 
 PROVEN_DEPTHS, PROVEN_CUTS = (1, 2, 3, 4), 5
 SEARCHED_DEPTH, SEARCHED_CUTS = 8, 10

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 Rows = NDArray[np.int64]
 Fold = tuple[Rows, Rows]  # rows to train on, rows held out

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.path import trace_run
-from octmip.trees.tree import Node
 
 Over = Literal["depth", "budget", "penalty"]
 OVERS: tuple[Over, ...] = ("depth", "budget", "penalty")

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.classes import distinct_labels
-from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.tree import Node, predict, predict_values
+from octmip.trees.question.classes import distinct_labels
+from octmip.trees.question.losses import Loss
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.validation import Expected
-from octmip.trees.tree import Node, predict, predict_values
 
 Z_95 = 1.96
 """Standard errors to either side of a mean that hold 95 % of a normal distribution."""

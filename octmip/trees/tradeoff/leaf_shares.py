@@ -20,13 +20,13 @@ from dataclasses import replace
 import numpy as np
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits, Stop
 from octmip.trees.methods.options import SearchOptions
-from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_unknown
-from octmip.trees.solution import Limits, Stop
+from octmip.trees.nodes.tree import Node, leaf_index
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import refuse_unknown
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
-from octmip.trees.tree import Node, leaf_index
 from octmip.trees.uncertainty import LeafDistribution
 from octmip.trees.uncertainty.leaf_distribution import fitted_line
 

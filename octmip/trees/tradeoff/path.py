@@ -27,16 +27,16 @@ from fractions import Fraction
 from itertools import pairwise
 
 from octmip.errors import ProblemError
+from octmip.trees.answer.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.encoding.costs import rounded_down
 from octmip.trees.methods.options import NO_OPTIONS, MipOptions, Options, SearchOptions
 from octmip.trees.methods.ordering import ordered
 from octmip.trees.methods.pruning import priced_prunings, pruned, prunings
-from octmip.trees.prediction import predict, predict_values
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run, chosen_method
-from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
+from octmip.trees.nodes.prediction import predict, predict_values
+from octmip.trees.nodes.tree import Node, complexity
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Method, Run, chosen_method
 from octmip.trees.solver import FIRST_RESTARTS, SEARCH_SHARE, solve_run
-from octmip.trees.tree import Node, complexity
 
 BY_SPLITS = ("oct", "oct_h", "flow")
 MOST_SOLVES = 32

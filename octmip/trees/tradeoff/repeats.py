@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.encoding.repeated_rows import unit_of
 from octmip.trees.methods.merging import merged
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 MOST_ROWS = 1_000_000
 """With more, each row is one: the folds take memory by the row. skin-segmentation, whose 245,057 rows hold 51,433

@@ -11,13 +11,13 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from octmip.trees.answer.solution import Limits, Solution, Stop
 from octmip.trees.methods.options import NO_OPTIONS, Options
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Method, Run
-from octmip.trees.risk import ErrorRates, RiskModel
-from octmip.trees.solution import Limits, Solution, Stop
+from octmip.trees.nodes.tree import predict
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.risk import ErrorRates, RiskModel
+from octmip.trees.runs.registry import Method, Run
 from octmip.trees.solver import solve_run
-from octmip.trees.tree import predict
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,10 +15,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from octmip.trees.problem import Problem
-from octmip.trees.registry import Run
-from octmip.trees.shape import MAX_DEPTH
-from octmip.trees.solution import Limits
+from octmip.trees.answer.solution import Limits
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import MAX_DEPTH
+from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.held_out import held_out_rows, strata_of
 from octmip.trees.tradeoff.path import trace_run
 

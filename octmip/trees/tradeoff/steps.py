@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.prediction import predict, predict_values
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.prediction import predict, predict_values
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.family import Family
 from octmip.trees.tradeoff.folds import Fold, Rows
 from octmip.trees.tradeoff.path import PenaltyPath, middle

@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import ProblemError
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node, leaf_index, leaves
+from octmip.trees.nodes.tree import Node, leaf_index, leaves
+from octmip.trees.question.problem import Problem
 
 Floats = NDArray[np.float64]
 

@@ -13,8 +13,8 @@ import pytest
 from octmip import Problem, solve
 from octmip.input.files import is_same_file
 from octmip.interfaces.cli.samples.file_arguments import use_of
+from octmip.trees.answer.solution import ProofError
 from octmip.trees.methods.options import ExactOptions
-from octmip.trees.solution import ProofError
 
 Run = Callable[..., tuple[int, str, str]]
 

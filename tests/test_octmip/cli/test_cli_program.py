@@ -10,8 +10,8 @@ from octmip.interfaces.cli import doctor, main
 from octmip.interfaces.cli.answer import ProgressLine
 from octmip.interfaces.cli.options import frontier as options
 from octmip.interfaces.cli.program import COMMANDS
+from octmip.trees.answer.solution import Progress
 from octmip.trees.methods.options import all_options
-from octmip.trees.solution import Progress
 from octmip.trees.tradeoff import OVERS
 
 

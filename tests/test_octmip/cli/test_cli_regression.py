@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from octmip.formats.tree_file import read_tree_file
-from octmip.trees.losses import SPELLINGS, number_loss
+from octmip.trees.question.losses import SPELLINGS, number_loss
 
 
 @pytest.fixture

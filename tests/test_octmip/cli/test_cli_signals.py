@@ -18,9 +18,9 @@ from benchmarks.cases.command import signals
 from octmip import Options, Problem, Solution, Study, solve
 from octmip.interfaces.cli import main
 from octmip.interfaces.cli.stages import term_as_interrupt
-from octmip.trees.methods.interruption import held_back
+from octmip.trees.answer.interruption import held_back
+from octmip.trees.answer.solution import Progress, Stop
 from octmip.trees.near_sets import sensor_roles
-from octmip.trees.solution import Progress, Stop
 
 
 @pytest.fixture

@@ -5,7 +5,8 @@ import json
 from octmip import Solution, Stop
 from octmip.errors import SolverError
 from octmip.formats.tree_file import read_tree_file
-from octmip.trees import registry, solver
+from octmip.trees import solver
+from octmip.trees.runs import registry
 
 
 def test_solve_json_is_one_object_and_nothing_else(data, run):

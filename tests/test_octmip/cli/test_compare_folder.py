@@ -6,7 +6,7 @@ import signal
 import pandas as pd
 import pytest
 
-from octmip.trees.certificate import certify
+from octmip.trees.answer.certificate import certify
 
 METHODS = ("--depth", 1, "--methods", "cart,exact,oct_h")
 

@@ -3,8 +3,8 @@
 import math
 
 from octmip.interfaces.cli.gap_times import GapTimes
-from octmip.trees.solution import Progress, Solution, Stop
-from octmip.trees.tree import Leaf
+from octmip.trees.answer.solution import Progress, Solution, Stop
+from octmip.trees.nodes.tree import Leaf
 
 
 def test_the_first_report_within_a_gap_counts_and_the_end_closes_the_rest():

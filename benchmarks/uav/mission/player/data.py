@@ -12,7 +12,7 @@ from octmip.errors import DataError
 from octmip.input.names import shown, visible
 from octmip.interfaces.report.text import condition
 from octmip.monitor import Belief, CompiledTree, Library, ParameterTree, Refusal
-from octmip.trees.tree import Leaf, Node
+from octmip.trees.nodes.tree import Leaf, Node
 from octmip.twin import Twin
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from octmip.formats.table import Table
 from octmip.input.cells import plain_number
 from octmip.input.messages import several, shown
 from octmip.interfaces.cli.samples.names import cells_of
-from octmip.trees.classes import ClassWeight, class_order_of, distinct_labels
+from octmip.trees.question.classes import ClassWeight, class_order_of, distinct_labels
 
 
 def order_of_column(

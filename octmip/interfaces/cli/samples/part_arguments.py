@@ -4,7 +4,7 @@ import argparse
 
 from octmip.interfaces.cli.arguments import rarely
 from octmip.interfaces.cli.samples.file_arguments import reads
-from octmip.trees.parts import RULES
+from octmip.trees.question.parts import RULES
 
 FIX_HELP = "this split stands there: ROOT=g05, L=g01<=3.2 (left of the root), LR=leaf; may be given several times"
 

@@ -7,7 +7,7 @@ from typing import Any
 from octmip.errors import ProblemError
 from octmip.formats.columns import Columns
 from octmip.formats.tree_file import old_tree_for, read_tree_file
-from octmip.trees.parts import RULES, rules_of_columns
+from octmip.trees.question.parts import RULES, rules_of_columns
 
 
 def parts_of(arguments: argparse.Namespace, columns: Columns) -> dict[str, Any]:

@@ -30,11 +30,11 @@ from octmip.interfaces.cli.samples.names import listed_names, one_name
 from octmip.interfaces.cli.samples.parts import parts_of
 from octmip.interfaces.cli.samples.targets import refuse_quantity
 from octmip.interfaces.cli.samples.training import samples_of
-from octmip.trees.classes import factors_of
-from octmip.trees.losses import ClassCosts, Loss, NumberLoss, number_loss
-from octmip.trees.problem import Problem
-from octmip.trees.registry import OF_CLASSES_ALONE
-from octmip.trees.shape import splits_of
+from octmip.trees.question.classes import factors_of
+from octmip.trees.question.losses import ClassCosts, Loss, NumberLoss, number_loss
+from octmip.trees.question.problem import Problem
+from octmip.trees.question.shape import splits_of
+from octmip.trees.runs.registry import OF_CLASSES_ALONE
 from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
 
 FEWEST_COUNTED = 20

@@ -12,8 +12,8 @@ from octmip.formats.columns.column import Column
 from octmip.formats.table import Table, read_table
 from octmip.formats.table.preparation import kept_rows
 from octmip.formats.tree_file import TreeFile
-from octmip.trees.classes import codes_of
-from octmip.trees.problem import Problem
+from octmip.trees.question.classes import codes_of
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import Samples, held_out_rows, strata_of
 
 

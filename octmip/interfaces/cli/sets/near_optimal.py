@@ -12,9 +12,9 @@ from octmip.interfaces.cli.samples.table_problem import TableProblem, read_probl
 from octmip.interfaces.cli.sets.amount import amount_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number, percent, tree_text
-from octmip.trees.methods.interruption import held_back, is_heard
+from octmip.trees.answer.interruption import held_back, is_heard
 from octmip.trees.near_sets import NearOptimalSet, NearTree, RootInterval, near_optimal
-from octmip.trees.tree_nodes import encode_tree
+from octmip.trees.nodes.tree_nodes import encode_tree
 
 FORMAT = "octmip near-optimal set"
 VERSION = 1

@@ -16,8 +16,8 @@ from octmip.interfaces.cli.stages import StageLine
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.interfaces.report.text import number
 from octmip.trees.near_sets import Role, SensorRole, SensorRoles, Without, sensor_roles
+from octmip.trees.nodes.tree_nodes import encode_tree
 from octmip.trees.solver import solve
-from octmip.trees.tree_nodes import encode_tree
 
 FORMAT = "octmip sensor roles"
 VERSION = 1

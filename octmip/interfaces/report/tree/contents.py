@@ -21,11 +21,11 @@ from octmip.interfaces.report.tree.settings import reads, risk, settings_rows
 from octmip.interfaces.report.tree.summary import figures, subtitle, title, verdict
 from octmip.interfaces.report.tree.svg import drawing_svg
 from octmip.interfaces.report.tree.words import Wording, percent, question
-from octmip.trees.part_check import places
-from octmip.trees.parts import address
-from octmip.trees.solution import Stop
+from octmip.trees.answer.solution import Stop
+from octmip.trees.nodes.tree import Leaf, Node, leaves
+from octmip.trees.question.part_check import places
+from octmip.trees.question.parts import address
 from octmip.trees.tradeoff.edits import EditPrice
-from octmip.trees.tree import Leaf, Node, leaves
 
 WIDE = 1100
 """A drawing wider than this takes the whole width of the page [px]."""

@@ -14,7 +14,7 @@ from octmip.interfaces.report.tree.letters import text_width
 from octmip.interfaces.report.tree.node_text import NodeText, leaf_text, split_text
 from octmip.interfaces.report.tree.seen import Histogram, Seen
 from octmip.interfaces.report.tree.words import ROOM, Wording, answered, question
-from octmip.trees.tree import Leaf, Node, ValueLeaf, leaves
+from octmip.trees.nodes.tree import Leaf, Node, ValueLeaf, leaves
 
 Answer = Callable[[Leaf, Wording], str]
 TEXT = 14

@@ -12,8 +12,8 @@ from octmip.formats.columns.written import is_date
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import LONGEST_NAME, Wording, figure, question, short_name, short_names
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaf_index, leaves
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, features_used, leaf_index, leaves
+from octmip.trees.question.problem import Problem
 
 MOST_ROWS = 200
 """Samples of one leaf that stand in the page."""

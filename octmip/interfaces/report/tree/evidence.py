@@ -7,16 +7,16 @@ from dataclasses import dataclass, field, replace
 import pandas as pd
 
 from octmip.formats.tree_file import TreeFile
-from octmip.trees.certificate import Certificate, certify
+from octmip.trees.answer.certificate import Certificate, certify
+from octmip.trees.answer.solution import Limits, Solution
+from octmip.trees.evidence.proof import ProofReport
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.problem import Problem
-from octmip.trees.proof import ProofReport
-from octmip.trees.registry import Run
-from octmip.trees.solution import Limits, Solution
+from octmip.trees.nodes.tree import Node, depth
+from octmip.trees.question.problem import Problem
+from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
 from octmip.trees.tradeoff.frontier import frontier_run
 from octmip.trees.tradeoff.held_out import Samples
-from octmip.trees.tree import Node, depth
 
 SHARE_OF_EDITS = 0.1
 

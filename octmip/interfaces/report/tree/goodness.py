@@ -7,7 +7,7 @@ from octmip.interfaces.report.tree.evidence import DepthPoint, Evidence
 from octmip.interfaces.report.tree.measure import Measure, differs
 from octmip.interfaces.report.tree.summary import expected_errors, way_on
 from octmip.interfaces.report.tree.words import Wording, counted, figure
-from octmip.trees.tree import Node, depth, features_used, n_splits
+from octmip.trees.nodes.tree import Node, depth, features_used, n_splits
 
 
 def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list[str]:

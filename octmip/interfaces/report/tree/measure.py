@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 from octmip.formats.tree_file import TreeFile
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.words import Wording, figure
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.tree import Leaf, Node
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff import score
-from octmip.trees.tree import Leaf, Node
 
 Card = tuple[Any, ...]
 

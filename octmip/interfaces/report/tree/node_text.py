@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from octmip.interfaces.report.tree.letters import wrapped
 from octmip.interfaces.report.tree.words import ROOM, Question, Wording, answered, counted, figure, number, percent
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
 
 MOST_TERMS = 4
 """Lines of a split over several features; further ones are counted."""

@@ -21,8 +21,8 @@ from octmip.interfaces.report.tree.words import (
     short_name,
     short_names,
 )
+from octmip.trees.nodes.tree import Leaf, Node, leaves, predict
 from octmip.trees.tradeoff.held_out import score
-from octmip.trees.tree import Leaf, Node, leaves, predict
 
 MOST_CLASSES = 30
 """Classes that a table of confusions has room for."""

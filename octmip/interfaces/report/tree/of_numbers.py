@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from octmip.interfaces.report.tree.evidence import Evidence, HeldOut
 from octmip.interfaces.report.tree.measure import Card, Measure, differs
 from octmip.interfaces.report.tree.words import MINUS, Wording, answered, compact, counted, figure, short_name
-from octmip.trees.problem import Problem
+from octmip.trees.nodes.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
+from octmip.trees.question.problem import Problem
 from octmip.trees.tradeoff.held_out import Score, score
-from octmip.trees.tree import Leaf, Node, ValueLeaf, leaf_index, leaves, predict_values
 
 SHARES = (0.5, 0.8, 0.95, 1.0)
 """Shares of the samples that are no farther off than the tables say."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Node, Split, leaf_index, predict_values
+from octmip.trees.nodes.tree import HyperplaneSplit, Node, Split, leaf_index, predict_values
+from octmip.trees.question.problem import Problem
 
 BINS = 20
 """Bars of a histogram over all values that come to its split; the threshold may part one more."""

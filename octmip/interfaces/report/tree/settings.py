@@ -9,8 +9,8 @@ from octmip.input.names import shown
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
-from octmip.trees.solution import Stop
-from octmip.trees.tree import ValueLeaf, leaves, splits
+from octmip.trees.answer.solution import Stop
+from octmip.trees.nodes.tree import ValueLeaf, leaves, splits
 
 STOPS = {
     Stop.OPTIMAL: "the proof was complete",

@@ -9,10 +9,10 @@ from octmip.interfaces.report.new_rows import choice_of
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
-from octmip.trees.losses import ClassCosts
-from octmip.trees.scope import depth_in_words
-from octmip.trees.solution import Stop
-from octmip.trees.tree import depth, features_used
+from octmip.trees.answer.scope import depth_in_words
+from octmip.trees.answer.solution import Stop
+from octmip.trees.nodes.tree import depth, features_used
+from octmip.trees.question.losses import ClassCosts
 
 
 def title(file: TreeFile) -> str:

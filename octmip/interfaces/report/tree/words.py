@@ -9,8 +9,8 @@ from typing import Any
 from octmip.formats.columns import Columns, Feature
 from octmip.input.names import shortened, shown
 from octmip.interfaces.report.tree.letters import is_whole
-from octmip.trees.digits import grouped
-from octmip.trees.tree import HyperplaneSplit, Split
+from octmip.trees.nodes.digits import grouped
+from octmip.trees.nodes.tree import HyperplaneSplit, Split
 
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MINUS, TIMES, DASH = "\u2212", "\u00d7", "\u2013"

@@ -28,7 +28,7 @@ from octmip.trees.mip.benders.cuts import Cut, Cuts
 from octmip.trees.mip.blocks import axis
 from octmip.trees.mip.blocks.classcount import ClassCount
 from octmip.trees.mip.prices import Prices
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 NEVER = np.inf  # the bound of a cut that no tree of the problem makes
 

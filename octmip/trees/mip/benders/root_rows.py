@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from octmip.trees.answer.solution import Limits
 from octmip.trees.encoding import Ranks
 from octmip.trees.mip.benders.bounds import NEVER, Bounds
 from octmip.trees.mip.benders.memory import Memory
@@ -35,9 +36,8 @@ from octmip.trees.mip.blocks.leaves import Leaves
 from octmip.trees.mip.engine import Clock
 from octmip.trees.mip.prices import Prices
 from octmip.trees.mip.rows import Columns, Rows
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits
-from octmip.trees.tree import HyperplaneSplit, Node, Split
+from octmip.trees.nodes.tree import HyperplaneSplit, Node, Split
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from octmip.trees.answer.solution import Stop
 from octmip.trees.mip.benders.cuts import Cut
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import Evaluated, NodeSearch
@@ -21,8 +22,7 @@ from octmip.trees.mip.flow import encode
 from octmip.trees.mip.incumbent import starting_tree
 from octmip.trees.mip.result import Known, RunResult
 from octmip.trees.mip.rows import Rows
-from octmip.trees.solution import Stop
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
 
 POLL = 0.05  # seconds between two looks at Ctrl-C and progress
 

@@ -10,6 +10,7 @@ from functools import partial
 
 import numpy as np
 
+from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Solution, Stop, relative_gap
 from octmip.trees.methods.options import BendersOptions
 from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.node import NodeSearch, Tasks
@@ -23,9 +24,8 @@ from octmip.trees.mip.incumbent import canonicalise, starting_tree
 from octmip.trees.mip.prices import whole_prices
 from octmip.trees.mip.result import Known, RunResult, solution_of
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Solution, Stop, relative_gap
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 METHOD = "benders"
 

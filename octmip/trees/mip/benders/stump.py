@@ -9,7 +9,7 @@ from octmip.trees.mip.benders.bounds import Bounds
 from octmip.trees.mip.benders.master import Master
 from octmip.trees.mip.benders.subproblem import Answer, Subproblem
 from octmip.trees.mip.blocks import axis
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 
 
 def best_stump(subproblem: Subproblem) -> Answer:

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.trees.mip.prices import Prices
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Node
+from octmip.trees.nodes.tree import Node
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

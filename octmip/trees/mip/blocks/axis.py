@@ -3,10 +3,10 @@
 import numpy as np
 
 from octmip.errors import ProblemError
-from octmip.trees.digits import midpoint
 from octmip.trees.encoding import Ranks
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Split
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Split
+from octmip.trees.question.problem import Problem
 
 
 def require_axis(problem: Problem, method: str) -> None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks
 from octmip.trees.mip.prices import Prices
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 MOST_LABEL_SETS = 500  # beyond it every class is taken to be earned: still a bound, a weaker one
 

@@ -28,8 +28,8 @@ from octmip.trees.mip.blocks.classcount import ClassCount
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.thresholds import Cuts
 from octmip.trees.mip.rows import LimitCheck
-from octmip.trees.problem import Problem
-from octmip.trees.tree import Split
+from octmip.trees.nodes.tree import Split
+from octmip.trees.question.problem import Problem
 
 MOST_WORK = 3e8  # root cuts x cuts x classes: some seconds
 

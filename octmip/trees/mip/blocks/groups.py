@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.encoding import Ranks
 from octmip.trees.mip.prices import Prices
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

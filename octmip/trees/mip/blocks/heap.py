@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TreeError
-from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, depth, goes_left
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, Split, depth, goes_left
 
 
 @dataclass(frozen=True, slots=True)

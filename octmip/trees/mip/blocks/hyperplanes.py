@@ -21,12 +21,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from octmip.trees.digits import midpoint
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.rows import Columns, Rows, Term
-from octmip.trees.problem import Problem
-from octmip.trees.tree import HyperplaneSplit, Leaf, Split
+from octmip.trees.nodes.digits import midpoint
+from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Split
+from octmip.trees.question.problem import Problem
 
 MU_LARGEST, MU_SMALLEST = 5e-3, 1e-4
 MOST_DIGITS = 6  # of decimal features that are made whole

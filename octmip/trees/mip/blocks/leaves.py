@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.prices import Prices
 from octmip.trees.mip.rows import Columns, Rows, Term
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from octmip.trees.mip.blocks.heap import Placed
 from octmip.trees.mip.rows import Rows
-from octmip.trees.problem import Problem
+from octmip.trees.question.problem import Problem
 
 
 def add_sensor_rows(rows: Rows, problem: Problem, uses: Sequence[Mapping[int, int]]) -> None:

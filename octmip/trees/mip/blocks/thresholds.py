@@ -22,7 +22,7 @@ from octmip.trees.mip.blocks.heap import Heap, Placed
 from octmip.trees.mip.blocks.hyperplanes import Band
 from octmip.trees.mip.blocks.scope import Scope
 from octmip.trees.mip.rows import Columns, Rows, Term
-from octmip.trees.tree import Leaf, Split
+from octmip.trees.nodes.tree import Leaf, Split
 
 Cuts = dict[int, NDArray[np.int64]]  # by feature: the admissible cuts, ascending
 

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from octmip.errors import SolverError
 from octmip.input.files import PathLike
+from octmip.trees.answer.solution import Limits, Progress, ProgressCallback, Stop
 from octmip.trees.mip.highs import worker
 from octmip.trees.mip.highs.process import START, Worker, lent_worker, resident_bytes
 from octmip.trees.mip.rows import Rows
-from octmip.trees.solution import Limits, Progress, ProgressCallback, Stop
 
 VERSION: str = ".".join(
     str(part) for part in (highspy.HIGHS_VERSION_MAJOR, highspy.HIGHS_VERSION_MINOR, highspy.HIGHS_VERSION_PATCH)

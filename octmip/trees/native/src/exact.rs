@@ -16,7 +16,7 @@ use octmip_frame::control::{Limits, Progress};
 use octmip_frame::effort::Control;
 use octmip_frame::supervise::Supervision;
 
-/// State of a search: a dict to Python, `octmip.trees.checkpoint.search_state.KnownRow` back. Costs are above
+/// State of a search: a dict to Python, `octmip.trees.methods.checkpoint.search_state.KnownRow` back. Costs are above
 /// the base, the objective of the tree is not.
 #[derive(FromPyObject, IntoPyObject)]
 struct KnownRow {

@@ -6,9 +6,9 @@
 //! problem, incumbent, limits, n_threads, seed, off, progress, then its own by name
 //! ```
 //!
-//! each left out where a solver has no use for it. `limits` is `octmip.trees.solution.Limits`, `off` names the prunes
-//! that are switched off, `progress` takes `(seconds, objective, bound, n_nodes)`. A problem is made by
-//! names. Python objects are read by their attributes and answers are classes; what goes both ways is a dict.
+//! each left out where a solver has no use for it. `limits` is a `Limits` of `octmip.trees.answer.solution`, `off` has
+//! the names of prunes that are switched off, `progress` takes `(seconds, objective, bound, n_nodes)`. A problem is
+//! made by names. Python objects are read by their attributes and answers are classes; what goes both ways is a dict.
 
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;

@@ -15,7 +15,7 @@ use crate::rows::rows_from_tree;
 use crate::run::{FoundBelow, LimitValues, limits, stop_name, supervised, written};
 use octmip_regression::{Question, prove, solve};
 
-/// `octmip.trees.losses.exact_sums.Slopes` by its attributes.
+/// `octmip.trees.question.losses.exact_sums.Slopes` by its attributes.
 #[derive(FromPyObject)]
 pub(crate) struct SlopeValues {
     /// Price of a unit above the prediction.
@@ -74,7 +74,7 @@ pub(crate) fn regression(
     Ok(FoundBelow { rows, bound: found.bound, stop: stop_name(found.stop), n_nodes: found.n_cuts })
 }
 
-/// `octmip.trees.regression.proof_log.LogScale` by its attributes: exponents of the grid of a log.
+/// `octmip.trees.evidence.proof_log.LogScale` by its attributes: exponents of the grid of a log.
 #[derive(FromPyObject)]
 struct ScaleValues {
     weight: i64,

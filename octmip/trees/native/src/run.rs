@@ -9,7 +9,7 @@ use crate::rows::{NodeRow, rows_from_tree};
 use octmip_frame::control::{KeepGoing, Limits, Outcome, Progress, Stop};
 use octmip_frame::supervise::Supervision;
 
-/// `octmip.trees.solution.Limits` by its attributes; to Python it goes as a dict of them.
+/// `octmip.trees.answer.solution.Limits` by its attributes; to Python it goes as a dict of them.
 #[derive(Clone, Copy, FromPyObject, IntoPyObject)]
 pub(crate) struct LimitValues {
     /// Wall time [s].
@@ -55,7 +55,7 @@ pub(crate) fn limits(LimitValues { seconds, gap, nodes, memory }: LimitValues) -
     Limits { seconds, gap, nodes, memory }
 }
 
-/// The name that `octmip.trees.solution.Stop` gives a stop.
+/// The name that `octmip.trees.answer.solution.Stop` gives a stop.
 pub(crate) fn stop_name(stop: Stop) -> &'static str {
     match stop {
         Stop::Optimal => "optimal",

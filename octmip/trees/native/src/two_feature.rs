@@ -11,7 +11,7 @@ use crate::rows::{Incumbent, known_tree, rows_from_tree};
 use crate::run::{Found, LimitValues, found, limits, supervised, switches, written};
 use octmip_two_feature::{Options, Saved, Saver, Switches, solve, write_proof};
 
-/// The state of a search: a dict to Python, `octmip.trees.checkpoint.search_state.TwoFeatureState` back.
+/// The state of a search: a dict to Python, `octmip.trees.methods.checkpoint.search_state.TwoFeatureState` back.
 #[derive(FromPyObject, IntoPyObject)]
 struct StateRow {
     state: Py<PyBytes>,

@@ -16,7 +16,7 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
-    /// Behind a callable that takes a task's arguments and returns its future (`octmip.trees.cluster.Future`).
+    /// Behind a callable that takes a task's arguments and returns its future (`octmip.trees.methods.cluster.Future`).
     pub(crate) fn new(submit: Py<PyAny>) -> Self {
         Self { submit, failed: Mutex::new(None) }
     }

@@ -173,7 +173,7 @@ fn whole_normals(direction: [f64; 2], cone: [f64; 2], most: i64) -> impl Iterato
     })
 }
 
-/// The offset midway between both sides, None if this normal does not part them by the rule of `octmip.trees.tree`.
+/// The offset midway between both sides, None if this normal does not part them by `octmip.trees.nodes.tree`'s rule.
 fn offset_of(
     instance: &Instance,
     (f, g): (usize, usize),

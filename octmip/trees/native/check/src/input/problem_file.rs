@@ -167,7 +167,7 @@ mod tests {
         assert!(Question::from_json(&file.replace("\"axis\"", "\"hyperplane\"")).is_err());
     }
 
-    /// The digests that octmip.trees.problem_file writes of the same problem, its penalty, names and sensors
+    /// The digests that octmip.trees.question.problem_file writes of the same problem, its penalty, names and sensors
     /// included.
     #[test]
     fn the_digests_are_those_of_the_writer() {

@@ -58,7 +58,7 @@ impl Rule {
         axis.into_iter().chain(terms.iter().map(|term| term.0))
     }
 
-    /// The left rule of `octmip.trees.tree`, in the same floating-point operations.
+    /// The left rule of `octmip.trees.nodes.tree`, in the same floating-point operations.
     #[inline]
     pub(crate) fn goes_left(&self, problem: &Problem, sample: u32) -> bool {
         match self {

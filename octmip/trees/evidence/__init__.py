@@ -1,0 +1,1 @@
+"""Proof logs: of whom they are, and the program that reads them."""

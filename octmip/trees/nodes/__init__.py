@@ -1,0 +1,1 @@
+"""A tree: its nodes, what they predict, and the order of their answers."""

@@ -1,0 +1,1 @@
+"""What is asked: samples, loss, shape and parts of a tree, risk."""

@@ -1,0 +1,1 @@
+"""Which solver answers, and the run that is asked of it."""
