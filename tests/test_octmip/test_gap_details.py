@@ -70,7 +70,9 @@ def test_an_unknown_damage_changes_each_load_by_what_the_twin_says():
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 def test_a_grid_of_states_has_every_parameter_and_every_pair(n):
     nodes = grid(n)
-    assert len(np.unique(nodes, axis=0)) == len(nodes) == (LINES[n] ** n if n in LINES else 1 + 4 * (n + n * (n - 1) // 2))
+    assert (
+        len(np.unique(nodes, axis=0)) == len(nodes) == (LINES[n] ** n if n in LINES else 1 + 4 * (n + n * (n - 1) // 2))
+    )
     assert {tuple(np.flatnonzero(node)) for node in nodes if np.count_nonzero(node) < 3} == {
         (),
         *((a,) for a in range(n)),
