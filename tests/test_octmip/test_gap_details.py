@@ -4,9 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2, norm
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import read_campaign
+from octmip.gap import Campaign, read_campaign
+from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.noise_estimate import _moderated
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.effects.chain import Moment
@@ -14,8 +16,10 @@ from octmip.gap.effects.loads import errors_of_load
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.states import LINES, _changes, grid
+from octmip.gap.location import flips, localise
+from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 
 
@@ -107,3 +111,114 @@ def test_a_text_among_readings_is_refused_with_what_its_row_may_be(tmp_path, row
     rows = with_cell(lines_of(measured(1)), row, "g03", "gauge")
     with pytest.raises(DataError, match=rf"row {row + 1}, column g03 is 'gauge'; .*{cure}"):
         read_campaign(write(tmp_path, rows), Beam())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_cells_halves_and_what_is_left_are_as_defined(seed):
+    rng, n = np.random.default_rng(seed), 200
+    tests, loads, states = rng.choice(["a", "b"], n), rng.choice([1.0, 2.0], n), rng.choice([0.0, 0.3, np.nan], (n, 1))
+    readings = np.where(rng.random((n, 3)) < 0.3, np.nan, rng.normal(50.0, 3.0, (n, 3)))
+    time = 7.0 + 2.0 * rng.permutation(n) if seed % 2 else np.full(n, np.nan)
+    moments = (time - 5.0) / 2.0 if seed % 2 else np.arange(1.0, n + 1.0)
+    own = {"states": states, "readings": readings, "time": time, "temperature": rng.random(n)}
+    numbers = tuple(range(5, n + 5))
+    campaign = Campaign(("g", "h", "i"), ("mu",), tuple(tests), loads, numbers=numbers, **own)
+    keys = [(test, load, str(state)) for test, load, state in zip(tests, loads, states[:, 0], strict=True)]
+    rows_of = [np.flatnonzero([key == one for key in keys]) for one in dict.fromkeys(keys)]
+    expected = []
+    for number, rows in enumerate(rows_of):
+        rows = rows[np.argsort(time[rows], kind="stable")]
+        halved = seed % 2 and len(rows) >= ENOUGH_FOR_HALVES
+        expected += [
+            (number, part) for part in ((rows[: len(rows) // 2], rows[len(rows) // 2 :]) if halved else (rows,))
+        ]
+    for found, wanted in ((campaign.cells, enumerate(rows_of)), (campaign.averages(True), expected)):
+        for cell, (number, rows) in zip(found, wanted, strict=True):
+            assert (cell.number, sorted(cell.rows)) == (number, sorted(rows))
+            assert (cell.test, cell.load, cell.is_known) == (
+                tests[rows[0]],
+                loads[rows[0]],
+                bool(np.isfinite(cell.state)),
+            )
+            assert cell.count.tolist() == np.isfinite(readings[rows]).sum(axis=0).tolist()
+            assert cell.mean == pytest.approx(np.nanmean(readings[rows], axis=0))
+            assert cell.time == (pytest.approx(time[rows].mean() - 7.0) if seed % 2 else 0.0)
+            assert cell.moments == pytest.approx(moments[cell.rows])
+            assert np.array_equal(cell.of_gauges([2, 0]).mean, cell.mean[[2, 0]])
+    assert campaign.spreads() == pytest.approx(
+        np.array([np.nanstd(readings[rows], axis=0, ddof=1) for rows in rows_of])
+    )
+    left = campaign.without({1, 2})
+    kept = np.array([k for k in range(n) if k not in {*rows_of[1], *rows_of[2]}])
+    assert left.numbers == tuple(kept + 5)
+    for name, values in own.items():
+        assert np.array_equal(getattr(left, name), values[kept], equal_nan=True)
+
+
+class Drifts(Field):
+    """A field that goes with time, so that cells are averaged in halves."""
+
+    uses_time = True
+
+
+def test_where_a_gap_lies_is_as_defined():
+    twin = Beam(effects={"drift": Drifts("drift", np.linspace(-2.0, 2.0, 20), 0, 5.0)})
+    campaign = measured(1, lambda state, load, time: 30.0 * load * (np.arange(20) == 4), states=((0, 0), (0.2, 0)))
+    readings = np.where(np.random.default_rng(2).random(campaign.readings.shape) < 0.2, np.nan, campaign.readings)
+    inputs = prepare(replace(campaign, readings=readings), twin, twin.effects, measured(1000))[0]
+    model = linearise(inputs, np.array([cell.state for cell in inputs.campaign.cells]))
+    where, halves = localise(model, ()), {}
+    for row, place in enumerate(zip(model.cells.tolist(), model.gauge.tolist(), strict=True)):
+        halves.setdefault(place, []).append(row)
+    mix = np.zeros((len(halves), model.n))
+    for k, ((_, gauge), rows) in enumerate(halves.items()):
+        count = [inputs.averages[model.average[row]].count[gauge] for row in rows]
+        mix[k, rows] = np.array(count) / sum(count)
+    gap, covariance = mix @ model.residual, mix @ model.covariance @ mix.T
+    excess = gap**2 - np.diag(mix @ model.scatter @ mix.T)
+    cells = [inputs.campaign.cells[cell] for cell, _ in halves]
+    gauges = [inputs.campaign.gauges[gauge] for _, gauge in halves]
+    p_values = 2.0 * norm.sf(np.abs(gap) / np.sqrt(np.diag(covariance)))
+    by_p = np.sort(p_values)
+    limit = max([p for k, p in enumerate(by_p) if p <= 0.05 * (k + 1) / len(by_p)], default=-1.0)
+    names = [f"{gauge}, {cell.name}" for gauge, cell in zip(gauges, cells, strict=True)]
+    found = {place.name: place for place in where.entries}
+    assert [place.p_value for place in where.entries] == pytest.approx(by_p)
+    for k, name in enumerate(names):
+        place, z = found[name], gap[k] / np.sqrt(covariance[k, k])
+        assert (place.gap, place.z, place.share) == pytest.approx((gap[k], z, excess[k] / excess.sum()))
+        assert place.is_significant == (p_values[k] <= limit)
+    assert where.rms == pytest.approx(np.sqrt(excess.mean()))
+    groups = (gauges, [cell.load_words for cell in cells], [cell.test for cell in cells])
+    for places, group in zip((where.gauges, where.loads, where.tests), groups, strict=True):
+        assert [place.share for place in places] == sorted((place.share for place in places), reverse=True)
+        for place in places:
+            rows = np.flatnonzero(np.array(group) == place.name)
+            squared = gap[rows] @ np.linalg.inv(covariance[np.ix_(rows, rows)]) @ gap[rows]
+            assert (place.gap, place.share) == pytest.approx((gap[rows].mean(), excess[rows].sum() / excess.sum()))
+            assert place.z == pytest.approx(np.sqrt(squared / len(rows)))
+            assert place.p_value == pytest.approx(chi2.sf(squared, len(rows)))
+            assert place.is_significant == (place.p_value < 0.05 / len(places))
+
+
+def test_a_node_flips_as_many_decisions_as_more_readings_pass_it_than_the_twins():
+    """The shares are those of the normal distribution about each mean, whose noise is 31.6 microstrain a load."""
+    twin, loads = Beam(), (0.0, 1.0, 2.0)
+    campaign = measured(3, lambda state, load, time: 40.0 * load, loads=loads, repeats=400)
+    inputs = prepare(campaign, twin, twin.effects, measured(1000, repeats=400))[0]
+    model = linearise(inputs, np.zeros((3, 2)))
+    level, far = float(own_gains()[7] * twin.predict({}, 1.0)[7]), float(own_gains()[3] * twin.predict({}, 1.0)[3])
+    tree = Split(1, level, Split(0, far, Leaf(0), Leaf(1)), Leaf(1))
+    by_path = {flip.path: flip for flip in flips(model, tree, ["g04", "g08"])}
+
+    def below(shift: float) -> float:
+        return float(np.mean([norm.cdf(-shift * load / 31.6) for load in loads[1:]]))
+
+    for path in ("", "L"):
+        assert by_path[path].simulated == pytest.approx(below(0.0), abs=0.04)
+        assert by_path[path].real == pytest.approx(below(40.0), abs=0.08)
+    assert by_path[""].share == pytest.approx(by_path[""].simulated - by_path[""].real)
+    reached = by_path[""].real * (by_path["L"].simulated - by_path["L"].real)
+    assert by_path["L"].share == pytest.approx(reached)
+    with pytest.raises(DataError, match="reads 'other', which is no gauge"):
+        flips(model, Split(1, 0.0, Leaf(0), Leaf(1)), ["g04", "other"])
