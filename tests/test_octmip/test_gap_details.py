@@ -17,10 +17,12 @@ from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.states import LINES, _changes, grid
 from octmip.gap.location import flips, localise
+from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
 from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
+from tests.test_octmip.test_gap_loads import shaken
 
 
 @dataclass(frozen=True)
@@ -222,3 +224,38 @@ def test_a_node_flips_as_many_decisions_as_more_readings_pass_it_than_the_twins(
     assert by_path["L"].share == pytest.approx(reached)
     with pytest.raises(DataError, match="reads 'other', which is no gauge"):
         flips(model, Split(1, 0.0, Leaf(0), Leaf(1)), ["g04", "other"])
+
+
+@pytest.mark.parametrize(
+    ("limits", "tests"),
+    [
+        (None, [(0.0, 0.5), (-1.0, 3.0), (3.0, 1.0), (4.5, 2.0)]),
+        ((-0.5, 3.5), [(0.0, 0.5), (-0.5, 3.0), (3.0, 1.0), (3.5, 2.0)]),
+        ((-2.0, 9.0), [(0.0, 0.5), (-1.0, 3.0), (3.0, 1.0), (4.5, 2.0)]),
+        ((0.0, 3.0), [(0.0, 0.5), (3.0, 1.0)]),
+        ((0.5, 2.0), []),
+    ],
+)
+def test_loads_worth_a_test_lie_within_the_limits(limits, tests):
+    assert [(load, cost) for load, _, cost in _loads_to_test(measured(1, repeats=2), limits)] == tests
+
+
+def test_new_settings_are_corners_of_what_was_applied_and_half_of_the_least():
+    campaign = shaken(0, 0.0)  # frequencies 1, 2, 4 and amplitudes 0.5, 1, 2: all corners were read
+    assert [tuple(load.values()) for load in _new_settings(campaign)] == [(0.5, 0.25)]
+    last = {k for k, cell in enumerate(campaign.cells) if tuple(cell.load.values()) == (4.0, 2.0)}
+    tests = _loads_to_test(campaign.without(last), None)
+    found = [(tuple(load.values()), cost) for load, _, cost in tests]
+    assert found[-2:] == [((4.0, 2.0), 2.0), ((0.5, 0.25), 2.0)]
+    assert {cost for _, cost in found[:-2]} == {1.0}
+
+
+def test_the_overlap_of_two_answers_is_the_integral_of_the_root_of_their_densities():
+    x = np.linspace(-30.0, 30.0, 20001)
+    one, other = norm.pdf(x, 1.0, 2.0), norm.pdf(x, 4.0, 3.0)
+    spreads = [np.diag([4.0]), np.diag([9.0])]
+    found = _overlap([np.array([1.0]), np.array([4.0])], spreads, [np.log(4.0), np.log(9.0)], 0, 1)
+    assert found == pytest.approx(np.trapezoid(np.sqrt(one * other), x))
+    weight = np.array([0.5, 0.3, 0.2, 0.0])
+    answers = [frozenset("a"), frozenset("b"), frozenset("a"), frozenset("c")]
+    assert _answer_entropy(answers, weight) == pytest.approx(-0.7 * np.log(0.7) - 0.3 * np.log(0.3))
