@@ -7,10 +7,10 @@ import pytest
 
 from octmip.errors import DataError
 from octmip.recordings.assignment import _by_name, in_unit
-from octmip.recordings.averages import _row_length, _tests
+from octmip.recordings.averages import _rounded, _row_length, _tests
 from octmip.recordings.recording import Channel, Recording
-from octmip.recordings.statistics import statistic_of
-from octmip.recordings.windows import Window, _block_means, ordered, steady_windows
+from octmip.recordings.statistics import Statistic, statistic_of
+from octmip.recordings.windows import Window, _block_means, _creeps, ordered, steady_windows
 
 
 def channel(values, name="force", unit="N", step=1.0, valid=None):
@@ -74,6 +74,18 @@ def test_a_row_is_the_mean_of_as_long_a_stretch_as_its_samples_need(lengths, wor
     windows = [Window(0.0, length) for length in lengths]
     statistics = [{"a": SimpleNamespace(effective=one), "b": SimpleNamespace(effective=9e9)} for one in worth]
     assert _row_length(windows, statistics, ["a", "b"]) == pytest.approx(row)
+
+
+def test_a_load_keeps_the_digits_that_its_independent_samples_bear():
+    found = [_rounded(Statistic(100, 0, 1.23456789, sd, effective)) for sd, effective in ((1.0, 1.0), (1.0, 100.0))]
+    assert found == [1.2, 1.23]
+    assert _rounded(Statistic(100, 0, 1.23456789012, 0.0, 100.0)) == 1.23456789
+
+
+def test_a_window_creeps_where_its_thirds_lie_apart_although_single_blocks_scatter():
+    scattered = np.linspace(0.0, 0.3, 12) + 0.05 * (-1.0) ** np.arange(12)
+    assert _creeps(scattered[None])
+    assert not _creeps(scattered[None] - np.linspace(0.0, 0.3, 12))
 
 
 def test_a_window_with_a_name_keeps_it_beside_a_channel_of_tests():
