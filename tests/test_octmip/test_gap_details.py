@@ -7,10 +7,12 @@ import pytest
 from scipy.stats import chi2, norm
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import Campaign, read_campaign
+from octmip.gap import Campaign, Recorded, function_twin, gathered, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
+from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise_estimate import _moderated
 from octmip.gap.channels.jumps import jumps_in
+from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import Moment
 from octmip.gap.effects.loads import errors_of_load
 from octmip.gap.inference.inputs import prepare
@@ -18,9 +20,11 @@ from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.states import LINES, _changes, grid
 from octmip.gap.location import flips, localise
 from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
+from octmip.gap.preparation import _typical
 from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
+from tests.test_octmip.test_gap_built import SPRINGS
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 from tests.test_octmip.test_gap_loads import shaken
 
@@ -259,3 +263,34 @@ def test_the_overlap_of_two_answers_is_the_integral_of_the_root_of_their_densiti
     weight = np.array([0.5, 0.3, 0.2, 0.0])
     answers = [frozenset("a"), frozenset("b"), frozenset("a"), frozenset("c")]
     assert _answer_entropy(answers, weight) == pytest.approx(-0.7 * np.log(0.7) - 0.3 * np.log(0.3))
+
+
+def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
+    campaign = measured(1, repeats=4)
+    own = {name: np.where(k < 5, 2.0, 1.0) for k, name in enumerate(campaign.gauges)}
+    twin = Beam()
+    twin.units = {name: "mm" if value == 2.0 else "microstrain" for name, value in own.items()}
+    found = _typical(campaign, twin)
+    assert found["mm"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, :5] ** 2)))
+    assert found["microstrain"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, 5:] ** 2)))
+
+
+@pytest.mark.parametrize(("n_few", "left_out"), [(7, 7), (8, 0)])
+def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left_out):
+    """Four rows a coefficient; the loads of a campaign beside it are the centres."""
+    rng = np.random.default_rng(0)
+    forces = np.concatenate([rng.uniform(18.0, 22.0, 100), rng.uniform(58.0, 62.0, n_few)])
+    series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
+    steady = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in [20.0, 60.0] * 50])
+    (moved, same), notes = gathered_alike([series, steady])
+    assert len(moved.test) == 100 + n_few - left_out
+    assert (f"{left_out} rows with too few like them are left out" in notes[0]) == (left_out > 0)
+    assert np.array_equal(same.readings, steady.readings)
+    assert np.unique(moved.load_factor).tolist() == ([20.0] if left_out else [20.0, 60.0])
+
+
+@pytest.mark.parametrize(("nominal", "sign"), [(5.0, 1.0), (14.0, -1.0)])
+def test_the_step_of_a_parameter_stays_within_its_range(nominal, sign):
+    twin = function_twin(lambda p, loads: [p["k"]], {"u": "mm"}, {"k": (nominal, 5.0, 14.0, "N")}, loads=("force",))
+    steps = _steps(twin, np.array([[nominal, 30.0], [nominal, -60.0]]))
+    assert steps == {0: pytest.approx(sign * OF_RANGE * 9.0), 1: pytest.approx(OF_LOAD * 60.0)}
