@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import chi2, norm
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import Campaign, Recorded, function_twin, gathered, read_campaign
+from octmip.gap import Campaign, Differences, Odds, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise_estimate import _moderated
@@ -24,7 +24,7 @@ from octmip.gap.preparation import _typical
 from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
-from tests.test_octmip.test_gap_built import SPRINGS
+from tests.test_octmip.test_gap_built import SPRINGS, read, under
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 from tests.test_octmip.test_gap_loads import shaken
 
@@ -294,3 +294,10 @@ def test_the_step_of_a_parameter_stays_within_its_range(nominal, sign):
     twin = function_twin(lambda p, loads: [p["k"]], {"u": "mm"}, {"k": (nominal, 5.0, 14.0, "N")}, loads=("force",))
     steps = _steps(twin, np.array([[nominal, 30.0], [nominal, -60.0]]))
     assert steps == {0: pytest.approx(sign * OF_RANGE * 9.0), 1: pytest.approx(OF_LOAD * 60.0)}
+
+
+def test_a_constant_that_changed_had_another_value_before():
+    found = diagnose(read(SPRINGS, under(), 7, k1=7.5), SPRINGS, odds=Odds(differences=Differences(constants=0.02)))
+    changed, same = found.constants[:2]
+    assert (changed.sound, changed.mean) == (pytest.approx(10.0, abs=0.6), pytest.approx(7.5, abs=0.2))
+    assert same.sound == pytest.approx(same.mean, abs=0.1)
