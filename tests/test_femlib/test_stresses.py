@@ -8,7 +8,7 @@ import pytest
 
 from femlib.assembly import Shells, ply_stresses
 from femlib.assembly.integration import point_strains
-from femlib.assembly.recovery import nodal_tensors
+from femlib.assembly.recovery import _is_edge, nodal_tensors
 from femlib.assembly.stresses import corner_strains
 from femlib.errors import InputError, SolveError
 from femlib.material import Ply, isotropic_plate, laminate
@@ -252,6 +252,8 @@ def test_a_strain_over_a_length_is_the_mean_of_what_its_part_has_within_it(n, le
         strains[..., :2] = value(kind.group[:, :1] % 2, x, y)[..., None, None]
         kinds[k] = replace(kind, strains=strains)
     names, found = nodal_tensors(shells, kinds, length)
+    node = mesh.nodes[names // 2]
+    assert np.array_equal(_is_edge(kinds, names), np.isclose(node[:, :2] % 0.5, 0.0)[:, 0] | (node[:, 1] % 1.0 == 0.0))
     far = 4.0 * length / (3.0 * np.pi)
     places = {(0, 0.25, 0.5): (0.0, 0.0), (0, 0.25, 0.0): (0.0, far), (0, 0.0, 1.0): (far, -far)}
     places |= {(0, 0.5, 0.5): (-far, 0.0), (1, 0.5, 0.5): (far, 0.0), (1, 1.0, 0.0): (-far, far)}
