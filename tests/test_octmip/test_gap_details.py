@@ -282,6 +282,7 @@ def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left
     forces = np.concatenate([rng.uniform(18.0, 22.0, 100), rng.uniform(58.0, 62.0, n_few)])
     series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
     steady = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in [20.0, 60.0] * 50])
+    assert set(series.test) == {"test"}
     (moved, same), notes = gathered_alike([series, steady])
     assert len(moved.test) == 100 + n_few - left_out
     assert (f"{left_out} rows with too few like them are left out" in notes[0]) == (left_out > 0)
