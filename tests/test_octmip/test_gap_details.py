@@ -1,6 +1,7 @@
 """Details of the diagnosis, each beside its definition: loads, units, grids of states, jumps, variances."""
 
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +17,8 @@ from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import Moment
 from octmip.gap.effects.loads import errors_of_load
 from octmip.gap.inference.inputs import prepare
-from octmip.gap.inference.linear_model import linearise
-from octmip.gap.inference.states import LINES, _changes, grid
+from octmip.gap.inference.linear_model import OPEN_STATE, linearise
+from octmip.gap.inference.states import LINES, _changes, grid, joint_covariance, state_posterior
 from octmip.gap.location import flips, localise
 from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
 from octmip.gap.preparation import _typical
@@ -75,6 +76,26 @@ def test_an_unknown_damage_changes_each_load_by_what_the_twin_says():
         true = [twin.predict(state, model.loads[k]) - twin.predict({}, model.loads[k]) for k in rows]
         gauges = [inputs.order[k] for k in model.gauge[rows]]
         assert found == pytest.approx([row[k] for row, k in zip(true, gauges, strict=True)])
+
+
+def test_open_states_and_sizes_have_their_joint_posterior():
+    """The states given the sizes are Gaussian; the spread of the sizes goes on into them."""
+    twin = Beam()
+    inputs = prepare(measured(1, known=False), twin, twin.effects, measured(1000))[0]
+    model = linearise(inputs, np.zeros((4, 2)))
+    fit = SimpleNamespace(members=(2, 0), size=np.array([0.4, -1.0]), covariance=np.array([[0.5, 0.1], [0.1, 0.3]]))
+    seen, shown = model.tangents, model.signatures[:, [2, 0]]
+    noise = np.linalg.inv(model.covariance - OPEN_STATE**2 * seen @ seen.T)
+    own = np.linalg.inv(np.eye(seen.shape[1]) / OPEN_STATE**2 + seen.T @ noise @ seen)
+    cross = own @ seen.T @ noise @ shown
+    joint = np.block(
+        [[own + cross @ fit.covariance @ cross.T, -cross @ fit.covariance], [np.zeros((2, 2)), fit.covariance]]
+    )
+    joint[2:, :2] = joint[:2, 2:].T
+    assert joint_covariance(model, fit) == pytest.approx(joint, rel=1e-5, abs=1e-12)
+    mean, covariance = state_posterior(model, fit)
+    assert covariance == pytest.approx(joint[:2, :2], rel=1e-5)
+    assert mean == pytest.approx(own @ seen.T @ noise @ (model.residual - shown @ fit.size), rel=1e-5)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
