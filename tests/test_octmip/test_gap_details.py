@@ -14,7 +14,7 @@ from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise_estimate import _moderated
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
-from octmip.gap.effects.chain import Moment
+from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
 from octmip.gap.effects.loads import errors_of_load
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, linearise
@@ -323,3 +323,27 @@ def test_a_constant_that_changed_had_another_value_before():
     changed, same = found.constants[:2]
     assert (changed.sound, changed.mean) == (pytest.approx(10.0, abs=0.6), pytest.approx(7.5, abs=0.2))
     assert same.sound == pytest.approx(same.mean, abs=0.1)
+
+
+def test_faults_of_the_measuring_chain_change_readings_by_their_formulas():
+    """Readings grow by 100 microstrain a metre of span and load, of the last gauge in another unit."""
+    x, y = np.tile([0.1, 0.2, 0.35], 2), np.array([0.5, 0.8, 1.0, 1.3, 1.7, 2.0])
+    twin = SimpleNamespace(gauges=tuple("abcdef"), parameters=(), gauge_positions=np.column_stack([x, y]))
+    twin.units = {name: "mm" if name == "f" else "microstrain" for name in twin.gauges}
+    twin.predict = lambda state, load: load * (40.0 + 100.0 * y + 7.0 * x) * np.where(y == 2.0, 1e3, 1.0)
+    r = twin.predict({}, 2.0)
+    expected = {
+        MISALIGNMENT: ("b", {1: -0.013 * r[1]}),
+        POSITION_OFFSET: ("c", {2: 0.2}),  # a millimetre outboard
+        DEAD_GAUGE: ("d", {3: -r[3]}),
+        CROSSTALK: ("b<a", {1: 0.01 * r[0]}),
+        SWAPPED_PAIR: ("a/e", {0: r[4] - r[0], 4: r[0] - r[4]}),
+    }
+    for effect, (place, changes) in expected.items():
+        wanted = np.array([changes.get(k, 0.0) for k in range(6)])
+        assert effect.signature(twin, {}, 2.0, place) == pytest.approx(wanted)
+        assert effect.at_places(twin, {}, 2.0, (place,), 0.0) == pytest.approx(wanted[None])
+        assert place in effect.places(twin)
+        assert [twin.gauges.index(name) for name in effect.gauges_of(twin, place)][: len(changes)] == list(changes)
+    assert "f" in DEAD_GAUGE.places(twin)
+    assert not [place for one in expected if one is not DEAD_GAUGE for place in one.places(twin) if "f" in place]
