@@ -128,14 +128,6 @@ def synthetic_uav(target: str) -> Table:
     return Table(features[kept], states[kept, 0 if target == "A" else 1])
 
 
-def three_classes(n: int, p: int) -> Table:
-    """Return normal features (n, p) and three classes by a tree of three of them, a tenth of the labels drawn again."""
-    rng = np.random.default_rng(0)
-    features = rng.normal(size=(n, p))
-    score = (features[:, 0] > 0.3).astype(int) + (features[:, 1] > -0.5) * (features[:, 2] > 0)
-    return Table(features, np.where(rng.random(n) < 0.1, rng.integers(0, 3, n), score))
-
-
 @cache
 def published(target: str, seed: int) -> Table:
     """Return the training samples of the published strains (20 gauges, 1750 rows); target "mu1" or "mu2" [percent]."""

@@ -13,8 +13,8 @@ import numpy as np
 import pyomo.environ as pyo
 from pyomo.gdp import Disjunction
 
-from benchmarks.oracles.heap_trees import HeapTree
 from octmip.trees.problem import Problem
+from tests.oracles.heap_trees import HeapTree
 
 Keeps = Callable[[HeapTree], bool]
 Solve = Callable[..., Any]

@@ -8,49 +8,50 @@ import importlib
 from types import ModuleType
 
 FAMILIES = {
+    # Exact proofs beside their peers: docs/benchmarks.md
     "exact_uci": "benchmarks.cases.exact.uci",
     "exact_uav": "benchmarks.cases.exact.uav",
-    "walk": "benchmarks.source_map.walk",
-    "exact_large": "benchmarks.cases.exact.large",
-    "exact_boundaries": "benchmarks.cases.exact.boundaries",
-    "exact_ablation": "benchmarks.cases.exact.ablation",
-    "option_prices": "benchmarks.cases.exact.option_prices",
-    "scopes": "benchmarks.cases.exact.scopes",
     "sparse": "benchmarks.cases.exact.sparse",
-    "exact_proofs": "benchmarks.cases.exact.proofs",
+    "two_feature_trees": "benchmarks.cases.two_feature.trees",
+    "regression_speed": "benchmarks.cases.regression.speed",
+    # What an option and a bound cost and save: docs/results/options.md, docs/theory/exact.md
+    "option_prices": "benchmarks.cases.exact.option_prices",
+    "exact_ablation": "benchmarks.cases.exact.ablation",
+    # The heuristic against the optimum: docs/benchmarks.md
+    "search_hits": "benchmarks.cases.search.hits",
+    # Trees on new rows of public tables: docs/results/tables.md
+    "command_tables": "benchmarks.cases.command.tables",
     "held_out_tables": "benchmarks.cases.held_out_tables",
     "held_out_numbers": "benchmarks.cases.held_out_numbers",
-    "leaf_calibration": "benchmarks.cases.leaf_calibration",
-    "regression_speed": "benchmarks.cases.regression.speed",
-    "search_hits": "benchmarks.cases.search.hits",
+    # Answers against enumeration: docs/reliability.md, as all below but the last two
     "fuzz_everything": "benchmarks.cases.fuzz.everything",
+    "mio_random": "benchmarks.cases.mio.random_problems",
+    "scopes": "benchmarks.cases.exact.scopes",
+    # Corrupted proof logs and files
     "fuzz_proofs": "benchmarks.cases.fuzz.proofs",
     "fuzz_check_command": "benchmarks.cases.fuzz.check_command",
     "verified_logs": "benchmarks.cases.fuzz.verified",
+    "fuzz_files": "benchmarks.cases.fuzz.files",
+    "exports": "benchmarks.cases.fuzz.exports",
+    # Ends: limits, signals, kills, long runs
+    "limits": "benchmarks.cases.doors.limits",
     "command_ends": "benchmarks.cases.command.ends",
     "fuzz_signals": "benchmarks.cases.command.signals",
-    "printed_rules": "benchmarks.cases.doors.printed_rules",
-    "fuzz_files": "benchmarks.cases.fuzz.files",
-    "mio_binary": "benchmarks.cases.mio.binary",
-    "mio_root_rows": "benchmarks.cases.mio.root_rows",
-    "mio_random": "benchmarks.cases.mio.random_problems",
-    "two_feature_trees": "benchmarks.cases.two_feature.trees",
-    "exports": "benchmarks.cases.fuzz.exports",
-    "sql_engines": "benchmarks.cases.doors.sql_engines",
-    "limits": "benchmarks.cases.doors.limits",
-    "recordings": "benchmarks.cases.doors.recordings",
-    "soak": "benchmarks.cases.fuzz.soak",
     "fuzz_kills": "benchmarks.cases.fuzz.kills",
     "fuzz_workers": "benchmarks.cases.fuzz.workers",
-    "mutants": "benchmarks.mutants.study",
-    "fem_mesh": "benchmarks.cases.fem.mesh",
-    "fem_shells": "benchmarks.cases.fem.shells",
-    "fem_dataset": "benchmarks.cases.fem.dataset",
-    "fem_rom": "benchmarks.cases.fem.rom",
-    "command_tables": "benchmarks.cases.command.tables",
+    "soak": "benchmarks.cases.fuzz.soak",
+    # Doors: what other programs write and read
     "campaigns": "benchmarks.cases.doors.campaigns",
-    "gap_noise": "benchmarks.cases.gap.noise",
+    "recordings": "benchmarks.cases.doors.recordings",
+    "sql_engines": "benchmarks.cases.doors.sql_engines",
+    "printed_rules": "benchmarks.cases.doors.printed_rules",
     "doors_pyomo": "benchmarks.cases.doors.pyomo_models",
+    # The tests and the sources: wrong code that tests must find, and how far a reader walks (docs/developing.md)
+    "mutants": "benchmarks.mutants.study",
+    "walk": "benchmarks.source_map.walk",
+    # Shells against standard problems: docs/results/shells.md. Noise of a campaign: docs/gap/noise.md
+    "fem_shells": "benchmarks.cases.fem.shells",
+    "gap_noise": "benchmarks.cases.gap.noise",
 }
 
 

@@ -70,13 +70,6 @@ def _loaded(module: str, name: str) -> Callable[..., Solution]:
     return solver
 
 
-def _flow(fix: int) -> Callable[..., Solution]:
-    from octmip.trees.mip.engine import solver_of
-    from octmip.trees.mip.flow import formulate
-
-    return solver_of("flow", partial(formulate, fix=fix))
-
-
 def _pycontree(problem: Problem) -> Fit:
     from pycontree import ConTree
 
@@ -157,28 +150,6 @@ def _pydl85(problem: Problem) -> Fit:
     return fit
 
 
-def _odtlearn(name: str) -> Callable[[Problem], Fit]:
-    def prepare(problem: Problem) -> Fit:
-        import pandas as pd
-        from odtlearn import flow_oct
-
-        columns = pd.DataFrame(problem.features.astype(int), columns=list(problem.feature_names))
-
-        def fit(seconds: float, threads: int) -> Answer:
-            limit = int(np.ceil(seconds))
-            model = getattr(flow_oct, name)(
-                solver="CBC", depth=problem.depth, time_limit=limit, num_threads=threads, verbose=False
-            )
-            model.fit(columns, problem.codes)
-            errors = float((np.asarray(model.predict(columns)).ravel() != problem.codes).sum())
-            # It maximises the samples that are right, so its bound is one from above.
-            return Answer(errors, problem.n_samples - float(model.objective_bound), f"{name}, CBC")
-
-        return fit
-
-    return prepare
-
-
 def _fast_small_tree(problem: Problem) -> Fit:
     import warnings
 
@@ -220,10 +191,4 @@ RIVALS = {
     "pydl8.5": Rival(_pydl85, "pydl8.5"),
     "treefarms": Rival(_treefarms, "treefarms"),
     "fastsmalltree": Rival(_fast_small_tree, "imodels"),
-    "odtlearn": Rival(_odtlearn("FlowOCT"), "odtlearn"),
-    "odtlearn-benders": Rival(_odtlearn("BendersOCT"), "odtlearn"),
-    "octmip-benders": Rival(_octmip("benders", partial(_loaded, "mip.benders.solver", "solve_benders")), "octmip"),
-    "octmip-oct": Rival(_octmip("oct", partial(_loaded, "mip.oct", "solve_oct")), "octmip"),
-    "octmip-flow1": Rival(_octmip("flow fix=1", partial(_flow, 1)), "octmip"),
-    "octmip-flow2": Rival(_octmip("flow fix=2", partial(_flow, 2)), "octmip"),
 }

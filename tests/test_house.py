@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.source_map.arrows import circles, python_arrows, rust_arrows
+from benchmarks.source_map.arrows import circle, python_arrows, rust_arrows
 from octmip.gap.effects import CHAIN
 from octmip.gap.next_test import OTHER_TESTS
 from octmip.twin import QUANTITIES
@@ -102,8 +102,8 @@ def source_files(suffix: str) -> Iterator[Path]:
 
 
 def test_no_files_use_each_other_in_a_circle():
-    assert circles(python_arrows()) == []
-    assert circles(rust_arrows()) == []
+    assert circle(python_arrows()) == []
+    assert circle(rust_arrows()) == []
 
 
 def test_a_circle_is_found(tmp_path):
@@ -114,11 +114,11 @@ def test_a_circle_is_found(tmp_path):
         "c": "from tool import a",
     }.items():
         (tmp_path / "tool" / f"{name}.py").write_text(code)
-    assert circles(python_arrows(("tool",), tmp_path)) == [["tool.a", "tool.b", "tool.c"]]
+    assert circle(python_arrows(("tool",), tmp_path)) == ["tool.a", "tool.b", "tool.c"]
     (tmp_path / "parent.rs").write_text("mod child;\nuse child::g;\npub fn f() {}\n")
     (tmp_path / "parent").mkdir()
     (tmp_path / "parent" / "child.rs").write_text("use super::f;\npub fn g() {}\n")
-    assert circles(rust_arrows({"native": tmp_path})) == [["native.parent", "native.parent.child"]]
+    assert circle(rust_arrows({"native": tmp_path})) == ["native.parent", "native.parent.child"]
 
 
 def test_every_file_that_the_documentation_walks_through_exists():

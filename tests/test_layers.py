@@ -213,10 +213,14 @@ def test_siblings_under_benchmarks_do_not_import_each_other():
                 assert package != "cases", f"a case imports another: {name}"
 
 
-def test_nothing_imports_the_tests_but_tests():
+def test_of_the_tests_only_oracles_are_used_and_only_by_benchmarks():
     for package in ("octmip", "femlib", "benchmarks"):
         for file in sources(package):
-            assert not [name for name in imports(file.read_text()) if name.split(".")[0] == "tests"], file
+            used = [name for name in imports(file.read_text()) if name.split(".")[0] == "tests"]
+            assert all(package == "benchmarks" and name.startswith("tests.oracles.") for name in used), file
+    for file in sources("tests/oracles"):
+        used = {name.split(".")[0] for name in imports(file.read_text())}
+        assert "benchmarks" not in used, file
 
 
 @pytest.mark.parametrize("folder", ["octmip", "femlib", "benchmarks", "tests"])

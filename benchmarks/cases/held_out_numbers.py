@@ -16,7 +16,7 @@ import pandas as pd
 from sklearn.model_selection import KFold
 
 from benchmarks.public_tables import SECONDS, PrunedCart, numbers, ordered
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip import OptimalTreeRegressor
 
 N_FOLDS = 2
@@ -52,14 +52,12 @@ def summary(lines: list[Line]) -> str:
     frame = pd.DataFrame(lines).pivot_table(
         index=["half", "size"], columns="learner", values=["error", "leaves", "cpu_seconds"]
     )
-    rows = ["| half | tables | learner | error | leaves | CPU s |", "|---|---|---|---|---|---|"]
+    rows, ratios = [], []
     for half, part in frame.groupby("half"):
         means = part.mean()
         for name in LEARNERS:
-            cells = [
-                f"{means[what, name]:.{digits}f}" for what, digits in (("error", 3), ("leaves", 1), ("cpu_seconds", 2))
-            ]
-            rows.append(f"| {half} | {len(part)} | {name} | " + " | ".join(cells) + " |")
+            digits = {"error": 3, "leaves": 1, "cpu_seconds": 2}
+            rows.append([half, len(part), name, *(f"{means[what, name]:.{n}f}" for what, n in digits.items())])
         ratio = np.log(part["error", "octmip"] / part["error", "CART, pruned"])
-        rows.append(f"\n{half}: log of the ratio {ratio.mean():+.3f} +- {ratio.std() / len(ratio) ** 0.5:.3f}\n")
-    return "\n".join(rows)
+        ratios.append(f"{half}: log of the ratio {ratio.mean():+.3f} +- {ratio.std() / len(ratio) ** 0.5:.3f}")
+    return "\n".join([markdown(["half", "tables", "learner", "error", "leaves", "CPU s"], rows), "", *ratios])

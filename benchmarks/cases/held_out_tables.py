@@ -29,7 +29,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.tree import DecisionTreeClassifier
 
 from benchmarks.public_tables import SECONDS, CartOfLeaves, PrunedCart, TunedStreed, ordered, samples
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip import OptimalTreeClassifier
 
 CSV = Path(__file__).parents[2] / "docs" / "results" / "data" / "tables" / "held-out.csv"
@@ -143,27 +143,21 @@ def summary(_: list[Line]) -> str:
         if part.empty:
             continue
         error = part.pivot_table(index="table", columns="learner", values="error")[learners]
-        lines = [
-            "| learner | error % | leaves | CPU s | below ours by 1 point on | above |",
-            "|---|---|---|---|---|---|",
-        ]
+        cells = []
         for name in learners:
             of = part[part.learner == name]
             behind = int((error["octmip"] > error[name] + 0.01).sum())
             ahead = int((error["octmip"] < error[name] - 0.01).sum())
             leaves = "" if of.leaves.isna().all() else f"{of.leaves.mean():.1f}"
-            cells = [name, f"{100 * of.error.mean():.2f}", leaves, f"{of.cpu_seconds.mean():.2f}", behind, ahead]
-            lines.append("| " + " | ".join(map(str, cells)) + " |")
-        parts.append(f"{len(error)} tables of the {half} half\n\n" + "\n".join(lines))
+            cells.append([name, f"{100 * of.error.mean():.2f}", leaves, f"{of.cpu_seconds.mean():.2f}", behind, ahead])
+        head = ["learner", "error %", "leaves", "CPU s", "below ours by 1 point on", "above"]
+        parts.append(f"{len(error)} tables of the {half} half\n\n{markdown(head, cells)}")
     return "\n\n".join([*parts, _differences(frame)])
 
 
 def _differences(frame: pd.DataFrame) -> str:
     """Return by how much the default errs less than CART on the folds that have both, by half and number of classes."""
-    lines = [
-        "| default less | half | classes | tables | folds | points | standard error |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    cells = []
     for name in ("CART, pruned", AS_SMALL):
         pair = frame[frame.learner.isin(["octmip", name])]
         pair = pair.pivot_table(index=["table", "half", "classes", "repeat", "fold"], columns="learner", values="error")
@@ -176,6 +170,6 @@ def _differences(frame: pd.DataFrame) -> str:
                 points, n = 100 * part["mean"], len(part)
                 if n > 1:
                     error = points.std() / np.sqrt(n)
-                    cells = [name, half, words, n, part["count"].sum(), f"{points.mean():+.2f}", f"{error:.2f}"]
-                    lines.append("| " + " | ".join(map(str, cells)) + " |")
-    return "\n".join(lines)
+                    n_folds = part["count"].sum()
+                    cells.append([name, half, words, n, n_folds, f"{points.mean():+.2f}", f"{error:.2f}"])
+    return markdown(["default less", "half", "classes", "tables", "folds", "points", "standard error"], cells)

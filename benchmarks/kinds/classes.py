@@ -10,10 +10,6 @@ from typing import Any
 import numpy as np
 
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
-from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
-from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import ClassCosts
@@ -22,6 +18,10 @@ from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.solver import solve
+from tests.oracles.rational import cost_of, least_cost
+from tests.oracles.strategies import random_problem, with_missing
+from tests.oracles.two_feature_problems import random_two_feature_problem
+from tests.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 
 MIXED_INTEGER = ("oct", "flow", "oct_h", "benders")
 MOST_SAMPLES = {1: 14, 2: 10}

@@ -13,8 +13,6 @@ import numpy as np
 
 from benchmarks.kinds.classes import claims_complaint, log_complaint
 from benchmarks.kinds.kind import ROUNDING, Generator, Question
-from benchmarks.oracles.regression_runs import Runs
-from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip.errors import CertificateError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import SPELLINGS, AbsoluteError, NumberLoss, QuantileError, SquaredError
@@ -22,6 +20,8 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve
+from tests.oracles.regression_runs import Runs
+from tests.oracles.regression_trees import least_objective, random_problem
 
 LEVELS = (0.1, 0.9, 0.5, 0.25, 0.95, 0.025, 1 / 3, 0.999)
 WIDEST = Fraction(1, 10**8)

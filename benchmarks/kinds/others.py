@@ -8,12 +8,12 @@ from types import MappingProxyType
 from typing import Any
 
 from benchmarks.kinds.kind import Generator, Question
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip.errors import CertificateError
 from octmip.trees.near_sets import NearOptimalSet, near_optimal
 from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import Recount, certify_set, recount
+from tests.oracles.rational import least_cost
+from tests.oracles.strategies import random_problem, with_missing
 
 MARGINS = (0.0, 0.3, 0.5, 1.0, 2.0, 4.0)
 """How far above the optimum trees are counted."""

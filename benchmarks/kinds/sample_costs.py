@@ -6,11 +6,11 @@ from pathlib import Path
 from benchmarks.kinds.classes import Classes
 from benchmarks.kinds.kind import Generator, Question
 from benchmarks.outside import BY_PYOMO
-from benchmarks.problem_options import ProblemOptions
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.pyomo_model import model, solution_of
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
+from tests.oracles.problem_options import ProblemOptions
 
 PATIENCE = 10.0  # seconds that HiGHS has, driven by Pyomo
 

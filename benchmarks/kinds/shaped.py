@@ -14,12 +14,12 @@ import numpy as np
 from numpy.random import Generator
 
 from benchmarks.kinds.classes import Classes
-from benchmarks.oracles.monotone import least_monotone_cost
-from benchmarks.oracles.parts import least_cost_with_parts
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split
+from tests.oracles.monotone import least_monotone_cost
+from tests.oracles.parts import least_cost_with_parts
 
 MOST_SAMPLES = {1: 12, 2: 11, 3: 9}
 """By depth: the list of all trees grows with their power."""

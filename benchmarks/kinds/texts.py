@@ -12,11 +12,11 @@ import pandas as pd
 
 from benchmarks.kinds.classes import complaint
 from benchmarks.kinds.kind import Generator, Question
-from benchmarks.oracles.subsets import least_errors
 from octmip.formats.columns import Columns
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve
+from tests.oracles.subsets import least_errors
 
 MOST_TEXTS = 6
 

@@ -7,13 +7,13 @@ from pathlib import Path
 
 from benchmarks.kinds.classes import Classes
 from benchmarks.kinds.kind import Generator, Question
-from benchmarks.oracles.enumeration import Optimum, optimum
-from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Solution
 from octmip.trees.tree import Leaf, n_splits
+from tests.oracles.enumeration import Optimum, optimum
+from tests.oracles.strategies import random_problem, with_missing
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector plain] [--machine pump] [--out DIR]`.
+"""Machines: `python -m benchmarks.machines [--draws 50] [--seed N] [--selector squares] [--machine pump] [--out DIR]`.
 
 Each draw is another machine with a sound commissioning run of the same cells: a fifth sound, two fifths with one fault,
 a fifth with two, a fifth with one that no library holds; noise white, with a memory, or of a coarse display. Cases are
@@ -25,7 +25,7 @@ from benchmarks.machines.motor import MOTOR
 from benchmarks.machines.oven import OVEN
 from benchmarks.machines.panel import PANEL
 from benchmarks.machines.pump import PUMP
-from benchmarks.machines.selectors import Said, answer, far
+from benchmarks.machines.selectors import SELECTORS, Said, answer, far
 from benchmarks.machines.ship import SHIP
 from benchmarks.machines.tanks import TANKS
 from benchmarks.machines.transformer import TRANSFORMER
@@ -43,7 +43,7 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=50, help="of each machine")
     parser.add_argument("--seed", type=int, default=None, help="default: the clock")
     parser.add_argument("--machine", action="append", choices=MACHINES, help="may be given more than once")
-    parser.add_argument("--selector", action="append", choices=["diagnosis", "plain"], help="may be given twice")
+    parser.add_argument("--selector", action="append", choices=list(SELECTORS), help="may be given again")
     parser.add_argument(
         "--without-run", action="store_true", help="assets that obey their twin, diagnosed without a run"
     )

@@ -69,7 +69,7 @@ class _Fit:
 def select(campaign: Campaign, twin: Twin, run: Campaign | None = None) -> Selection:
     """Return the probability of no effect, of every single one, of pairs, and of something unknown."""
     sound = as_built(twin if isinstance(twin, CachedTwin) else CachedTwin(twin), run, CONSTANTS)
-    asked = _Asked(campaign, sound, run)
+    asked = Asked(campaign, sound, run)
     library = [e for e in library_of(sound, campaign).values() if not getattr(e, "is_nameless", False)]
     members = [(e, place) for e in library for place in e.places(sound)]
     share = {e.name: float(np.log(len(library) * max(1, len(e.places(sound))))) for e in library}
@@ -87,7 +87,7 @@ def select(campaign: Campaign, twin: Twin, run: Campaign | None = None) -> Selec
     return _selection(asked, fits, np.exp(np.array(logs) - logsumexp(logs)))
 
 
-class _Asked:
+class Asked:
     """The means of a campaign (n,), their variance, and what twin and effects make of them."""
 
     def __init__(self, campaign: Campaign, twin: CachedTwin, run: Campaign | None) -> None:
@@ -210,7 +210,7 @@ def _noise(campaigns: Sequence[Campaign]) -> FloatArray:
     return np.asarray(grown * np.maximum(variance, 1e-12 * variance.max()))
 
 
-def _selection(asked: _Asked, fits: Sequence[_Fit], probability: FloatArray) -> Selection:
+def _selection(asked: Asked, fits: Sequence[_Fit], probability: FloatArray) -> Selection:
     """Return the causes: hypotheses whose changes cannot be told apart are one, under the name of the simplest."""
     n, unknown = len(asked.open), float(probability[-1])
     causes, left = [PlainCause((), np.zeros((0, 3)), unknown, (), is_unknown=True)], np.argsort(-probability[:-1])

@@ -7,6 +7,7 @@ A file is named by the dotted path of its module ("octmip.trees.mip.flow", "nati
 import ast
 import re
 from collections.abc import Iterator, Mapping
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent.parent
@@ -45,27 +46,13 @@ def rust_arrows(crates: Mapping[str, Path] = CRATES) -> Arrows:
     }
 
 
-def circles(arrows: Arrows) -> list[list[str]]:
-    """Return the sets of files that reach each other, each sorted: none where data flows one way."""
-    reached = {name: _reached(name, arrows) for name in arrows}
-    found = {
-        tuple(sorted({other for other in reached[name] if name in reached[other]} | {name}))
-        for name in arrows
-        if name in reached[name]
-    }
-    return [list(circle) for circle in sorted(found)]
-
-
-def _reached(name: str, arrows: Arrows) -> set[str]:
-    """Return every file that arrows lead to from a file, itself only where it lies on a circle."""
-    seen: set[str] = set()
-    waiting = list(arrows[name])
-    while waiting:
-        other = waiting.pop()
-        if other not in seen:
-            seen.add(other)
-            waiting += arrows.get(other, ())
-    return seen
+def circle(arrows: Arrows) -> list[str]:
+    """Return the files of a circle of arrows, sorted; none where data flows one way."""
+    try:
+        TopologicalSorter(arrows).prepare()
+    except CycleError as error:
+        return sorted(set(error.args[1]))
+    return []
 
 
 def _module(file: Path) -> str:

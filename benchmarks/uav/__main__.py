@@ -10,9 +10,9 @@ import matplotlib
 matplotlib.use("Agg")  # no display is needed, nor looked for
 
 from benchmarks.main_program import run_main
-from benchmarks.uav import baselines, numbers
+from benchmarks.uav import baselines
 from benchmarks.uav.report import write_results
-from benchmarks.uav.study import DEPTHS, StudyLimits, run_study
+from benchmarks.uav.study import StudyLimits, run_study
 from femlib.dataset import Recipe, build_dataset, published_strains, simulated_strains
 from femlib.wing import tapered_wing, uav_wing
 
@@ -33,11 +33,9 @@ def main() -> None:
     outcomes = run_study(data, StudyLimits(options.seconds, options.mio_seconds), options.seed, options.jobs)
     folder = Path(options.out)
     write_results(folder, wing, simulated, reference, data, outcomes, time.perf_counter() - start)
-    (folder / "numbers.md").write_text(numbers.text_of(list(numbers.rows_of(data, DEPTHS, options.seconds))))
     beside = baselines.rows_of(data, options.seed, options.seconds, options.jobs)
     (folder / "baselines.md").write_text(baselines.text_of(beside))
     print((folder / "table.md").read_text())
-    print((folder / "numbers.md").read_text())
     print((folder / "baselines.md").read_text())
     print(f"{time.perf_counter() - start:.0f} s; table, pictures and run.json lie in {folder.resolve()}")
 

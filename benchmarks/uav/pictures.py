@@ -4,23 +4,23 @@ from collections.abc import Sequence
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from femlib.dataset import MeanStrains
 from femlib.wing import Wing
+from femlib.wing.export.pictures import ACCENT, DAMAGE, INK, draw_planform
 
 NAME_HEIGHT = 0.16  # [m] ahead of the spar: clear of the leading edge
-INK, QUIET, ACCENT, DAMAGE = "#222222", "#9aa3ad", "#c2410c", "#f2b8a0"
+QUIET = "#9aa3ad"
 
 
 def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
     """Return the planform with damage regions and gauges, one panel a label; the gauges its tree uses stand out."""
     figure, axes = plt.subplots(len(used), 1, figsize=(9, 2.3 * len(used)), squeeze=False, layout="constrained")
     for axis, (title, gauges) in zip(axes[:, 0], used.items(), strict=True):
-        draw_planform(axis, wing)
+        draw_planform(axis, wing, "top", DAMAGE)
+        axis.autoscale_view()
         for name, position in zip(wing.gauges.names, wing.gauges.position, strict=True):
             is_used = name in gauges
             place = (position[1], -position[0])
@@ -36,19 +36,6 @@ def wing_picture(wing: Wing, used: dict[str, Sequence[str]]) -> Figure:
         axis.spines[["top", "right", "left"]].set_visible(False)
     axes[-1, 0].set_xlabel("distance from the root [m]")
     return figure
-
-
-def draw_planform(axis: Axes, wing: Wing) -> None:
-    """Draw outline and damage regions, from the root to the right."""
-    outline = wing.outline()
-    axis.add_patch(Polygon(np.column_stack([outline[:, 1], -outline[:, 0]]), closed=True, fill=False, ec=INK, lw=1.2))
-    for region in wing.regions:
-        corners = wing.region_outline(region)
-        patch = np.column_stack([corners[:, 1], -corners[:, 0]])
-        axis.add_patch(Polygon(patch, closed=True, fc=DAMAGE, ec="none", zorder=0))
-        below = (patch[:4, 0].mean(), patch[:, 1].min())
-        axis.annotate(region.parameter, below, (0, -3), textcoords="offset points", ha="center", va="top", fontsize=9)
-    axis.autoscale_view()
 
 
 def strain_picture(wing: Wing, simulated: MeanStrains, published: MeanStrains | None) -> Figure:

@@ -1,6 +1,6 @@
 """A structure with damage components, solved exactly for any state and load."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,7 +10,7 @@ from femlib.arrays import FloatArray, IntArray
 from femlib.assembly import Factors, Shells, Supports, factorise
 from femlib.components.output_map import OutputMap
 from femlib.components.ports import Ports
-from femlib.components.regions import Component, Condensed, checked_damage, condense, refuse_overlap
+from femlib.components.regions import Component, Condensed, checked_damage, condense, damage_row, refuse_overlap
 from femlib.errors import InputError, frozen_floats
 from femlib.mesh import DOFS_PER_NODE
 
@@ -137,6 +137,11 @@ class DamagedStructure:
         for mu, component in zip(damage, self.components, strict=True):
             left[component.elements] = 1.0 - mu
         return left
+
+    def left_in(self, state: Mapping[str, float]) -> FloatArray:
+        """Return the same of a state of named damage fractions; InputError if a name or a damage is wrong."""
+        row = damage_row(state, self.parameters)[None, :]
+        return self.stiffness_left(checked_damage(row, self.parameters)[0])
 
     def reactions(self, moved: FloatArray, load: FloatArray, left: FloatArray) -> FloatArray:
         """Return the forces and moments (n_nodes, 6) [N, N m] of the supports, springs aside.

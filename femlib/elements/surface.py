@@ -62,19 +62,24 @@ class Frame:
         return np.moveaxis(np.array(rows), -1, 0)
 
 
-def frame(points: FloatArray, r: float, s: float, axis: FloatArray) -> Frame:
-    """Return the frames at a point of surfaces with corners (n, 4, 3).
+def axes_in(tangents: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return |g_r x g_s| (n,) and axes (n, 3, 3) of tangents (n, 2, 3): columns are the first, the second, the normal.
 
     The first axis is the projection of `axis` (3,), or g_r where that is zero or normal to the surface.
     """
-    both = tangents(points, r, s)
-    normal = np.cross(both[:, 0], both[:, 1])
+    normal = np.cross(tangents[:, 0], tangents[:, 1])
     area = np.linalg.norm(normal, axis=1)
     normal = normal / area[:, None]
     first = axis - normal * (normal @ axis)[:, None]
     is_seen = np.linalg.norm(first, axis=1) > 1e-10 * float(np.linalg.norm(axis))
-    first = np.where(is_seen[:, None], first, both[:, 0])
+    first = np.where(is_seen[:, None], first, tangents[:, 0])
     first /= np.linalg.norm(first, axis=1)[:, None]
-    axes = np.stack([first, np.cross(normal, first), normal], axis=2)
+    return area, np.stack([first, np.cross(normal, first), normal], axis=2)
+
+
+def frame(points: FloatArray, r: float, s: float, axis: FloatArray) -> Frame:
+    """Return the frames at a point of surfaces with corners (n, 4, 3), their axes as `axes_in`."""
+    both = tangents(points, r, s)
+    area, axes = axes_in(both, axis)
     across = axes[:, :, :2].swapaxes(1, 2) @ both.swapaxes(1, 2)
     return Frame(area, axes, np.asarray(across @ np.linalg.inv(both @ both.swapaxes(1, 2))))

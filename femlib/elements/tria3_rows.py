@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from femlib.arrays import FloatArray
+from femlib.elements.surface import axes_in
 
 N_DOFS = 18
 WITH_BUBBLE = N_DOFS + 2
@@ -69,15 +70,7 @@ class Triangles:
     def of(cls, corners: FloatArray, axis: FloatArray) -> "Triangles":
         """Return the elements with corners (n, 3, 3) [m], their first axis the projection of `axis` (3,), or a side."""
         points = corners - corners.mean(axis=1, keepdims=True)
-        sides = SLOPES @ points
-        normal = np.cross(sides[:, 0], sides[:, 1])
-        twice = np.linalg.norm(normal, axis=1)
-        normal = normal / twice[:, None]
-        first = axis - normal * (normal @ axis)[:, None]
-        is_seen = np.linalg.norm(first, axis=1) > 1e-10 * float(np.linalg.norm(axis))
-        first = np.where(is_seen[:, None], first, sides[:, 0])
-        first /= np.linalg.norm(first, axis=1)[:, None]
-        axes = np.stack([first, np.cross(normal, first), normal], axis=2)
+        twice, axes = axes_in(SLOPES @ points, axis)
         plane = (points @ axes)[:, :, :2]
         return cls(plane, axes, 0.5 * twice, np.linalg.inv(SLOPES @ plane))
 

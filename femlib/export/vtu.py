@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
+from femlib.elements import quad4, tria3
 from femlib.errors import InputError
 from femlib.files import whole_file
 
@@ -64,3 +65,20 @@ def _array(name: str, values: FloatArray | IntArray, kind: str) -> str:
     width = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
     words = " ".join(f"{v:.9g}" for v in values.ravel())
     return f'<DataArray type="{kind}" Name="{name}"{width} format="ascii">\n{words}\n</DataArray>'
+
+
+def middle_strains(points: FloatArray, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return strain (n,) and its growth by height (n,) [1/m] along an axis at the middles of elements (n, k, 3)."""
+    if points.shape[1] == quad4.N_NODES:
+        many = quad4.strain_operators(points, [(0.0, 0.0)])
+        membrane, curvature, axes = many.membrane[:, 0], many.curvature[:, 0], many.axes[:, 0]
+    else:
+        each = [tria3.strain_operator(corners) for corners in points]
+        membrane, curvature, axes = (
+            np.array([getattr(o, name) for o in each]) for name in ("membrane", "curvature", "axes")
+        )
+    along = axis @ axes
+    c, s = along[:, :2].T / np.hypot(along[:, 0], along[:, 1])
+    weights = np.stack([c * c, s * s, c * s], axis=1)
+    strain, growth = (np.einsum("ec,eci,ei->e", weights, rows, moved) for rows in (membrane, curvature))
+    return strain, growth

@@ -29,7 +29,7 @@ from femlib.assembly import (
     relative_distance,
 )
 from femlib.assembly.refined import MOST_UNKNOWNS
-from femlib.components import DamagedStructure, checked_damage, damage_row
+from femlib.components import DamagedStructure, damage_row
 from femlib.errors import InputError, SolveError, frozen_floats
 from femlib.kept import Kept, ReadOnly
 from femlib.mesh import DOFS_PER_NODE
@@ -362,8 +362,7 @@ class Structure:
 
     def stiffness_left(self, state: Mapping[str, float]) -> FloatArray:
         """Return the share of its stiffness that each part (n_parts,) keeps in a state."""
-        damage = checked_damage(damage_row(state, self.parameters)[None, :], self.parameters)[0]
-        return self.damaged.stiffness_left(damage)
+        return self.damaged.left_in(state)
 
     def quality(self, state: Mapping[str, float], load: FloatArray) -> Quality:
         """Return what a solution is worth, however little: `solve` refuses it beyond 3 %."""

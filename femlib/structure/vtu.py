@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from femlib.arrays import FloatArray
-from femlib.elements import quad4, tria3
-from femlib.export.vtu import vtu_path, write_fields
+from femlib.export.vtu import middle_strains, vtu_path, write_fields
 from femlib.sensors import STEEPEST
 from femlib.structure.model import MICRO, Structure
 
@@ -53,23 +52,6 @@ def face_strains(structure: Structure, moved: FloatArray, axis: FloatArray) -> t
         kept = np.flatnonzero(seen[first : first + len(corners)])
         if kept.size:
             own = moved[corners[kept]].reshape(len(kept), -1)
-            middle[first + kept], slope[first + kept] = _middle_strains(mesh.nodes[corners[kept]], own, axis)
+            middle[first + kept], slope[first + kept] = middle_strains(mesh.nodes[corners[kept]], own, axis)
     half = np.array([own.thickness for own in built.laminates])[built.section] / 2.0
     return MICRO * (middle + half * slope), MICRO * (middle - half * slope)
-
-
-def _middle_strains(points: FloatArray, moved: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return strain (n,) and its growth by height (n,) [1/m] along an axis at the middles of elements (n, k, 3)."""
-    if points.shape[1] == quad4.N_NODES:
-        many = quad4.strain_operators(points, [(0.0, 0.0)])
-        membrane, curvature, axes = many.membrane[:, 0], many.curvature[:, 0], many.axes[:, 0]
-    else:
-        each = [tria3.strain_operator(corners) for corners in points]
-        membrane, curvature, axes = (
-            np.array([getattr(o, name) for o in each]) for name in ("membrane", "curvature", "axes")
-        )
-    along = axis @ axes
-    c, s = along[:, :2].T / np.hypot(along[:, 0], along[:, 1])
-    weights = np.stack([c * c, s * s, c * s], axis=1)
-    strain, growth = (np.einsum("ec,eci,ei->e", weights, rows, moved) for rows in (membrane, curvature))
-    return strain, growth

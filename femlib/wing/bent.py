@@ -11,7 +11,6 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.assembly import Deflection, deflect, thermal_forces
-from femlib.components import checked_damage, damage_row
 from femlib.errors import InputError, is_whole
 from femlib.wing.model import MICRO, Wing
 
@@ -76,19 +75,13 @@ def bend(
     for name, field in (("warming", warming), ("gradient", gradient)):
         if np.shape(field) not in ((), (n,)):
             raise InputError(f"{name} has shape {np.shape(field)}; expected one number or ({n},), one an element")
-    factor = stiffness_factor(wing, state)
+    factor = wing.structure.left_in(state)
     thermal = thermal_forces(structure.shells, np.broadcast_to(warming, n), np.broadcast_to(gradient, n))
     load = wing.load(load_factor, lift)
     fractions = (np.arange(steps) + 1.0) / steps
     last = deflect(structure.shells, structure.supports, load, fractions.tolist(), factor, thermal)[-1]
     tip = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
     return BentWing(last, gauge_strains(wing, last), last.displacement[tip].mean(axis=0))
-
-
-def stiffness_factor(wing: Wing, state: Mapping[str, float]) -> FloatArray:
-    """Return the factor on each element's stiffness (n_elements,) in a state of named damage fractions."""
-    damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    return wing.structure.stiffness_left(damage)
 
 
 def gauge_strains(wing: Wing, deflection: Deflection) -> FloatArray:

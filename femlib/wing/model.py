@@ -232,11 +232,15 @@ class Wing:
 
     def tip_stiffness(self) -> float:
         """Return force over deflection of a tip load at the spar [N/m]."""
-        nodes = self.grid.columns(len(self.grid.eta) - 1)[self.grid.spar_column]
-        load = np.zeros_like(self.lift)
-        load[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
-        undamaged = np.zeros((1, len(self.parameters)))
+        load, undamaged = self.tip_row(), np.zeros((1, len(self.parameters)))
         return 1.0 / float(load @ self.structure.solve(undamaged, load)[0])
+
+    def tip_row(self) -> FloatArray:
+        """Return the row (n_dofs,) that gives the mean lift of the tip's nodes at the spar [-]."""
+        nodes = self.grid.columns(len(self.grid.eta) - 1)[self.grid.spar_column]
+        row = np.zeros_like(self.lift)
+        row[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
+        return row
 
     def outline(self) -> FloatArray:
         """Return the closed polygon (5, 2) of the planform in (x, y) [m]."""

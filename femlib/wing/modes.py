@@ -6,7 +6,6 @@ import scipy.sparse as sparse
 
 from femlib.arrays import FloatArray
 from femlib.assembly import MOST_ERROR, BucklingMode, Mode, buckling_modes, natural_modes, point_masses
-from femlib.wing.bent import stiffness_factor
 from femlib.wing.inertia import payload_masses
 from femlib.wing.model import Wing
 
@@ -40,7 +39,7 @@ def vibrate(
     SolveError
         If an error is estimated beyond `limit`.
     """
-    structure, factor = wing.structure, stiffness_factor(wing, state)
+    structure, factor = wing.structure, wing.structure.left_in(state)
     masses = point_masses(structure.shells.mesh, payload_masses(wing, payload))
     return natural_modes(structure.shells, structure.supports, n_modes, factor, masses, limit, is_refined=False)
 
@@ -70,7 +69,7 @@ def buckle(
     SolveError
         If an error is estimated beyond `limit`.
     """
-    structure, factor = wing.structure, stiffness_factor(wing, state)
+    structure, factor = wing.structure, wing.structure.left_in(state)
     load = wing.load(1.0, lift)
     return buckling_modes(structure.shells, structure.supports, load, n_modes, factor, limit, is_refined=False)
 

@@ -7,9 +7,7 @@ import numpy as np
 from femlib.arrays import FloatArray, Judged, judged
 from femlib.assembly import Stresses, ply_stresses, solution_quality
 from femlib.assembly.stresses import Faces
-from femlib.mesh import DOFS_PER_NODE
 from femlib.rom.capability import Capability, Limits, full_limits, reduce_capability
-from femlib.wing.bent import stiffness_factor
 from femlib.wing.model import Wing
 from femlib.wing.reduced import ReducedWing
 from femlib.wing.structure import CARBON_LENGTH
@@ -33,7 +31,7 @@ def wing_stresses(
     Strains are means over `CARBON_LENGTH`; the stress of the skin is that of its equivalent layer. `error` is the root
     of the share of energy that is the mesh's, a mean: of the peak `wing_capability` has an error, by a finer wing.
     """
-    moved, factor = wing.solve(state, load_factor, lift).ravel(), stiffness_factor(wing, state)
+    moved, factor = wing.solve(state, load_factor, lift).ravel(), wing.structure.left_in(state)
     shells = wing.structure.shells
     error = float(np.sqrt(solution_quality(shells, moved, factor).displacement_error)) if load_factor else 0.0
     return ply_stresses(shells, moved, factor, error, wing_faces(wing), length=CARBON_LENGTH)
@@ -42,16 +40,13 @@ def wing_stresses(
 def reactions(wing: Wing, state: Mapping[str, float], load_factor: float, lift: FloatArray | None = None) -> Judged:
     """Return the forces and moments (n_nodes, 6) [N, N m] of the root on the nodes; arguments and errors as `solve`."""
     moved = wing.solve(state, load_factor, lift).ravel()
-    held = wing.structure.reactions(moved, wing.load(load_factor, lift), stiffness_factor(wing, state))
+    held = wing.structure.reactions(moved, wing.load(load_factor, lift), wing.structure.left_in(state))
     return judged(held, wing.mesh_error)
 
 
 def wing_limits(wing: Wing, tip_limit: float = TIP_LIMIT, criterion: str = "max strain") -> Limits:
     """Return the limits of the wing: plies, buckling, and a deflection of the tip's spar over the half-span."""
-    nodes = wing.grid.columns(len(wing.grid.eta) - 1)[wing.grid.spar_column]
-    row = np.zeros_like(wing.lift)
-    row[DOFS_PER_NODE * nodes + 2] = 1.0 / len(nodes)
-    return Limits(row, tip_limit * wing.span, criterion, wing_faces(wing), CARBON_LENGTH)
+    return Limits(wing.tip_row(), tip_limit * wing.span, criterion, wing_faces(wing), CARBON_LENGTH)
 
 
 def wing_capability(
@@ -80,9 +75,3 @@ def wing_capability(
         return reduce_capability(wing.structure, reduced, chosen, reduced.lift, n_states, n_checks)
     fine = None if finer is None else lambda state: full_limits(finer.structure, wing_limits(finer), finer.lift, state)
     return reduce_capability(wing.structure, reduced.model, chosen, lambda _: wing.lift, n_states, n_checks, finer=fine)
-
-
-def full_capability(wing: Wing, state: Mapping[str, float], limits: Limits | None = None) -> FloatArray:
-    """Return the load factors (3,) at which `femlib.rom.capability.LIMITS` are reached, by the full model."""
-    row = np.array([state.get(name, 0.0) for name in wing.parameters])
-    return full_limits(wing.structure, wing_limits(wing) if limits is None else limits, wing.lift, row)

@@ -142,11 +142,12 @@ class Diagnosis:
         return credible_set(self.which)
 
     def augmented(self, twin: Twin) -> AugmentedTwin:
-        """Return the twin with the effects of the first cause and the calibration added."""
+        """Return the twin with the effects of the first cause, as they were last, and the calibration added."""
         inputs = self.posterior.model.inputs
-        parts = self.which[0].parameters if self.which else ()
-        by_name = {candidate.name: candidate.effect for candidate in inputs.candidates}
-        additions = [Addition(by_name[p.effect], p.place, p.size) for p in parts]
+        parts = list(self.which[0].parameters if self.which else ())
+        stays = {(c.name, c.place): c.effect for c in inputs.candidates if c.test in ("", inputs.last_test)}
+        parts = [p for p in parts if (p.effect, p.place) in stays]
+        additions = [Addition(stays[p.effect, p.place], p.place, p.size) for p in parts]
         additions.sort(key=lambda addition: in_chain(addition.effect))  # the structure first, the chain last
         level = self.posterior.model.level
         own, sound = twin.twin if isinstance(twin, CachedTwin) else twin, inputs.twin.twin

@@ -270,7 +270,9 @@ def _signatures_at(model: LinearModel, load: Load) -> Floats:
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
     order = list(inputs.order)
     asked = inputs.effects()
-    return np.concatenate([inputs.twin.signatures(e, places, state, load, time)[:, order] for e, places in asked])
+    rows = np.concatenate([inputs.twin.signatures(e, places, state, load, time)[:, order] for e, places in asked])
+    stays = np.array([one.test in ("", inputs.last_test) for one in inputs.candidates])
+    return np.asarray(rows * stays[:, None])
 
 
 def _at_own_sizes(model: LinearModel, rows: Floats, fit: Fit, load: Load) -> Floats:
@@ -282,7 +284,7 @@ def _at_own_sizes(model: LinearModel, rows: Floats, fit: Fit, load: Load) -> Flo
     state, time = inputs.named(model.states[0]), max(average.time for average in inputs.averages)
     for k, (j, size) in enumerate(zip(fit.members, fit.size.tolist(), strict=True)):
         forward = inputs.candidates[j].forward
-        if forward is not None and size and inputs.candidates[j].name not in inputs.open:
+        if forward is not None and size and found[k].any() and inputs.candidates[j].name not in inputs.open:
             there = forward(inputs.twin, state, load, size, inputs.candidates[j].place, time)
             found[k] = ((np.asarray(there) - inputs.twin.predict(state, load)) / size)[list(inputs.order)]
     return found

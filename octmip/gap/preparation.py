@@ -1,6 +1,7 @@
 """What a diagnosis starts from: the model within its budget, the constants of the asset, and what is looked for."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,12 +12,15 @@ from octmip.gap.doors.built import as_built, built_words, by_campaign
 from octmip.gap.doors.function import FunctionTwin
 from octmip.gap.effects import chain_of
 from octmip.gap.effects.families import History
+from octmip.gap.effects.simple import SimpleEffect
 from octmip.gap.inference.inputs import WITHOUT_RUN, Inputs, prepare
 from octmip.gap.inference.signatures import load_steps
 from octmip.gap.odds import Odds
 from octmip.gap.twins import CachedTwin
 from octmip.twin import MICROSTRAIN, Effect, Twin, units_of
 
+MOST_TESTS = 3
+"""Tests of a campaign up to which an effect may have a size of its own in each: no larger sets are looked for."""
 WARMER = 1.0
 """Range of the temperature [K] from which readings may go with it."""
 
@@ -48,11 +52,22 @@ def inputs_of(
     chosen = effects if effects is not None else library_of(sound, campaign)
     own, there = getattr(asked, "effects", {}), getattr(sound, "effects", {})
     chosen = {key: there[key] if effect is own.get(key) else effect for key, effect in chosen.items()}
-    chosen, lost = _answered(chosen, sound, campaign)
+    chosen, lost = _answered(_by_test(chosen, campaign), sound, campaign)
     inputs, notes = prepare(campaign, sound, chosen, run, noise_sd, odds)
     if run is not None:
         return inputs, [*lost, *built_words(asked, sound), *notes]
     return inputs, [*lost, *(note for note in notes if note != WITHOUT_RUN or not inputs.open)]
+
+
+def _by_test(effects: Mapping[str, Effect], campaign: Campaign) -> dict[str, Effect]:
+    """Return the effects, those of the whole also with sizes of their own in each of few tests: they may grow."""
+    tests = tuple(dict.fromkeys(cell.test for cell in campaign.cells))
+    changes = {
+        key: replace(effect, tests=tests)
+        for key, effect in effects.items()
+        if isinstance(effect, SimpleEffect) and effect.at == ("",) and 1 < len(tests) <= MOST_TESTS
+    }
+    return {**effects, **changes}
 
 
 def _answered(

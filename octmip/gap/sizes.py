@@ -9,7 +9,8 @@ The fit gives a normal size under the hypothesis that leads. Four things make th
 * two models of one effect differ in its whole signature somewhat less than gauge by gauge: the size is no surer;
 * an effect with an exact forward map g is not linear in its size: with W the whitening of the hypothesis and r the
   residual less what its other members and the open states make, |W (r - g(theta))|^2 is made least, by Gauss and
-  Newton's steps from the linear fit on; the sd is stretched by |W S| / |W dg/dtheta|, S the signature about none.
+  Newton's steps from the linear fit on, slopes by the last two answers; the sd is stretched by |W S| / |W dg/dtheta|,
+  S the signature about none.
 """
 
 from collections.abc import Sequence
@@ -17,10 +18,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from octmip.gap.effects.words import EffectWords, words_at
-from octmip.gap.inference.candidates import bounds_of
+from octmip.gap.inference.candidates import Candidate, bounds_of
 from octmip.gap.inference.inference import BETWEEN, Judged, neighbours, scales_of
 from octmip.gap.inference.linear_model import LinearModel
 from octmip.gap.inference.posterior import fit_together
@@ -32,12 +32,12 @@ WIDTH = 1.645
 """Standard deviations of a 90 % interval."""
 NEGLIGIBLE = 1e-3
 """Share of a cause's probability below which one of its hypotheses does not move the size."""
-STEPS = 10
-"""Most steps of a fit with an exact forward map, each of two maps for every load."""
-SLOPE = 0.05
-"""Step of the derivative over the prior sd: a table or a rough model has none at a point."""
-CLOSE = 1e-4
-"""Relative step below which a size is found."""
+STEPS = 6
+"""Most steps of a fit with an exact forward map, each of one map for every load."""
+TOLD = 0.01
+"""Probability of a cause from which the model is asked for its sizes; less is not worth its answers."""
+CLOSE = 0.1
+"""Step over its own sd below which a size is found."""
 COMMON_PART = 0.6
 """Sd of the error of a whole signature over that at one gauge: two models of one effect share most constants."""
 LEAST_PART = 0.04
@@ -77,14 +77,15 @@ def parameters(head: Judged, same: Sequence[Judged]) -> tuple[Parameter, ...]:
     """Return the sizes of a hypothesis; `same` are the hypotheses that are the same cause, itself among them."""
     if not head.members:
         return ()
-    own = head.fit
-    least = NEGLIGIBLE * sum(h.probability for h in same)
+    own, probability = head.fit, sum(h.probability for h in same)
+    least = NEGLIGIBLE * probability
     same = [h for h in same if h is head or (h.probability > least and not h.has_unknown)]
     fit_together(same)
-    return tuple(_parameter(head, j, float(own.size[k]), same) for k, j in enumerate(own.members))
+    told = probability >= TOLD
+    return tuple(_parameter(head, j, float(own.size[k]), same, told) for k, j in enumerate(own.members))
 
 
-def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -> Parameter:
+def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged], told: bool) -> Parameter:
     candidate = head.model.inputs.candidates[member]
     effect, place = candidate.effect, candidate.place
     mean, variance = _mixture(head, member, same)
@@ -92,7 +93,8 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
     relative = np.hypot(_place_error(head.model, member), whole)
     spread = WIDTH * float(np.sqrt(variance + (mean * relative) ** 2))
     low, high = min(size, mean - spread), max(size, mean + spread)
-    exact, stretch = _exact(head, member, size) if candidate.forward is not None and size else (size, 1.0)
+    is_asked = told and size and candidate.forward is not None
+    exact, stretch = _exact(head, member, size) if is_asked else (size, 1.0)
     low, high = (exact + stretch * (end - size) for end in (low, high))
     size, low, high = (float(value) for value in np.clip((exact, low, high), *bounds_of(effect)))
     named = words_at(effect, head.model.inputs.twin, place)
@@ -102,26 +104,35 @@ def _parameter(head: Judged, member: int, size: float, same: Sequence[Judged]) -
 def _exact(head: Judged, member: int, size: float) -> tuple[float, float]:
     """Return the size of a member that fits all readings best by its exact forward map, and the stretch of its sd."""
     model, own, candidate = head.allowing, head.fit, head.model.inputs.candidates[member]
-    sd, (low, high) = float(model.inputs.priors.sd[member]), bounds_of(candidate.effect)
+    low, high = bounds_of(candidate.effect)
     moved = model.tangents @ model.moved_by(own.members, own.size)
     others = [k for k, j in enumerate(own.members) if j != member]
     moved = moved + model.signatures[:, [own.members[k] for k in others]] @ own.size[others]
-    target = model.whiten(model.residual - moved)
+    target, at = model.residual - moved, float(np.clip(model.chords.get(member, size), low, high))
+    linear = slope = model.whiten(model.signatures[:, member])
+    left = model.whiten(target - _reads(model, candidate, at))
+    for k in range(STEPS):
+        if (steep := float(np.linalg.norm(slope))) == 0.0:
+            break
+        step = float(slope @ left) / steep**2
+        if abs(step) * steep < CLOSE and k:
+            break
+        if abs(step) * steep < CLOSE:  # the slope there is not known yet
+            step = (1.0 if at + 1.0 / steep <= high else -1.0) / steep
+        there = float(np.clip(at + step, low, high))
+        if there == at:
+            break
+        ahead = model.whiten(target - _reads(model, candidate, there))
+        slope = (left - ahead) / (there - at)
+        if np.linalg.norm(ahead) < np.linalg.norm(left):
+            at, left = there, ahead
+    steep = float(np.linalg.norm(slope))
+    return at, float(np.linalg.norm(linear)) / steep if linear.any() and steep > 0.0 else 1.0
 
-    def left(shares: Floats) -> Floats:
-        rows = exact_change(model.inputs, model.states, candidate, sd * float(shares[0]))
-        return np.asarray(target - model.whiten(rows[model.average, model.gauge]))
 
-    def slope(shares: Floats) -> Floats:
-        ahead = SLOPE if sd * (float(shares[0]) + SLOPE) <= high else -SLOPE
-        return np.asarray((left(shares + ahead) - left(shares))[:, None] / ahead)
-
-    start = float(np.clip(size, low, high)) / sd
-    ends = (low / sd, high / sd)
-    found = least_squares(left, [start], slope, bounds=ends, method="dogbox", xtol=CLOSE, max_nfev=STEPS)
-    steep = float(np.linalg.norm(np.asarray(found.jac))) / sd
-    linear = float(np.linalg.norm(model.whiten(model.signatures[:, member])))
-    return sd * float(found.x[0]), linear / steep if linear > 0.0 and steep > 0.0 else 1.0
+def _reads(model: LinearModel, candidate: Candidate, size: float) -> Floats:
+    """Return what a candidate of a size changes in the rows of a model (n_rows,)."""
+    return np.asarray(exact_change(model.inputs, model.states, candidate, size)[model.average, model.gauge])
 
 
 def _mixture(head: Judged, member: int, same: Sequence[Judged]) -> tuple[float, float]:

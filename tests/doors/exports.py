@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.oracles.sql_engines import ENGINES, ROW, same
 from octmip.errors import DataError
 from tests.doors.row import Refused, Row, command
+from tests.oracles.sql_engines import ENGINES, ROW, same
 
 NAN = float("nan")
 NEGATIVE_NAN = float(np.copysign(NAN, -1.0))

@@ -11,14 +11,14 @@ import pandas as pd
 import pytest
 
 from benchmarks.cases.doors.sql_engines import outcome
-from benchmarks.oracles.export_runs import C_FLAGS
-from benchmarks.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
 from octmip import OptimalTreeClassifier
 from octmip.errors import TreeError
 from octmip.formats.columns import Columns
 from octmip.formats.columns.cells import read_cells
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, ValueLeaf
+from tests.oracles.export_runs import C_FLAGS
+from tests.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
 
 STREAM = 61
 

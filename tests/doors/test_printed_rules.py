@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from benchmarks.cases.doors.printed_rules import wrong_rows
-from benchmarks.oracles.printed_rules import number, value_of
 from octmip import Leaf, Split
 from octmip.formats.columns.cells import read_cells
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
@@ -21,6 +20,7 @@ from octmip.input.names import shortened
 from octmip.interfaces.report.text import tree_text
 from octmip.interfaces.report.tree.words import number as page_number
 from octmip.trees.digits import exact, grouped, midpoint
+from tests.oracles.printed_rules import number, value_of
 
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 BESIDE = (-1500, -1, 0, 1, 400, 1500)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import octmip
-from benchmarks.oracles.heap_trees import heap_tree, heap_trees
 from octmip.errors import ProblemError, SolverError
+from tests.oracles.heap_trees import heap_tree, heap_trees
 
 pyo = pytest.importorskip("pyomo.environ")
 

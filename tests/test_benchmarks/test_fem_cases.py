@@ -1,16 +1,8 @@
-"""The wing's benchmark cases at sizes that take a second each: their lines and their tables."""
+"""The shells' benchmark cases at sizes that take a second: their lines and their tables."""
 
-from benchmarks.cases.fem import mesh as fem_mesh
 from benchmarks.cases.fem import shells as fem_shells
 from benchmarks.shells.case import DIAGONALS
 from benchmarks.shells.problems import CONVERGING, STRIPS
-
-
-def test_mesh_lines_shrink_with_the_step():
-    lines = list(fem_mesh.compared((0.25, 0.4), 0.6))
-    assert lines[0]["pristine_rms"] > lines[1]["pristine_rms"]
-    assert lines[1]["times_finer"] > 1.5
-    assert "| 0.4 |" in fem_mesh.summary(lines)
 
 
 def test_shell_lines_make_tables():

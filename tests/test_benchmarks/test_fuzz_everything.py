@@ -10,12 +10,12 @@ import pytest
 from benchmarks.cases.fuzz.everything import results, summary, watched
 from benchmarks.kinds.asked import KINDS, STREAM, answer, questions
 from benchmarks.kinds.classes import complaint
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.rational import cost_of, least_cost
-from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 from octmip import Leaf, Problem, Stop, solve
 from octmip.trees.tree import n_splits
+from tests.oracles.enumeration import optimum
+from tests.oracles.rational import cost_of, least_cost
+from tests.oracles.strategies import random_problem, with_missing
+from tests.oracles.wide_problems import sized_lines, sized_problem, wide_problem
 
 FIRST, N_SEEDS, BLOCK = 1_000_060, 120, 40
 SLOW = ("axis", "changes_missing", "numbers", "sparse_parts")

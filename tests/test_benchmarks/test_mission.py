@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from benchmarks.oracles.page_check import check_page
 from benchmarks.uav.mission.aircraft import Aircraft, build_aircraft
 from benchmarks.uav.mission.capable import MOST, STEP, Capable
 from benchmarks.uav.mission.flight import Flight, recorded
@@ -13,6 +12,7 @@ from benchmarks.uav.mission.planner import LOST, WIDE_STEPS
 from benchmarks.uav.mission.policies import POLICIES, Brain, Pilot
 from benchmarks.uav.mission.simulation import fly
 from femlib.wing import reduced_twin, uav_wing
+from tests.oracles.page_check import check_page
 
 LEVELS = np.linspace(0.0, MOST, round(MOST / STEP) + 1)
 CAPABLE = Capable(4.0 - 1.6 * np.maximum(LEVELS[:, None], 0.2 * LEVELS), 4.0 - 2.0 * LEVELS)

@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.blind.__main__ import main as blind_main
 from benchmarks.case import Case
-from benchmarks.cases.exact import large, option_prices
+from benchmarks.cases.exact import option_prices
 from benchmarks.data import SHARED, numeric_sets
 from benchmarks.registry import FAMILIES, family
 from benchmarks.rivals import RIVALS
@@ -35,15 +35,6 @@ def test_a_family_names_its_cases_or_yields_results(name):
     assert len({(case.size, case.seed) for case in cases}) == len(cases)
     assert {solver for case in cases for solver in case.solvers} <= set(RIVALS)
     assert cases[0].build().n_samples > 1
-
-
-@pytest.mark.parametrize("way", large.WAYS)
-def test_large_tables_are_measured_with_memory_and_predictions(way):
-    line = large.measured(400, 3, way, 1.0)
-    assert line["megabytes"] >= line["table_megabytes"] > 0
-    assert line["predictions_per_second"] > 0
-    assert 0 <= line["objective"] < 200
-    assert line["outcome"] in {"proven", "greedy", "finished", "optimal", "time"}
 
 
 def test_an_unknown_family_is_refused_with_the_known_ones():

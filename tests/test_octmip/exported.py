@@ -10,9 +10,9 @@ from ctypes import CDLL, c_double
 import numpy as np
 import pytest
 
-from benchmarks.oracles.export_runs import C_FLAGS
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.tree import leaves
+from tests.oracles.export_runs import C_FLAGS
 
 
 def _names(tree, readings):

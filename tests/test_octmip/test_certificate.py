@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.oracles.strategies import problems, random_tree
 from octmip import HyperplaneSplit, Leaf, Problem, Solution, Split, Stop, certify, predict
 from octmip.errors import CertificateError
 from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.losses import ClassCosts
 from octmip.trees.tree import leaf_index, leaves
+from tests.oracles.strategies import problems, random_tree
 
 FEATURES = np.array([[0.0, 5.0], [1.0, 5.0], [2.0, 7.0], [3.0, 7.0], [4.0, 9.0]])
 PROBLEM = Problem(FEATURES, ["a", "a", "b", "b", "a"], depth=2, leaf_size=1, sensor_budget=2, feature_names=("g", "h"))

@@ -10,15 +10,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
-from benchmarks.oracles.wide_problems import wide_problem
 from octmip import Limits, Options, Problem, SearchOptions, SquaredError, Stop, solve
 from octmip.errors import DataError
 from octmip.trees.checkpoint.file import first_line, summed
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
+from tests.oracles.wide_problems import wide_problem
 
 LINES = {"depth": 2, "split": "hyperplane", "split_size": 2}
 COSTS = ClassCosts(np.array([[0, 0.1, 0.2], [0.1, 0, 0.1], [0.3, 0.2, 0]]))

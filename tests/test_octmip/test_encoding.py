@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from benchmarks.oracles.strategies import problems, random_tree
 from octmip import ClassCosts, Leaf, Problem, Split, predict
 from octmip.trees.digits import midpoint
 from octmip.trees.encoding import integer_costs, rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.reached import without_empty_sides
+from tests.oracles.strategies import problems, random_tree
 
 
 def with_costs(**settings):

@@ -9,11 +9,11 @@ from operator import le
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem
-from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Leaf, Problem, Split, solve
 from octmip.trees.encoding import costs as grid
 from octmip.trees.encoding import integer_costs
+from tests.oracles.strategies import random_problem
+from tests.oracles.wide_problems import wide_problem
 
 X, Y = np.arange(6.0)[:, None], [0, 1, 0, 1, 1, 0]
 

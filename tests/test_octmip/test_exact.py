@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Solution
 from octmip.trees import _native
 from octmip.trees.methods import native_call
@@ -16,6 +14,8 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Limits, Stop
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 
 def without(prune: str, problem: Problem, limits: Limits | None = None) -> Solution:

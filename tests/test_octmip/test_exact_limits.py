@@ -6,7 +6,6 @@ import sys
 import numpy as np
 import pytest
 
-from benchmarks.cases.exact.boundaries import problem_of
 from octmip import certify, solve
 from octmip.trees import _native
 from octmip.trees.encoding import integer_costs, native_problem, rank_features
@@ -87,7 +86,10 @@ def test_a_proof_that_memory_ends_is_followed_by_a_search_with_its_bound() -> No
 
 
 def test_the_bound_of_a_large_table_rises_step_by_step_before_its_proof_ends() -> None:
-    problem = problem_of("a tree", 420_000)
+    random = np.random.default_rng(0)
+    features = random.normal(size=(420_000, 10))
+    by_the_tree = np.where(features[:, 0] > 0.3, features[:, 1] > -0.5, features[:, 2] > 0)
+    problem = Problem(features, by_the_tree ^ (random.random(len(features)) < 0.1), depth=2)
     truth = Split(0, 0.3, Split(2, 0.0, Leaf(0), Leaf(1)), Split(1, -0.5, Leaf(0), Leaf(1)))
     reports: list[Progress] = []
     found = branch_and_bound(problem, incumbent=truth, progress=reports.append)

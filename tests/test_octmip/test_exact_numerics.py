@@ -5,8 +5,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.wide_problems import wide_problem
 from octmip import ClassCosts, Leaf, Problem, Split, certify, predict
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.encoding import costs as grid
@@ -16,6 +14,8 @@ from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import Stop, closing_tolerance
 from octmip.trees.tree import n_splits
+from tests.oracles.enumeration import optimum
+from tests.oracles.wide_problems import wide_problem
 
 BLOCK = 30
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz.proofs import corrupted
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.proof import check_proof
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 BLOCK = 20
 

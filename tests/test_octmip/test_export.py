@@ -8,13 +8,13 @@ import sys
 import numpy as np
 import pytest
 
-from benchmarks.oracles.export_runs import EXACT, REFUSED, run_c, run_onnx, run_sql
-from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.report_runs import run_json, run_markdown, run_page, run_picture, run_text, tree_over
 from octmip.errors import TreeError
 from octmip.monitor import CompiledTree
 from octmip.monitor.export import c_source, onnx_model, sql_expression
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, predict
+from tests.oracles.export_runs import EXACT, REFUSED, run_c, run_onnx, run_sql
+from tests.oracles.hostile_names import hostile_names
+from tests.oracles.report_runs import run_json, run_markdown, run_page, run_picture, run_text, tree_over
 from tests.test_octmip.exported import EXPORTS
 
 NAMES = [name for _, name in hostile_names(60)]

@@ -77,6 +77,26 @@ def test_a_run_of_another_twin_or_of_unknown_states_says_no_constants():
     assert built_by(replace(run, parameters=("crack",), states=unknown), CachedTwin(other), 0.08) is None
 
 
+def test_slopes_that_a_run_told_are_not_asked_for_again_and_are_those_of_the_asset():
+    built = built_by(read(SPRINGS, under(), 0, k1=9.2), CachedTwin(SPRINGS), 0.08)
+    own = SPRINGS.at(built.values, built.signature_error, slopes=built.slopes)
+    n_asked = len(SPRINGS.answers)
+    slope = own.effects["k1"].signature(own, {}, 40.0)
+    assert len(SPRINGS.answers) == n_asked
+    assert slope[0] == pytest.approx(-40.0 / 9.2**2, rel=0.08)
+    assert own.effects["k1"].signature(own, {}, 50.0)[0] == pytest.approx(-50.0 / 9.2**2, rel=0.08)  # asked now
+    assert len(SPRINGS.answers) > n_asked
+
+
+def test_a_diagnosis_asks_its_model_six_times_for_every_parameter_and_load_at_most():
+    twin = function_twin(springs, READINGS, RANGES, loads=("force",))
+    run, now = read(twin, under(), 1), read(twin, under(), 2, k1=8.0)
+    before = len(twin.answers)
+    found = diagnose(now, twin, commissioning=run)
+    assert found.which[0].names == (frozenset({"k1"}),)
+    assert len(twin.answers) - before <= 6 * len(RANGES) * len(FORCES)
+
+
 def test_a_gauge_that_reads_nothing_or_that_the_twin_lacks_does_not_count():
     run = read(SPRINGS, under(), 1, k1=9.2)
     silent = replace(
@@ -219,3 +239,33 @@ def test_constants_that_one_reading_alone_shows_are_told_with_their_correlation(
     assert not found.which[0].effects
     run = read(twin, under(), 4, sd=np.array([0.02, 0.1]))
     assert not diagnose(run, twin, commissioning=run).constants
+
+
+@pytest.mark.parametrize(
+    ("values", "places"),
+    [((9.0, 7.0), {"test May", "test June"}), ((10.0, 8.0), {"test June"}), ((8.0, 8.0), {""}), ((10.0, 10.0), set())],
+)
+def test_a_parameter_may_have_another_size_in_every_test(values, places):
+    rng = np.random.default_rng(3)
+    months = list(zip(("May", "June"), values, strict=True))
+    now = [
+        Recorded(
+            np.array(springs({"k1": k1, "k2": 12.0, "arm": 0.5}, load)) + SD * rng.standard_normal((20, 4)),
+            load,
+            test=month,
+        )
+        for month, k1 in months
+        for load in under()
+    ]
+    found = diagnose(gathered(SPRINGS, now), SPRINGS, commissioning=read(SPRINGS, under(), 4))
+    first = found.which[0]
+    assert {p.effect for p in first.parameters} <= {"k1"}
+    assert {p.place for p in first.parameters} == places
+    for p in first.parameters:
+        wanted = dict(months).get(p.place.removeprefix("test "), values[0]) - 10.0
+        assert p.low <= wanted <= p.high
+    # the corrected twin is the asset of the last test
+    assert found.augmented(SPRINGS).predict({}, 50.0)[0] == pytest.approx(50.0 / values[1], rel=0.02)
+    if len(places) == 2:
+        assert "in test May" in recommend(found)
+        assert "in test June" in recommend(found)

@@ -6,8 +6,6 @@ import re
 import numpy as np
 import pytest
 
-from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.page_check import check_page
 from octmip.gap import diagnose
 from octmip.input.names import shown
 from octmip.interfaces.report.diagnosis.as_json import as_object
@@ -16,6 +14,8 @@ from octmip.interfaces.report.diagnosis.page import report_page
 from octmip.interfaces.report.diagnosis.recommendation import recommend
 from octmip.interfaces.report.diagnosis.words import page_of_words
 from octmip.trees.tree import Leaf, Split
+from tests.oracles.hostile_names import hostile_names
+from tests.oracles.page_check import check_page
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
 
 TWIN = Beam()

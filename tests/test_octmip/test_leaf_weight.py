@@ -7,12 +7,12 @@ import pytest
 from sklearn.tree import DecisionTreeClassifier
 
 import octmip
-from benchmarks.oracles.enumeration import optimum
 from octmip import AbsoluteError, OptimalTreeClassifier, OptimalTreeRegressor, Problem, SquaredError, Stop
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import certify
 from octmip.trees.encoding import repeated_rows
 from octmip.trees.losses import ClassCosts
+from tests.oracles.enumeration import optimum
 
 STRIPES = [[0.0], [1.0], [2.0], [3.0]], ["a", "b", "a", "b"]
 WEIGHTS = {

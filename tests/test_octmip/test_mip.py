@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.errors import SolverError
 from octmip.trees.losses import ClassCosts
@@ -20,6 +18,8 @@ from octmip.trees.mip.flow import solve_flow
 from octmip.trees.mip.highs import highs
 from octmip.trees.mip.oct import encode, solve_oct
 from octmip.trees.mip.rows_file import write_rows
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 SOLVERS = {"oct": solve_oct, "flow": solve_flow}

@@ -7,8 +7,6 @@ import threading
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Stop, solve
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip.benders.bounds import Bounds
@@ -16,6 +14,8 @@ from octmip.trees.mip.benders.memory import Memory
 from octmip.trees.mip.benders.solver import solve_benders
 from octmip.trees.mip.benders.subproblem import Subproblem
 from octmip.trees.mip.prices import own_prices
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 
 def mixed(n: int, p: int, n_classes: int, seed: int, **options) -> Problem:

@@ -10,8 +10,6 @@ import scipy.sparse as sp
 import octmip
 from benchmarks.cases.mio.random_problems import by_pyomo, judged
 from benchmarks.data import SHARED, first_rows, published, uci
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import hyperplane_problem, random_problem
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, PACKAGES, PROGRAMS, is_installed, solve_file
 from octmip import ClassCosts, Leaf, Problem, Split, certify
 from octmip.errors import DataError, ProblemError, SolverError
@@ -19,6 +17,8 @@ from octmip.trees.mip import rows_file
 from octmip.trees.mip.blocks.heap import place
 from octmip.trees.mip.model_rows import Answer, model_of
 from octmip.trees.mip.pyomo_results import report_of
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import hyperplane_problem, random_problem
 
 pyo = pytest.importorskip("pyomo.environ")
 

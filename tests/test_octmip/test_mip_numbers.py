@@ -11,8 +11,6 @@ import highspy
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.rational import least_cost
 from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.losses import ClassCosts
 from octmip.trees.mip import engine, prices
@@ -23,6 +21,8 @@ from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
 from octmip.trees.tree import HyperplaneSplit, Split
+from tests.oracles.enumeration import optimum
+from tests.oracles.rational import least_cost
 
 SIZES = {
     "large": lambda rng, n: rng.integers(10**11, 10**12, n).astype(float),

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import octmip
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.page_model import oct_h_optimum, oct_optimum
 from octmip import ClassCosts, MipOptions, Problem
+from tests.oracles.enumeration import optimum
+from tests.oracles.page_model import oct_h_optimum, oct_optimum
 
 MARGIN = 0.02
 

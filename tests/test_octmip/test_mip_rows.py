@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem, random_tree
 from octmip.trees.certificate import first_forbidden_split
 from octmip.trees.encoding import rank_features, rows_from_tree, tree_from_rows
 from octmip.trees.mip import flow, oct
 from octmip.trees.mip.blocks.heap import Heap, place, to_tree
 from octmip.trees.mip.incumbent import canonicalise
 from octmip.trees.tree import Leaf, Split
+from tests.oracles.strategies import random_problem, random_tree
 
 
 @pytest.mark.parametrize("encode", [oct.encode, lambda problem: flow.encode(problem, Leaf(0), fix=0)])

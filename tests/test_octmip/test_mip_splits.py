@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify, solve
 from octmip.errors import SolverError
 from octmip.trees import solver_call
@@ -16,6 +15,7 @@ from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.tradeoff import trace_path
 from octmip.trees.tree import HyperplaneSplit, Node, complexity
+from tests.oracles.strategies import random_problem
 
 METHODS = {"oct": solve_oct, "flow": solve_flow}
 STAIRS = Split(0, 0.5, Leaf(0), Split(0, 1.5, Leaf(1), Split(0, 2.5, Leaf(0), Leaf(1))))

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import HyperplaneSplit, Leaf, OptimalTreeClassifier, Problem, Split, predict, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.trees.certificate import certify
@@ -19,6 +17,8 @@ from octmip.trees.proof import check_proof, checker_question
 from octmip.trees.reached import centred, without_empty_sides
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import condition, goes_left, splits, with_sides_for_missing
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem, with_missing
 
 NAN = float("nan")
 

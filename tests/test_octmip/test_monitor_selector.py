@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.oracles.strategies import random_tree, trees
 from octmip.errors import DataError, ProblemError, TreeError
 from octmip.monitor import (
     REFUSED,
@@ -18,6 +17,7 @@ from octmip.monitor import (
     library_of,
 )
 from octmip.trees.tree import HyperplaneSplit, Leaf, Split, leaf_index, leaves, n_splits, nodes, predict
+from tests.oracles.strategies import random_tree, trees
 from tests.test_octmip.beam_twin import Beam
 
 N_READINGS = 20_000

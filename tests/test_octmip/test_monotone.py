@@ -10,7 +10,6 @@ from sklearn.tree import DecisionTreeRegressor
 
 from benchmarks.kinds.classes import complaint
 from benchmarks.kinds.shaped import MONOTONE_KINDS
-from benchmarks.oracles.monotone import least_monotone_error
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.interfaces.estimator import OptimalTreeClassifier, OptimalTreeRegressor
@@ -22,6 +21,7 @@ from octmip.trees.solution import Progress
 from octmip.trees.solver import SHALLOWER, _first_tree
 from octmip.trees.solver_call import Call
 from octmip.trees.tree import predict
+from tests.oracles.monotone import least_monotone_error
 
 RNG = np.random.default_rng(4)
 FEATURES, LABELS = RNG.normal(size=(40, 3)), RNG.integers(0, 2, 40)

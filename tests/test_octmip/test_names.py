@@ -6,9 +6,9 @@ import json
 
 import pytest
 
-from benchmarks.oracles.hostile_names import hostile_names
 from octmip.input.names import html_text, shown, visible, visible_lines
 from octmip.interfaces.cli import main
+from tests.oracles.hostile_names import hostile_names
 
 NAMES = [name for _, name in hostile_names(500)]
 

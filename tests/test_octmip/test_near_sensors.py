@@ -7,8 +7,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Solution, sensor_roles, solve
 from octmip.errors import ProblemError
 from octmip.trees.certificate import checked_leaf_index
@@ -17,6 +15,8 @@ from octmip.trees.near_sets.without import Calls, loss_of
 from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import recount
 from octmip.trees.solution import Limits, Stop
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 CLOSE = Fraction(1, 10**9)
 

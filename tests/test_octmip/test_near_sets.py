@@ -9,7 +9,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from benchmarks.oracles.strategies import random_problem, with_missing
 from octmip import near_optimal, solve
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.losses import ClassCosts
@@ -18,6 +17,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import certify_set, recount
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.tree import Leaf, Split
+from tests.oracles.strategies import random_problem, with_missing
 
 
 def five_values(labels: str = "aabab", **options: object) -> Problem:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from jinja2 import UndefinedError
 
-from benchmarks.oracles.page_check import check_page
 from octmip.interfaces.report import page
 from octmip.interfaces.report.page import page_facts, render
+from tests.oracles.page_check import check_page
 
 TEMPLATE = """{% extends "base.html" %}{% from "parts.html" import cards, table, technical %}
 {% block title %}{{ name }}{% endblock %}{% block verdict %}{{ value }}{% endblock %}

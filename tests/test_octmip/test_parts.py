@@ -8,7 +8,6 @@ import pandas as pd
 import pytest
 
 from benchmarks.kinds.shaped import PART_KINDS
-from benchmarks.oracles.parts import least_cost_with_parts
 from octmip import Leaf, Limits, Problem, Split, certify, solve
 from octmip.errors import CertificateError, NoTreeError, ProblemError
 from octmip.formats.tree_file import read_tree_file
@@ -22,6 +21,7 @@ from octmip.trees.parts import rules_of_columns
 from octmip.trees.solution import Stop
 from octmip.trees.tradeoff import choose_tree, edits
 from octmip.trees.tradeoff.edits import tree_edits
+from tests.oracles.parts import least_cost_with_parts
 
 RNG = np.random.default_rng(5)
 FEATURES, LABELS = RNG.integers(0, 8, (60, 3)).astype(float), RNG.integers(0, 2, 60)

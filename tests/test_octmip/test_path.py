@@ -8,8 +8,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import ClassCosts, Limits, Problem, Solution, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.cart import greedy_tree
@@ -19,6 +17,8 @@ from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff import path as paths
 from octmip.trees.tradeoff import trace_path
 from octmip.trees.tree import complexity
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 from tests.test_octmip.test_mip import blobs
 
 WEIGHTED = blobs(depth=2, weights=[1, 9, 2, 1, 1, 5, 9, 1, 3, 1, 2, 6])

@@ -7,8 +7,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Problem, certify
 from octmip.errors import ProblemError
 from octmip.sensing import (
@@ -21,6 +19,8 @@ from octmip.sensing import (
     problem_on,
 )
 from octmip.trees.methods.options import SearchOptions
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 
 def readings(n: int = 120, p: int = 8) -> Problem:

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.oracles.strategies import random_problem
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import Leaf, Problem, Split
 from octmip.interfaces.cli import main
 from octmip.trees.problem_file import data_digest, encode, question_digest
 from octmip.trees.proof import checker_question
+from tests.oracles.strategies import random_problem
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 
 def problems() -> list[Problem]:

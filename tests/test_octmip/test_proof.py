@@ -1,18 +1,18 @@
 """Proof logs: what the checker accepts is true, what it refuses it refuses with a place and a reason.
 
-The logs are written by `benchmarks/oracles/proof_log.py`, which knows no solver.
+The logs are written by `tests/oracles/proof_log.py`, which knows no solver.
 """
 
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.proof_log import proof_log
-from benchmarks.oracles.strategies import random_problem
 from octmip import Problem
 from octmip.errors import CertificateError
 from octmip.trees.losses import ClassCosts
 from octmip.trees.proof import check_proof
+from tests.oracles.enumeration import optimum
+from tests.oracles.proof_log import proof_log
+from tests.oracles.strategies import random_problem
 
 STRIPES = Problem([[0.0], [1.0], [2.0], [3.0], [4.0], [5.0]], [0, 1, 0, 1, 0, 1], depth=2)
 

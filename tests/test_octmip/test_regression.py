@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from benchmarks.kinds.numbers import NUMBER_KINDS
-from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, ValueLeaf, certify, predict_values, solve
 from octmip.errors import CertificateError, ProblemError, TreeError
 from octmip.trees.losses import SPELLINGS, AbsoluteError, QuantileError, SquaredError, number_loss
 from octmip.trees.methods.options import ExactOptions, SearchOptions
 from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
+from tests.oracles.regression_trees import least_objective, random_problem
 
 
 def smooth(n=120, p=4, seed=0):

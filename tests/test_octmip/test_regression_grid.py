@@ -9,8 +9,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks.oracles.regression_runs import Runs
-from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip import Problem, Stop, certify, solve
 from octmip.errors import CertificateError
 from octmip.trees import _native
@@ -23,6 +21,8 @@ from octmip.trees.regression.far_targets import FARTHEST, closed_up, reach
 from octmip.trees.regression.grid import Grid
 from octmip.trees.regression.proof_log import log_scale
 from octmip.trees.solution import closing_tolerance
+from tests.oracles.regression_runs import Runs
+from tests.oracles.regression_trees import least_objective, random_problem
 
 
 def leaf_as_counted(problem):

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.regression_trees import least_objective, random_problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.certificate import certify
 from octmip.trees.losses import SPELLINGS, AbsoluteError, SquaredError, number_loss
@@ -17,6 +16,7 @@ from octmip.trees.proof import check_proof
 from octmip.trees.regression.exact import exact_regression
 from octmip.trees.regression.proof_log import write_proof
 from octmip.trees.solution import Stop
+from tests.oracles.regression_trees import least_objective, random_problem
 
 N_RANDOM = 25
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.exact.scopes import outcome
-from benchmarks.oracles.scopes import PATTERNS, Said, least_inside
 from octmip import Leaf, Problem, certify, solve
 from octmip.trees.registry import Run
 from octmip.trees.scope import depth_in_words, limits_in_words, scope_of
 from octmip.trees.tradeoff.family import Family, solve_in_family
+from tests.oracles.scopes import PATTERNS, Said, least_inside
 
 
 def test_no_better_tree_lies_inside_a_scope_that_is_said():

@@ -7,13 +7,13 @@ import threading
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Leaf, Limits, Problem, Split, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 NOISE = np.random.default_rng(1)
 LARGE = Problem(NOISE.normal(size=(400, 6)), NOISE.integers(0, 4, 400), depth=4)

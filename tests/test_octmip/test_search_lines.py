@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 
-from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import ClassCosts, Problem, certify
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.search import local_search
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
 
 def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:

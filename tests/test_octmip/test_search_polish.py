@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.oracles.strategies import hyperplane_problem
 from octmip import HyperplaneSplit, Leaf, Problem, Split, certify
 from octmip.trees.methods.margin import widened, width
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.methods.polish import polished
 from octmip.trees.methods.search import local_search
 from octmip.trees.tree import Node, leaf_index, splits
+from tests.oracles.strategies import hyperplane_problem
 
 
 def random_hyperplanes(rng, problem: Problem, depth: int) -> Node:

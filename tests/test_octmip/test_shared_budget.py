@@ -7,13 +7,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from octmip import Limits, Problem, Stop
 from octmip.errors import CertificateError, ProblemError
 from octmip.sensing import JointSolution, certify_joint, shared_budget
 from octmip.sensing.sensor_sets import SetSearch
 from octmip.trees.methods.options import SearchOptions
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 
 def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:

@@ -11,9 +11,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.page_check import check_page
-from benchmarks.oracles.report_runs import tree_file
 from octmip import (
     HyperplaneSplit,
     Leaf,
@@ -34,6 +31,9 @@ from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
 from octmip.trees.registry import Run
 from octmip.trees.tree import leaf_index, leaves
+from tests.oracles.hostile_names import hostile_names
+from tests.oracles.page_check import check_page
+from tests.oracles.report_runs import tree_file
 
 DAY = datetime.date(2026, 3, 1)
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.oracles.page_check import check_page
 from octmip import AbsoluteError, Problem, QuantileError, SearchOptions, Split, SquaredError, ValueLeaf, solve
 from octmip.formats.tree_file import record_tree
 from octmip.interfaces.report.html import tree_page
@@ -20,6 +19,7 @@ from octmip.interfaces.report.tree.words import Wording, figure
 from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.registry import Run
+from tests.oracles.page_check import check_page
 
 DAY = datetime.date(2026, 3, 1)
 

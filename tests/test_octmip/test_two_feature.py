@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import Limits, Problem, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem as AnyProblem
 from octmip.trees.tree import HyperplaneSplit, Split, splits
+from tests.oracles.rational import least_cost
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 
 def solve_and_certify(problem: AnyProblem, **options: object) -> float:

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from octmip import ClassCosts, Limits, Problem, Progress, Stop, certify
 from octmip.errors import ProblemError
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import _one_level_deeper, two_feature_branch_and_bound
+from tests.oracles.rational import least_cost
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 
 def mixed(depth: int) -> Problem:

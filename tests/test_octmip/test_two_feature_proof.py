@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.fuzz.proofs import corrupted
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.two_feature_problems import clouds, random_two_feature_problem
 from octmip import Problem
 from octmip.errors import CertificateError, ProblemError
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
+from tests.oracles.rational import least_cost
+from tests.oracles.two_feature_problems import clouds, random_two_feature_problem
 
 
 @pytest.mark.parametrize("depth", [1, 2])

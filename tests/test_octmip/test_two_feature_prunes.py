@@ -5,11 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from benchmarks.oracles.two_feature_problems import clouds
 from octmip import ClassCosts, Problem, certify
 from octmip.trees import _native
 from octmip.trees.methods.native_call import without
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
+from tests.oracles.two_feature_problems import clouds
 
 PRUNES = _native.two_feature_prunes()
 

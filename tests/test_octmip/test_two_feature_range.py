@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from benchmarks.oracles.rational import least_cost
 from octmip import Problem, Stop, certify
 from octmip.errors import CertificateError
 from octmip.interfaces.cli import main
@@ -13,6 +12,7 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.proof import check_proof
 from octmip.trees.solution import ProofError
+from tests.oracles.rational import least_cost
 
 # Features, labels, options of small problems; the name says what was wrong.
 CASES: dict[str, tuple[list[list[float]], list[int], dict[str, Any]]] = {

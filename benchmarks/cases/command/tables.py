@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from benchmarks.data import SHARED
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.formats.columns.cells import read_cells
 from octmip.formats.table import read_table
 from octmip.interfaces.cli import main
@@ -85,8 +85,7 @@ def facts(path: Path) -> Line:
 def summary(lines: Sequence[Line]) -> str:
     """Return what became of the tables, a row each, in Markdown."""
     head = ("table", "rows", "columns", "text", "missing", "switch", "CART → tree, training", "held out", "proven", "s")
-    rows = [head, ("---", *["---:"] * 4, "---", *["---:"] * 2, "---", "---:"), *map(_row, lines)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    return markdown(head, map(_row, lines))
 
 
 def _row(line: Line) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 Random tables of numbers (seconds since 1970, latitudes, 1e-300 to 1e300, subnormals, integers, float32, values that
 differ in their last bit), dates from days to nanoseconds with and without a time zone, durations, text and missing
 cells; trees of every method, of classes and of numbers, with one feature in a split and with several. The words of the
-tree, its drawing and its Solution are read back by `benchmarks.oracles.printed_rules` and applied to the training rows
+tree, its drawing and its Solution are read back by `tests.oracles.printed_rules` and applied to the training rows
 and to rows a last bit (or a microsecond) beside them.
 """
 
@@ -19,7 +19,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from benchmarks.oracles.printed_rules import Row, answers, holds, number
 from benchmarks.tables import Line
 from octmip import Problem, Solution, solve
 from octmip.formats.columns import Columns
@@ -28,6 +27,7 @@ from octmip.interfaces.estimator.drawing import notebook_picture, words_of
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.losses import SquaredError
 from octmip.trees.tree import Node, predict, predict_values
+from tests.oracles.printed_rules import Row, answers, holds, number
 
 CATEGORIES = ("yes-no", "subsets", "order")
 TREES, CHUNK, STREAM = 10_000, 250, 20260305

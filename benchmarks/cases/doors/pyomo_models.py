@@ -14,12 +14,12 @@ from pyomo.common.errors import ApplicationError
 from pyomo.contrib.solver.common.factory import SolverFactory
 from pyomo.contrib.solver.common.util import NoFeasibleSolutionError
 
-from benchmarks.oracles.heap_trees import heap_tree, heap_trees
 from benchmarks.pyomo_ways import WAYS, Changed
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.trees.mip.pyomo_model import model, solution_of
 from octmip.trees.problem import Problem
+from tests.oracles.heap_trees import heap_tree, heap_trees
 
 COUNT, FIRST_SEED = 200, 91_000
 PATIENCE = 30.0

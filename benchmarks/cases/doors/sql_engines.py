@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
-from benchmarks.oracles.sql_engines import ENGINES, same
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.monitor.export import sql_expression
+from tests.oracles.random_columns import ANSWERS, TYPES, answers_of, random_table, random_tree
+from tests.oracles.sql_engines import ENGINES, same
 
 N_TABLES, N_COLUMNS, N_TREES = 500, 4, 20
 STREAM = 60

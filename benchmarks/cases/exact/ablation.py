@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.cpu import Stopwatch, cpu_limit
 from benchmarks.data import Table, published, uci
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from octmip.trees import _native
 from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.exact import branch_and_bound
@@ -105,9 +105,6 @@ def summary(lines: Sequence[Line]) -> str:
     rows = []
     for line in lines:
         times = [line[key] / max(whole[line["size"]][key], 1e-4) for key in ("evaluations", "cpu_seconds")]
-        rows.append(
-            f"| {line['size']} | {line['without']} | {line['outcome']} | {line['evaluations']} | {times[0]:.2f} | "
-            f"{line['cpu_seconds']:.3g} | {times[1]:.2f} |"
-        )
-    head = ["case", "without", "outcome", "evaluations", "times", "CPU s", "times the CPU s"]
-    return "\n".join([f"| {' | '.join(head)} |", "|" + "---|" * len(head), *rows])
+        cells = [line[key] for key in ("size", "without", "outcome", "evaluations")]
+        rows.append([*cells, f"{times[0]:.2f}", f"{line['cpu_seconds']:.3g}", f"{times[1]:.2f}"])
+    return markdown(["case", "without", "outcome", "evaluations", "times", "CPU s", "times the CPU s"], rows)

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.oracles.scopes import least_inside
 from benchmarks.tables import Line
 from octmip.errors import OctmipError
 from octmip.interfaces.report.markdown import markdown_table
@@ -23,6 +22,7 @@ from octmip.trees.scope import narrow_scope, scope_of
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff.default import solve_default
+from tests.oracles.scopes import least_inside
 
 SEEDS, STREAM = 2000, 68
 AXIS = ("auto", "exact", "search", "cart", "oct", "flow", "benders")

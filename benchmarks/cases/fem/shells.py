@@ -12,7 +12,7 @@ from benchmarks.shells.case import DIAGONALS, Case
 from benchmarks.shells.problems import CONVERGING, LAMINATED, STRIPS, Problem
 from benchmarks.shells.random_panels import random_shape
 from benchmarks.shells.strips import BEAM_SHAPES, straight_beam
-from benchmarks.tables import Line
+from benchmarks.tables import Line, markdown
 from femlib.errors import MeshError, SolveError
 
 WRONG = 0.05
@@ -90,20 +90,22 @@ def panels(count: int, n: int, kind: str) -> Line:
 def summary(lines: Sequence[Line]) -> str:
     """Return the tables of docs/results/shells.md."""
     solvers = list(dict.fromkeys(line["solver"] for line in lines if "solver" in line))
-    parts = [_table("problem | mesh", "problem", lines, solvers), _table("straight beam of 6", "beam", lines, solvers)]
+    parts = [
+        _table(["problem", "mesh"], "problem", lines, solvers),
+        _table(["straight beam of 6"], "beam", lines, solvers),
+    ]
     return "\n\n".join([*parts, *(_panels_in_words(line) for line in lines if "panels" in line)])
 
 
-def _table(head: str, key: str, lines: Sequence[Line], solvers: Sequence[str]) -> str:
+def _table(head: Sequence[str], key: str, lines: Sequence[Line], solvers: Sequence[str]) -> str:
     """Return a row for each problem and mesh, or for each beam, with the ratio of each solver."""
-    cells: dict[str, dict[str, str]] = {}
+    cells: dict[tuple[str, ...], dict[str, str]] = {}
     for line in lines:
         if key in line:
-            label = f"{line[key]} | {line['mesh']}" if "mesh" in line else line[key]
+            label = (line[key], line["mesh"]) if "mesh" in line else (line[key],)
             cells.setdefault(label, {})[line["solver"]] = f"{line['ratio']:.3f}"
-    rows = [f"| {head} | " + " | ".join(solvers) + " |", "|" + "---|" * (1 + head.count("|") + len(solvers))]
-    rows += [f"| {label} | " + " | ".join(own.get(name, "") for name in solvers) + " |" for label, own in cells.items()]
-    return "\n".join(rows)
+    rows = ([*label, *(own.get(name, "") for name in solvers)] for label, own in cells.items())
+    return markdown([*head, *solvers], rows)
 
 
 def _panels_in_words(line: Line) -> str:

@@ -24,9 +24,6 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.readers.mangling import TOKENS, mangled_bytes, mangled_json, pick
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
@@ -36,6 +33,9 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.methods.two_feature import two_feature_branch_and_bound
 from octmip.trees.problem import Problem
 from octmip.trees.problem_file import write_problem_file
+from tests.oracles.rational import least_cost
+from tests.oracles.strategies import random_problem, with_missing
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 STREAM = 80  # of seeds: corruption i is drawn from default_rng([STREAM, i])
 N_CORRUPTIONS, CHUNK = 10_000, 100

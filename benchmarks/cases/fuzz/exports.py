@@ -10,11 +10,11 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-from benchmarks.oracles.export_runs import EXACT, EXPORTS, REFUSED
-from benchmarks.oracles.hostile_names import hostile_names
-from benchmarks.oracles.report_runs import REPORTS, run_page
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
+from tests.oracles.export_runs import EXACT, EXPORTS, REFUSED
+from tests.oracles.hostile_names import hostile_names
+from tests.oracles.report_runs import REPORTS, run_page
 
 COUNT = 500
 BATCH = 25

@@ -20,10 +20,6 @@ import numpy as np
 from benchmarks.corruptions import HEADER, LINE_CHANGES, Generator, changed_data, raise_bound, raise_claim
 from benchmarks.kinds.classes import LARGE_LEAVES_KIND
 from benchmarks.kinds.numbers import NUMBER_KINDS
-from benchmarks.oracles.rational import least_cost
-from benchmarks.oracles.regression_runs import Runs
-from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.two_feature_problems import random_two_feature_problem
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.trees.certificate import certify
@@ -33,6 +29,10 @@ from octmip.trees.proof import check_proof
 from octmip.trees.solution import Solution
 from octmip.trees.solver import solve
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf
+from tests.oracles.rational import least_cost
+from tests.oracles.regression_runs import Runs
+from tests.oracles.strategies import random_problem, with_missing
+from tests.oracles.two_feature_problems import random_two_feature_problem
 
 N_CORRUPTIONS, CHUNK = 1000, 100
 CORRUPTIONS = ("log", "log", "log", "log", "claim raised", "data", "data and header", "tree")

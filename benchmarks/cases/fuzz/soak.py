@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.oracles.strategies import random_problem
 from benchmarks.tables import Line
 from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.certificate import certify
@@ -26,6 +25,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.set_certificate import certify_set
 from octmip.trees.solution import Limits
 from octmip.trees.solver import solve
+from tests.oracles.strategies import random_problem
 
 EVERY = 100
 """Problems between two readings of memory."""

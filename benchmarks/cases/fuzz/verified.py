@@ -16,8 +16,6 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.corruptions import LINE_CHANGES, Generator, changed_data, raise_claim
-from benchmarks.oracles.strategies import random_problem, with_missing
-from benchmarks.oracles.wide_problems import wide_problem
 from benchmarks.tables import Line, markdown
 from octmip.errors import OctmipError
 from octmip.trees.methods.exact import branch_and_bound
@@ -25,6 +23,8 @@ from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.problem_file import write_problem_file
 from octmip.trees.proof import check_proof
+from tests.oracles.strategies import random_problem, with_missing
+from tests.oracles.wide_problems import wide_problem
 
 __all__ = ["PROGRAM", "Verdict", "agree", "compared", "results", "summary", "verdict"]
 

@@ -10,8 +10,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.cpu import Stopwatch
-from benchmarks.oracles.enumeration import optimum
-from benchmarks.oracles.strategies import random_problem
 from benchmarks.outside import BY_PYOMO, DUAL_TOLERANCE, is_installed
 from benchmarks.tables import Line
 from octmip.errors import SolverError
@@ -21,6 +19,8 @@ from octmip.trees.mip.pyomo_model import model, solution_of
 from octmip.trees.problem import Problem
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve
+from tests.oracles.enumeration import optimum
+from tests.oracles.strategies import random_problem
 
 COUNT, FIRST_SEED = 200, 90_000
 ROUNDING = 1e-12

@@ -16,12 +16,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from femlib.arrays import FloatArray
 from femlib.wing.effects.response import Response
 
 Force = Callable[[Mapping[str, float], float, str], FloatArray]
+
+
+def _no_force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
+    raise NotImplementedError("an effect without forces has a signature of its own")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +44,8 @@ class WingEffect:
         The signature is proportional to load_factor**load_power; None where it is no single power.
     response : Response
         How the gauges answer forces.
-    force : callable
-        Nodal forces (n_dofs,) per unit of size, for (state, load factor, place).
+    force : callable, optional
+        Nodal forces (n_dofs,) per unit of size, for (state, load factor, place); none where `signature` is its own.
     place_names : tuple of str
         Where it may act; ("",) for the whole.
     is_one_sided : bool
@@ -77,7 +79,7 @@ class WingEffect:
     separated_by: str
     load_power: int | None
     response: Response
-    force: Force
+    force: Force = _no_force
     place_names: tuple[str, ...] = ("",)
     is_one_sided: bool = False
     prior_mean: float = 0.0
@@ -101,11 +103,6 @@ class WingEffect:
     ) -> FloatArray:
         """Return the change of the gauge strains (n_gauges,) in microstrain per unit of size."""
         return self.response.strains(state, self.force(state, load_factor, place))
-
-
-def no_force(response: Response) -> Force:
-    """Return the force (n_dofs,) of an effect that is none: its `signature` says all."""
-    return lambda state, load_factor, place: np.zeros_like(response.wing.lift)
 
 
 class FixedForce(WingEffect):

@@ -53,11 +53,6 @@ class Creep(SkinEffect):
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    skins = SkinForces.of(response)
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return 0.01 * load_factor * skins.of_state(state)
-
     return Creep(
         name="creep",
         parameter="growth of the skins' compliance after one hour under load",
@@ -74,12 +69,11 @@ def effect(response: Response) -> WingEffect:
         ),
         load_power=1,
         response=response,
-        force=force,
         is_one_sided=True,
         uses_time=True,
         superposes=True,
         place_names=(POWER, *RETARDATION),
         n_between=2,
-        skins=skins,
+        skins=SkinForces.of(response),
         factor=0.01,
     )

@@ -29,17 +29,12 @@ CHORD_WINDOWS = ((0.0, 0.3), (0.15, 0.45), (0.3, 0.6), (0.45, 0.75), (0.6, 1.0))
 
 def effect(response: Response) -> WingEffect:
     """Return the effect."""
-    wing = response.wing
-    shells = wing.structure.shells
-    zones = damage_zones(wing)
+    zones = damage_zones(response.wing)
 
     @cache  # made at the first call: a second that many users of the wing never need
     def signatures() -> dict[str, FloatArray]:
         of_elements = element_signatures(response)
         return {place: 0.01 * of_elements[elements].sum(axis=0) for place, elements in zones.items()}
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return np.asarray(0.01 * load_factor * (shells.stiffness(zones[place]) @ response.displacements({})))
 
     return _HealthyResponse(
         name="damage_outside_library",
@@ -54,7 +49,6 @@ def effect(response: Response) -> WingEffect:
         says=("it has lost {size} of its stiffness there", "it is {size} stiffer there than the twin"),
         load_power=1,
         response=response,
-        force=force,
         place_names=tuple(zones),
         n_between=8,
         signature_error=0.4,

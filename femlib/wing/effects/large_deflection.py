@@ -22,8 +22,8 @@ import numpy as np
 from femlib.arrays import FloatArray
 from femlib.assembly import CorotatedShells, Deflection
 from femlib.kept import Kept
-from femlib.wing.bent import gauge_strains, stiffness_factor
-from femlib.wing.effects.card import WingEffect, no_force
+from femlib.wing.bent import gauge_strains
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 
 SMALL_LOAD = 0.02
@@ -66,7 +66,7 @@ class LargeDeflection(WingEffect):
 def powers(response: Response, state: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
     """Return the coefficients (n_gauges,) of L^2 and L^3 in the gauge strains [microstrain]."""
     wing = response.wing
-    shells = CorotatedShells.of(wing.structure.shells, stiffness_factor(wing, state))
+    shells = CorotatedShells.of(wing.structure.shells, wing.structure.left_in(state))
     h = SMALL_LOAD
     first = h * response.displacements(state)
     even = 0.5 * (shells.forces(Deflection.along(first)) + shells.forces(Deflection.along(-first)))
@@ -102,7 +102,6 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection",),
         load_power=None,
         response=response,
-        force=no_force(response),
         is_one_sided=True,
         signature_error=0.3,
         powers=Powers(response),

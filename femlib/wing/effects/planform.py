@@ -48,9 +48,6 @@ def effect(response: Response) -> WingEffect:
     def built() -> Response:
         return Response(manufactured_wing(response.wing))
 
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return 0.0 * response.wing.lift
-
     return AsManufactured(
         name="planform",
         parameter="share of the way from the designed to the manufactured planform",
@@ -67,7 +64,6 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,
-        force=force,
         built=built,
     )
 

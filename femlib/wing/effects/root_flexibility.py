@@ -13,7 +13,7 @@ import numpy as np
 
 from femlib.arrays import FloatArray
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.effects.card import WingEffect, no_force
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
@@ -68,6 +68,5 @@ def effect(response: Response) -> WingEffect:
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,
-        force=no_force(response),
         is_one_sided=True,
     )

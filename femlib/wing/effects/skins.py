@@ -85,11 +85,6 @@ def skin_thickness(response: Response) -> WingEffect:
 
     First order: K_skin grows by size / 100, f = -0.01 K_skin(mu) u.
     """
-    skins = SkinForces.of(response)
-
-    def force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-        return -0.01 * load_factor * skins.of_state(state)
-
     return SkinEffect(
         name="skin_thickness",
         parameter="change of the thickness of the skins' faces",
@@ -104,7 +99,6 @@ def skin_thickness(response: Response) -> WingEffect:
         seen_by=("deflection", "frequency"),
         load_power=1,
         response=response,
-        force=force,
-        skins=skins,
+        skins=SkinForces.of(response),
         factor=-0.01,
     )

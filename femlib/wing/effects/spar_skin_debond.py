@@ -24,7 +24,7 @@ import scipy.sparse as sparse
 from femlib.arrays import BoolArray, FloatArray, IntArray
 from femlib.assembly import factorise
 from femlib.mesh import DOFS_PER_NODE
-from femlib.wing.effects.card import WingEffect, no_force
+from femlib.wing.effects.card import WingEffect
 from femlib.wing.effects.response import Response
 from femlib.wing.model import MICRO, Wing
 
@@ -151,7 +151,6 @@ def effect(response: Response) -> WingEffect:
         ),
         load_power=1,
         response=response,
-        force=no_force(response),
         place_names=tuple(f"{flange} eta {inner:.3f}-{outer:.3f}" for flange in FLANGES for inner, outer in inside),
         n_between=4,
         signature_error=0.4,

@@ -12,7 +12,6 @@ import numpy as np
 
 from femlib import sensors
 from femlib.arrays import FloatArray
-from femlib.components import checked_damage, damage_row
 from femlib.errors import InputError, frozen_floats
 from femlib.export import calculix
 from femlib.export.calculix import Deck
@@ -61,16 +60,12 @@ def write_deck(
         If state, load factor, temperature or forces are bad, the ending is not .inp, or the folder cannot be written
         to.
     """
-    damage = checked_damage(damage_row(state, wing.parameters)[None, :], wing.parameters)[0]
-    factor = np.ones(wing.structure.shells.mesh.n_elements)
-    for mu, component in zip(damage, wing.structure.components, strict=True):
-        factor = np.where(component.elements, (1.0 - mu) * factor, factor)
     expansion, temperature = _temperature(wing, warming, gradient)
     deck = Deck(
         shells=wing.structure.shells,
         supports=wing.structure.supports,
         load=wing.load(load_factor, lift),
-        factor=factor,
+        factor=wing.structure.left_in(state),
         temperature=temperature,
         expansion_factor=expansion,
         analysis="large deflection" if large_deflection else "linear",

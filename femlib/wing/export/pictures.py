@@ -43,7 +43,7 @@ def region_picture(wing: Wing) -> Figure:
         if surface == "web":
             _web(axis, wing)
         else:
-            _planform(axis, wing, surface, DAMAGE)
+            draw_planform(axis, wing, surface, DAMAGE)
         if surface == "top":
             _gauges(axis, wing)
         _plan_axes(axis, TITLES[surface])
@@ -65,7 +65,7 @@ def strain_picture(wing: Wing, strains: FloatArray, title: str) -> Figure:
         cells.set_array(strains[elements])
         cells.set_clim(-limit, limit)
         axis.add_collection(cells)
-        _planform(axis, wing, surface, "none")
+        draw_planform(axis, wing, surface, "none")
         if surface == "top":
             _gauges(axis, wing)
         _plan_axes(axis, f"{surface} skin")
@@ -148,7 +148,8 @@ def _skin(mesh: Mesh, surface: str) -> IntArray:
     return found[found < len(mesh.quads)]
 
 
-def _planform(axis: Axes, wing: Wing, surface: str, colour: str) -> None:
+def draw_planform(axis: Axes, wing: Wing, surface: str, colour: str) -> None:
+    """Draw the outline, span to the right, and the damage regions of a surface in a colour, with their names."""
     axis.add_patch(Polygon(_seen(wing.outline()), closed=True, fill=False, ec=INK, lw=1.2))
     for region in wing.regions:
         if region.surface == surface:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from octmip.errors import TwinError
 from octmip.gap.campaign.campaign import Campaign
 from octmip.gap.doors.card import INSIDE
-from octmip.gap.doors.function import FunctionTwin
+from octmip.gap.doors.function import FunctionTwin, Setting
 from octmip.gap.twins import CachedTwin
 from octmip.twin import Load, State
 
@@ -55,7 +55,7 @@ def as_built(twin: CachedTwin, run: Campaign | None, share: float) -> CachedTwin
     own = built_by(run, twin, share)
     if own is None:
         return twin
-    found = CachedTwin(twin.twin.at(own.values, own.signature_error))
+    found = CachedTwin(twin.twin.at(own.values, own.signature_error, slopes=own.slopes))
     found.units = twin.units
     return found
 
@@ -129,10 +129,13 @@ class Built:
         of the parameters, by name.
     signature_error
         relative sd of what an effect changes: a twin that reads the sound asset well knows its changes well.
+    slopes
+        (n_readings,) what a unit of a parameter changes, by its name, then by states and loads of the run.
     """
 
     values: Mapping[str, float]
     signature_error: float
+    slopes: Mapping[str, Mapping[Setting, Floats]]
 
 
 def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
@@ -147,9 +150,9 @@ def built_by(run: Campaign, cached: CachedTwin, share: float) -> Built | None:
     if not ranges or run.load_names != twin.loads or not all(cell.is_known for cell in run.cells):
         return None
     read = _Read.of(run, cached, twin, share)
-    here = read.asked(np.zeros(len(ranges)))
-    rows = read.rows_near(here)
-    return _fitted(read, here, rows) if len(rows) else None
+    answers = read.asked(np.zeros(len(ranges)))
+    rows = read.rows_near(read.of_run(answers))
+    return _fitted(read, answers, rows) if len(rows) else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,14 +200,19 @@ class _Read:
         """Return the constants by name, given how many sd (n_constants,) each is off the drawing."""
         return dict(zip(self.twin.constants, (self.nominal + self.spread * shares).tolist(), strict=True))
 
+    @property
+    def settings(self) -> list[tuple[State, Load]]:
+        """States and loads of the run's cells."""
+        return [(dict(zip(self.run.parameters, c.state.tolist(), strict=True)), c.load) for c in self.run.cells]
+
     def asked(self, shares: Floats) -> Floats:
-        """Return what the model reads (n,)."""
-        values, rows = self.values(shares), []
-        for cell in self.run.cells:
-            state = dict(zip(self.run.parameters, cell.state.tolist(), strict=True))
-            answer = self.cached.checked(partial(self.twin.ask, state, cell.load, values), state, cell.load)
-            rows.append(answer[list(self.order)])
-        return np.asarray(np.array(rows)[self.seen])
+        """Return what the model reads in all cells (n_cells, n_readings)."""
+        values = self.values(shares)
+        return np.array([self.cached.checked(partial(self.twin.ask, *at, values), *at) for at in self.settings])
+
+    def of_run(self, answers: Floats) -> Floats:
+        """Return those of the model's readings (n_cells, n_readings, ...) of which the run has a mean (n, ...)."""
+        return np.asarray(answers[:, list(self.order)][self.seen])
 
     def rms(self, values: Floats) -> Floats:
         """Return the rms (n,) of the gauge of each of some values (n,)."""
@@ -218,33 +226,37 @@ class _Read:
         return np.flatnonzero(self.rms(self.mean - here) < FAR * self.rms(here))
 
 
-def _fitted(read: _Read, here: Floats, rows: NDArray[np.int64]) -> Built:
-    """Return the most probable constants by some rows, from what the drawing's read there (n,)."""
+def _fitted(read: _Read, answers: Floats, rows: NDArray[np.int64]) -> Built:
+    """Return the most probable constants by some rows, from what the drawing's read (n_cells, n_readings)."""
     ends = np.array([(own.low, own.high) for own in read.twin.constants.values()])
     inside = ends + INSIDE * np.ptp(ends, axis=1)[:, None] * np.array([1.0, -1.0])
     least, most = ((inside - read.nominal[:, None]) / read.spread[:, None]).T
-    size, measured, here = read.rms(here)[rows], read.mean[rows], here[rows]
+    size, measured = read.rms(read.of_run(answers))[rows], read.mean[rows]
     weight = (read.variance[rows] + (MODEL * size) ** 2) ** -0.5
     ahead = np.array([own.ahead(sd)[1] for own, sd in zip(read.twin.constants.values(), read.spread, strict=True)])
-    slope, told = np.zeros((len(rows), len(ahead))), np.ones(len(ahead), dtype=bool)
+    slopes, told = np.zeros((*answers.shape, len(ahead))), np.ones(len(ahead), dtype=bool)
     for k, step in enumerate(np.diag(ahead)):
         try:
-            slope[:, k] = (read.asked(step)[rows] - here) / step.sum()
+            slopes[..., k] = (read.asked(step) - answers) / step.sum()
         except TwinError:  # a constant at whose other values the model fails stays as drawn
             told[k] = False
     at = np.zeros(len(ahead))
     for _ in range(STEPS):
+        here, slope = read.of_run(answers)[rows], read.of_run(slopes)[rows]
         white, left = slope * weight[:, None], (measured - here + slope @ at) * weight
         moved = np.clip(np.linalg.solve(white.T @ white + np.eye(len(at)), white.T @ left), least, most)
         step = moved - at
         if np.abs(step).max() < CLOSE:
             break
         try:
-            there = read.asked(moved)[rows]
+            there = read.asked(moved)
         except TwinError:
             break
-        slope = slope + np.outer(there - here - slope @ step, step) / (step @ step)
-        at, here = moved, there
-    missed = np.maximum(0.0, (measured - here) ** 2 - read.variance[rows]) / size**2
+        slopes = slopes + (there - answers - slopes @ step)[..., None] * step / (step @ step)
+        at, answers = moved, there
+    left = (measured - read.of_run(answers)[rows]) ** 2 - read.variance[rows]
+    error = float(np.clip(PER_MISFIT * np.sqrt((np.maximum(0.0, left) / size**2).mean()), *ERRORS))
     values = {name: value for (name, value), has in zip(read.values(at).items(), told, strict=True) if has}
-    return Built(values, float(np.clip(PER_MISFIT * np.sqrt(missed.mean()), *ERRORS)))
+    settings, per_unit = [read.twin.setting(*where) for where in read.settings], slopes / read.spread
+    known = {name: dict(zip(settings, per_unit[..., k], strict=True)) for k, name in enumerate(read.twin.constants)}
+    return Built(values, error, {name: known[name] for name in values})

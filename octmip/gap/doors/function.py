@@ -16,6 +16,7 @@ Each question is put to the function once; its answer is kept.
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -33,6 +34,8 @@ Applied = float | Mapping[str, float]
 """What is applied: a number where the model has one load, else all loads by name."""
 Function = Callable[[Mapping[str, float], Mapping[str, float]], Any]
 """Values of all parameters and states, and of all loads, by name -> readings by name, or in the order of the card."""
+Setting = tuple[float, ...]
+"""Values of all states and loads, in the order of the card."""
 Ask = Callable[[State, Any, Mapping[str, float]], Floats]
 """State, load and values of parameters that are not nominal -> readings (n_gauges,)."""
 SHARE = 0.25
@@ -107,10 +110,11 @@ class FunctionTwin:
         values: Mapping[str, float],
         signature_error: float | None,
         open_: Mapping[str, tuple[float, float]] = MappingProxyType({}),
+        slopes: Mapping[str, Mapping[Setting, Floats]] = MappingProxyType({}),
     ) -> "FunctionTwin":
         """Return the twin with other nominal values of some parameters, and of how well it knows what each does.
 
-        None: no run says that. The answers are shared.
+        None: no run says that. Slopes that are known are not asked for again. The answers are shared.
         """
         twin = copy(self)
         error, whose = (SIGNATURE_ERROR, OPEN) if signature_error is None else (signature_error, SOUND)
@@ -121,6 +125,7 @@ class FunctionTwin:
             name: replace(
                 parameter_effect(name, ranges[name], twin.ask, whose if name in values else MODEL),
                 signature_error=error,
+                slope=partial(_known, twin, slopes[name]) if name in slopes else None,
                 **self._along(twin, name),
             )
             for name, effect in self.effects.items()
@@ -164,6 +169,10 @@ class FunctionTwin:
             if self.watch is not None:
                 self.watch(len(self.answers))
         return self.answers[key]
+
+    def setting(self, state: State, load: Applied) -> Setting:
+        """Return the values of all states and loads, in the order of the card."""
+        return *(float(state.get(name, 0.0)) for name in self.card.states), *self._by_name(load).values()
 
     def _by_name(self, load: Applied) -> dict[str, float]:
         """Return the loads in the order of the card.
@@ -263,6 +272,10 @@ class _Along:
     def __call__(self, readings: Floats, size: float, load: Any, place: str, state: State) -> Floats:
         rise = self.ask(state, load, {self.name: self.there}) - self.ask(state, load, {})
         return readings + rise * (size / (self.step * self.sd))
+
+
+def _known(twin: FunctionTwin, slopes: Mapping[Setting, Floats], state: State, load: Applied) -> Floats | None:
+    return slopes.get(twin.setting(state, load))
 
 
 def _bounds(own: Range) -> tuple[float, float]:

@@ -13,27 +13,34 @@ from octmip.twin import Load, Loads, State, Twin
 Floats = NDArray[np.float64]
 
 STEP = 0.01
-"""Step of the load, one unit of size."""
+"""Step of the load, one unit of size: a per cent."""
 OFFSET_SHARE = 0.02
 """Prior sd of a load's offset over the extent of what was applied."""
 
 
 def _more_load(moment: Moment) -> Floats:
-    """Return what a per cent of the load changes; a twin that refuses more, as a table does, is asked for less."""
-    here, twin, state = moment.readings, moment.twin, moment.state
-    try:
-        return twin.predict(state, _times(moment, 1.0 + STEP)) - here
-    except TwinError:
-        return here - twin.predict(state, _times(moment, 1.0 - STEP))
+    """Return what a per cent of the load changes."""
+    return _rise(moment, STEP * _amount(moment))
 
 
 def _risen(moment: Moment, step: float) -> Floats:
-    """Return what one unit more of a load changes; a twin that refuses more, as a table does, is asked for less."""
-    here = moment.readings
+    """Return what one unit more of a load changes: by a per cent of it, by a step where it is 0."""
+    step = STEP * _amount(moment) or step
+    return _rise(moment, step) / step
+
+
+def _rise(moment: Moment, step: float) -> Floats:
+    """Return what a step of the load changes; a twin that refuses it, as a table does, is asked for one back."""
     try:
-        return (moment.twin.predict(moment.state, _raised(moment, step)) - here) / step
+        return moment.twin.predict(moment.state, _raised(moment, step)) - moment.readings
     except TwinError:
-        return (here - moment.twin.predict(moment.state, _raised(moment, -step))) / step
+        return moment.readings - moment.twin.predict(moment.state, _raised(moment, -step))
+
+
+def _amount(moment: Moment) -> float:
+    """Return the load that is wrong."""
+    load = moment.load
+    return dict(load.items())[moment.load_name] if isinstance(load, Loads) else load
 
 
 def _raised(moment: Moment, amount: float) -> Load:
@@ -42,14 +49,6 @@ def _raised(moment: Moment, amount: float) -> Load:
     if not isinstance(load, Loads):
         return load + amount
     return Loads(load.names, tuple(v + amount if name == moment.load_name else v for name, v in load.items()))
-
-
-def _times(moment: Moment, factor: float) -> Load:
-    """Return the load with the one that is wrong multiplied."""
-    load = moment.load
-    if not isinstance(load, Loads):
-        return load * factor
-    return Loads(load.names, tuple(v * factor if name == moment.load_name else v for name, v in load.items()))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,8 +70,7 @@ class LoadError(ChainEffect):
         """Return the readings (n_gauges,) at the load that was, exactly; of a table that has no such load, linearly."""
         moment = Moment(twin, state, load, load_name=self.load_name)
         try:
-            there = _raised(moment, size) if self.is_offset else _times(moment, 1.0 + 0.01 * size)
-            return twin.predict(state, there)
+            return twin.predict(state, _raised(moment, size if self.is_offset else STEP * size * _amount(moment)))
         except TwinError:
             return moment.readings + size * self.change(moment)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
-from octmip.twin import State, Twin
+from octmip.twin import Effect, State, Twin
 
 Floats = NDArray[np.float64]
 
@@ -22,6 +22,16 @@ SIGNATURE_ERROR = 0.1
 
 Of 30 draws of the three twins of the documentation one more is named with it, a storey softer by 38 %; with 0.12 a
 stiffness is taken for a gain."""
+
+
+def in_test(name: str) -> str:
+    """Return the place of an effect that acts in one test alone."""
+    return f"test {name}"
+
+
+def test_of(effect: Effect, place: str) -> str:
+    """Return the test in which alone an effect acts at a place; "" for all tests."""
+    return next((name for name in getattr(effect, "tests", ()) if place == in_test(name)), "")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,6 +60,11 @@ class SimpleEffect:
         of the finite difference that is its signature, over the prior sd.
     signature_error
         relative sd of what it changes: models of one thing differ by some parts in a hundred.
+    slope
+        state and load -> what a unit of its size changes about 0 (n_gauges,), where that is known without asking the
+        twin; None, there or as a whole: by a finite difference.
+    tests
+        of a campaign in which it may have a size of its own: each is a place, "test " and its name.
 
     The others are those of `octmip.twin.Effect`.
     """
@@ -69,6 +84,8 @@ class SimpleEffect:
     says: tuple[str, str] = ("", "")
     step: float = 0.1
     signature_error: float = SIGNATURE_ERROR
+    slope: Callable[[State, Any], Floats | None] | None = None
+    tests: tuple[str, ...] = ()
     n_arguments: int = field(init=False)
 
     def __post_init__(self) -> None:
@@ -86,10 +103,13 @@ class SimpleEffect:
 
     def places(self, twin: Twin) -> tuple[str, ...]:
         """Return the places where it may act."""
-        return self.at
+        return *self.at, *map(in_test, self.tests)
 
     def signature(self, twin: Twin, state: State, load_factor: Any, place: str = "", time: float = 0.0) -> Floats:
-        """Return the change of the readings (n_gauges,) per unit of size, by a finite difference about 0."""
+        """Return the change of the readings (n_gauges,) per unit of size about 0."""
+        known = None if self.slope is None else self.slope(state, load_factor)
+        if known is not None:
+            return known
         readings = np.asarray(twin.predict(state, load_factor), dtype=np.float64)
         step = self.step * self.prior_sd
         ahead, behind = min(step, self.bounds[1]), max(-step, self.bounds[0])

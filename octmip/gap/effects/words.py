@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from octmip.gap.effects.simple import test_of
 from octmip.twin import Effect, Twin
 
 
@@ -49,7 +50,8 @@ def words_at(effect: Effect, twin: Twin, place: str) -> EffectWords:
     """Return the words for an effect at a place."""
     called = effect_words(effect)
     there = placed(called)
-    named = there if there != called or not place else f"{called} at {{place}}"
+    of_test = bool(test_of(effect, place))
+    named = there if there != called or not place else f"{called} {'in' if of_test else 'at'} {{place}}"
     given = str(getattr(effect, "words_at", "")) or named
     names = _names(effect, twin, place)
     name = _filled(given, names)
@@ -57,7 +59,7 @@ def words_at(effect: Effect, twin: Twin, place: str) -> EffectWords:
     above, below = getattr(effect, "says", ("", ""))
     return EffectWords(
         name=name,
-        action=_filled(action, names) if action else f"add {name} to the twin",
+        action=_filled(f"{action} in {{place}}" if of_test else action, names) if action else f"add {name} to the twin",
         above=_filled(above, names),
         below=_filled(below, names),
         has_size=not above or "{size}" in above,

@@ -6,6 +6,7 @@ weight; a size known to be positive keeps the positive half. A discrete effect (
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from octmip.errors import DataError, TwinError
 from octmip.gap.effects import in_chain
-from octmip.gap.effects.simple import SIGNATURE_ERROR
+from octmip.gap.effects.simple import SIGNATURE_ERROR, test_of
 from octmip.gap.odds import Odds
 from octmip.twin import Effect, State, Twin
 
@@ -27,6 +28,8 @@ NEEDED = (
 """What every effect says itself."""
 SCALES = (1 / 3, 1.0, 3.0)
 """Factors on the sd of every prior, equally likely: no result may hang on one guess of the size."""
+OF_TESTS = 0.2
+"""Share of an effect's prior probability that it acts in single tests, where it may."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,11 @@ class Candidate:
     def name(self) -> str:
         """Name of the effect."""
         return self.effect.name
+
+    @property
+    def test(self) -> str:
+        """The test in which alone it acts; "" where it acts in all."""
+        return test_of(self.effect, self.place)
 
     @property
     def is_nameless(self) -> bool:
@@ -129,6 +137,26 @@ class Priors:
         return Priors(mean, sd, bounds, self.is_discrete[some], self.log_weight[some], self.name[some], self.n_effects)
 
 
+def explain_together(candidates: Sequence[Candidate]) -> bool:
+    """Return whether candidates are an explanation: two cells without names are a field, which is unknown.
+
+    Nor is an effect in all tests and in one of them: it has a size of its own in each then.
+    """
+    pairs = combinations(candidates, 2)
+    return not any(
+        (a.is_nameless and b.is_nameless) or (a.name == b.name and bool(a.test) != bool(b.test)) for a, b in pairs
+    )
+
+
+def sizes_by_test(candidates: Sequence[Candidate]) -> list[tuple[int, ...]]:
+    """Return for each effect that may have a size of its own in every test those of its candidates."""
+    found: dict[str, list[int]] = {}
+    for j, one in enumerate(candidates):
+        if one.test:
+            found.setdefault(one.name, []).append(j)
+    return [tuple(members) for members in found.values()]
+
+
 def priors_of(candidates: Sequence[Candidate]) -> Priors:
     """Return the priors of these candidates."""
     names = list(dict.fromkeys(candidate.name for candidate in candidates))
@@ -169,7 +197,10 @@ def candidates_of(
         if not effect.prior_sd > 0.0:
             raise DataError(f"effect {effect.name} has prior_sd {effect.prior_sd}; expected a positive size")
         places = [place for place in effect.places(twin) if absent.isdisjoint(gauges_of(effect, twin, place))]
-        found += [Candidate(effect, place, factors[effect.name] / len(places)) for place in places]
+        n_tests = sum(bool(test_of(effect, place)) for place in places)
+        whole, single = 1.0 - OF_TESTS * bool(n_tests), OF_TESTS / max(n_tests, 1)
+        shares = [single if test_of(effect, place) else whole / (len(places) - n_tests) for place in places]
+        found += [Candidate(effect, p, factors[effect.name] * s) for p, s in zip(places, shares, strict=True)]
     return tuple(found)
 
 

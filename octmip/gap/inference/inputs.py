@@ -206,6 +206,11 @@ class Inputs:
             return load / self.reference
         return self.frame.share(self.healthy(load))
 
+    @property
+    def last_test(self) -> str:
+        """The test that was read last."""
+        return max(self.averages, key=lambda one: (one.time, one.number)).test
+
     def effects(self) -> list[tuple[Effect, tuple[str, ...]]]:
         """Return every effect with its places, in the order of `candidates`."""
         grouped = [list(group) for _, group in groupby(self.candidates, key=lambda candidate: candidate.name)]

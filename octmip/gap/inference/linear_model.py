@@ -13,7 +13,7 @@ Learning", eq. 2.43 (basis functions with Gaussian weights).
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -80,6 +80,8 @@ class LinearModel:
         the difference given the run.
     added
         (n, n) covariance of what is allowed for beside that, or 0.
+    chords
+        size at which the signature of a nonlinear candidate is its chord, by candidate.
     """
 
     inputs: Inputs
@@ -89,6 +91,7 @@ class LinearModel:
     tangents: Floats
     given: Given
     added: Floats | float = 0.0
+    chords: Mapping[int, float] = field(default_factory=dict)
 
     @cached_property
     def residual(self) -> Floats:

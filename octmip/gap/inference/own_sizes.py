@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.errors import TwinError
+from octmip.gap.inference.candidates import sizes_by_test
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.inference.linear_model import LinearModel, expected_of, linearise
 from octmip.gap.inference.signatures import exact_change, ratios
@@ -41,7 +42,7 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
     chords: dict[int, float] = {}
     ratio = ratios(model.inputs, model.states, expected_of(model.means, model.given))[model.average, model.gauge]
     for _ in range(LAPS):
-        wanted = {**_alone(model, forward), **_together(model)}
+        wanted = {**_alone(model, forward), **_together(model), **_by_test(model)}
         new = {
             j: float(np.clip(size, *prior.bounds[:, j]))
             for j, size in wanted.items()
@@ -60,7 +61,7 @@ def at_own_sizes(model: LinearModel) -> LinearModel:
             own = ratio if getattr(candidates[j].effect, "load_power", None) != 0 else 1.0
             signatures[:, j] = own * rows[model.average, model.gauge] / size
         signatures.flags.writeable = False
-        model = replace(model, signatures=signatures)
+        model = replace(model, signatures=signatures, chords=dict(chords))
     return model
 
 
@@ -86,6 +87,14 @@ def _together(model: LinearModel) -> dict[int, float]:
         taken.append(best)
         sizes = _sizes(model, taken)
     return dict(zip(taken, sizes.tolist(), strict=True))
+
+
+def _by_test(model: LinearModel) -> dict[int, float]:
+    """Return the sizes, one for every test, of the effect that gains most so, by candidate."""
+    found = [(own, _sizes(model, own)) for own in sizes_by_test(model.inputs.candidates)]
+    gains = [float(model.projection[list(own)] @ sizes) for own, sizes in found]
+    own, sizes = found[int(np.argmax(gains))] if found else ((), np.zeros(0))
+    return dict(zip(own, sizes.tolist(), strict=True))
 
 
 def _sizes(model: LinearModel, taken: Sequence[int]) -> Floats:

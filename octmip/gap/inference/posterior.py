@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
+from octmip.gap.inference.candidates import explain_together, sizes_by_test
 from octmip.gap.inference.evidence import Members, extensions
 from octmip.gap.inference.inference import Inference, Judged
 from octmip.gap.inference.inputs import Inputs, levels_without_run
@@ -76,8 +77,8 @@ def log_count(inputs: Inputs, k: int) -> float:
 
 
 def log_prior(inputs: Inputs, members: Members) -> float:
-    """Return the log prior probability of a set of candidates; -inf of two cells without names: a field is unknown."""
-    if sum(inputs.candidates[j].is_nameless for j in members) > 1:
+    """Return the log prior probability of a set of candidates; -inf of those that are no explanation together."""
+    if not explain_together([inputs.candidates[j] for j in members]):
         return -inf
     return log_count(inputs, len(members)) + float(inputs.priors.log_weight[list(members)].sum())
 
@@ -203,6 +204,8 @@ def likely_sets(inference: Inference) -> dict[Members, float]:
             break
         best = ordered[0][1]
         heads = _diverse(inputs, [members for members, _ in ordered], N_HEADS[size - 1])
+    for members in sizes_by_test(inputs.candidates):
+        found[members] = inference.fit(members).log_factor + log_prior(inputs, members)
     return found
 
 

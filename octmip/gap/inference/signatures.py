@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octmip.gap.campaign.campaign import Campaign, Cell
+from octmip.gap.effects.simple import test_of
 from octmip.gap.inference.candidates import Candidate
 from octmip.gap.inference.inputs import Inputs
 from octmip.gap.twins import rows_at
@@ -55,6 +56,10 @@ def signatures_of(inputs: Inputs, states: Floats, expected: Floats) -> Floats:
             rows = [_of_twin(inputs, effect, places, part, state, history) for part, state in parts]
             if getattr(effect, "load_power", None) != 0:
                 rows = [row * own for row, own in zip(rows, ratio, strict=True)]
+            tests = [test_of(effect, place) for place in places]
+            if any(tests):
+                acts = np.array([[name in ("", part.test) for name in tests] for part in inputs.averages])
+                rows = [row * own[:, None] for row, own in zip(rows, acts, strict=True)]
         columns.append(np.array(rows).transpose(1, 0, 2).reshape(len(places), -1))
     return np.concatenate(columns)
 
@@ -84,6 +89,9 @@ def exact_change(inputs: Inputs, states: Floats, candidate: Candidate, size: flo
         state, load = states[average.number], average.load
         time = average.time if uses_time else 0.0
         key = (state.tobytes(), load, time)
+        if candidate.test not in ("", average.test):
+            rows.append(np.zeros(len(inputs.order)))
+            continue
         if key not in known:
             named = inputs.named(state)
             there = candidate.forward(inputs.twin, named, load, size, candidate.place, time)

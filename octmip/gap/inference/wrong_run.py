@@ -224,7 +224,7 @@ def _by_effect(stack: _Stack, columns: Floats) -> WrongRun:
     logs[[getattr(one.effect, "uses_time", False) for one in inputs.candidates]] = -np.inf  # it wanders
     built = getattr(inputs.twin.twin, "constants", {})
     logs[[one.name in built for one in inputs.candidates]] = -np.inf  # then the asset was built so
-    logs[[one.is_nameless for one in inputs.candidates]] = -np.inf  # too rare
+    logs[[one.is_nameless or bool(one.test) for one in inputs.candidates]] = -np.inf  # too rare; another day
     if not len(logs):
         return WrongRun(-np.inf, "", None, None, None)
     best = int(np.argmax(logs))

@@ -209,7 +209,7 @@ def run_formulation(
     result.details["build_seconds"] = clock.seconds
     start, result.details["start"] = _start_values(problem, formulation, result.known.tree)
     exact = accuracy(rows, prices, formulation.scope.tolerance)
-    # HiGHS 1.16.0 may take a start for cheaper than it is, and what it finds too: benchmarks/cases/mio/highs_start.py.
+    # HiGHS 1.16.0 may price a start too low, and what it finds too (findings/highs_start_lowers_the_optimum.sh).
     for tolerance, values in ((exact.tolerance, start), (FINEST, None)):
         exact = replace(exact, tolerance=tolerance)
         result.refuted = _run_once(problem, formulation, request, clock, result, exact, values)

@@ -5,8 +5,8 @@ import json
 import pandas as pd
 import pytest
 
-from benchmarks.oracles.proof_log import proof_log
 from octmip import Problem
+from tests.oracles.proof_log import proof_log
 
 
 def broken(tree, change):

@@ -16,10 +16,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from benchmarks.oracles.sql_engines import ROW
 from octmip.formats.columns import Columns
 from octmip.trees.digits import midpoint
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Side, Split, ValueLeaf, predict, predict_values
+from tests.oracles.sql_engines import ROW
 
 Rng = np.random.Generator
 Values = Callable[[Rng, int], Any]

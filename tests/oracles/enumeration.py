@@ -1,12 +1,13 @@
 """The optimum by exhaustive enumeration: every affordable set of sensors, every cut of every feature, every depth.
 
-Slow, short and exact: objectives are rational numbers made whole by one common denominator, so nothing is rounded and
-ties are ties. A set of samples is a bit mask. A cut of a feature that lacks readings is tried with the missing ones
-left and right of it, and "is it missing?" is one cut more. Imports nothing of octmip but the problem and the tree.
+Slow, short and exact: objectives are fractions, those of classes made whole by one common denominator, so nothing is
+rounded and ties are ties. A set of samples is a bit mask. A cut of a feature that lacks readings is tried with the
+missing ones left and right of it, and "is it missing?" is one cut more. Imports nothing of octmip but the problem and
+the tree.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -19,7 +20,7 @@ from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, Side, Split
 
 Cut = tuple[int, float | None, Side | None, int]  # feature, threshold, side of missing, mask of samples that go left
-Best = tuple[int, int, Node]  # whole-numbered cost, splits, tree
+Best = tuple[int | Fraction, int, Node]  # cost, splits, tree
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +36,27 @@ class Optimum:
 def optimum(problem: Problem) -> Optimum:
     """Return the optimum of an axis-aligned problem; effort grows as (samples x features)^depth x 2^sensors."""
     prices, denominator = whole_prices(problem)
+
+    def leaf(samples: int) -> tuple[int, Leaf]:
+        costs = zip(*(row for i, row in enumerate(prices[:-1]) if samples >> i & 1), strict=True)
+        cost, label = min((sum(column), k) for k, column in enumerate(costs))
+        return cost, Leaf(label)
+
+    cost, n_splits, n_sensors, tree = least(problem, leaf, prices[-1][0])
+    return Optimum(float(cost / denominator), n_splits, n_sensors, tree)
+
+
+def least(
+    problem: Problem, leaf: Callable[[int], tuple[int | Fraction, Leaf]], price: int | Fraction
+) -> tuple[int | Fraction, int, int, Node]:
+    """Return least cost, splits, sensors and tree, from the cost and the leaf of a mask and the price of a split."""
     found = []
     for n_sensors in range(len(problem.sensors) + 1):
         for chosen in combinations(range(len(problem.sensors)), n_sensors):
             if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
-                cost, n_splits, tree = _best_tree(problem, prices, list(_cuts(problem, chosen)))
+                cost, n_splits, tree = _best_tree(problem, leaf, price, list(_cuts(problem, chosen)))
                 found.append((cost, n_splits, n_sensors, tree))
-    best = min(found, key=lambda entry: entry[:3])
-    return Optimum(best[0] / denominator, *best[1:])
+    return min(found, key=lambda entry: entry[:3])
 
 
 def whole_prices(problem: Problem) -> tuple[list[list[int]], int]:
@@ -69,7 +83,9 @@ def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
                     yield feature, midpoint(low, high), "left", below | missing
 
 
-def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Best:
+def _best_tree(
+    problem: Problem, leaf: Callable[[int], tuple[int | Fraction, Leaf]], price: int | Fraction, cuts: list[Cut]
+) -> Best:
     exact, least = [Fraction(weight) for weight in problem.weights.tolist()], Fraction(problem.least_leaf_weight)
 
     def weight(samples: int) -> Fraction:
@@ -77,14 +93,13 @@ def _best_tree(problem: Problem, prices: list[list[int]], cuts: list[Cut]) -> Be
 
     @cache
     def best(samples: int, depth: int) -> Best:
-        costs = zip(*(row for i, row in enumerate(prices[:-1]) if samples >> i & 1), strict=True)
-        cost, label = min((sum(column), k) for k, column in enumerate(costs))
-        found: Best = (cost, 0, Leaf(label))
+        cost, node = leaf(samples)
+        found: Best = (cost, 0, node)
         for feature, threshold, missing, mask in cuts if depth else ():
             sides = samples & mask, samples & ~mask
             if min(side.bit_count() for side in sides) >= problem.leaf_size and min(map(weight, sides)) >= least:
                 left, right = (best(side, depth - 1) for side in sides)
-                cost, n_splits = left[0] + right[0] + prices[-1][0], left[1] + right[1] + 1
+                cost, n_splits = left[0] + right[0] + price, left[1] + right[1] + 1
                 if (cost, n_splits) < found[:2]:
                     found = (cost, n_splits, Split(feature, threshold, left[2], right[2], missing=missing))
         return found

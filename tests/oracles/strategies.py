@@ -10,10 +10,10 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from benchmarks.problem_options import ProblemOptions
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Leaf, Node, Split
+from tests.oracles.problem_options import ProblemOptions
 
 Generator = np.random.Generator
 

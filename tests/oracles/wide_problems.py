@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.problem_options import ProblemOptions
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
+from tests.oracles.problem_options import ProblemOptions
 
 Generator = np.random.Generator
 Floats = NDArray[np.float64]

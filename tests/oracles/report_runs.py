@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from benchmarks.oracles.export_runs import EXACT
 from octmip.formats.tree_file import TreeFile
 from octmip.formats.tree_schema import SETTINGS
 from octmip.input.names import END_ISOLATE, ISOLATE, shown
@@ -27,6 +26,7 @@ from octmip.interfaces.report.tree.words import Wording
 from octmip.trees.solution import Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split
 from octmip.trees.tree_nodes import decode_tree, encode_tree
+from tests.oracles.export_runs import EXACT
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Dialog

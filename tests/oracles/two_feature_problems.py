@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.problem_options import ProblemOptions
 from octmip.trees.losses import ClassCosts
 from octmip.trees.problem import Problem
+from tests.oracles.problem_options import ProblemOptions
 
 
 def random_two_feature_problem(rng: np.random.Generator, *, depth: int, max_samples: int) -> Problem:

@@ -1,31 +1,39 @@
 """The best regression tree by exhaustive enumeration, and random problems for it.
 
-Every affordable set of sensors, every cut, every depth; errors are rational numbers, so nothing is rounded. Imports
-nothing of octmip but the problem and the name of its loss.
+The enumeration is that of classes with leaves of numbers. Imports nothing of octmip but the problem, the tree and the
+name of its loss.
 """
 
-import math
-from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
-from itertools import combinations
 
 import numpy as np
 
 from octmip.trees.losses import number_loss
 from octmip.trees.problem import Problem
-
-Cut = int  # mask of the samples that go left
+from octmip.trees.tree import Leaf
+from tests.oracles.enumeration import least
 
 
 def least_objective(problem: Problem) -> Fraction:
     """Return the least objective of an axis-aligned tree with the best constant in each leaf."""
-    found = []
-    for n_sensors in range(len(problem.sensors) + 1):
-        for chosen in combinations(range(len(problem.sensors)), n_sensors):
-            if math.fsum(problem.sensor_costs[list(chosen)]) <= problem.sensor_limit:
-                found.append(_least(problem, list(_cuts(problem, chosen))))
-    return min(found)
+    targets = [Fraction(y) for y in problem.targets.tolist()]
+    weights = [Fraction(w) for w in problem.weights.tolist()]
+
+    @cache
+    def leaf(samples: int) -> tuple[Fraction, Leaf]:
+        rows = [i for i in range(len(targets)) if samples >> i & 1]
+        total = sum((weights[i] for i in rows), Fraction(0))
+        if problem.loss.name == "squared":
+            first = sum((weights[i] * targets[i] for i in rows), Fraction(0))
+            square = sum((weights[i] * targets[i] ** 2 for i in rows), Fraction(0))
+            return (square - first * first / total if total else square), Leaf(0)
+        up, down = slopes_of(problem)
+        misses = [[(targets[i] - targets[j]) * weights[i] for i in rows] for j in rows]
+        errors = (sum((max(up * m, -down * m) for m in of), Fraction(0)) for of in misses)
+        return min(errors, default=Fraction(0)), Leaf(0)
+
+    return Fraction(least(problem, leaf, Fraction(problem.leaf_penalty))[0])
 
 
 def slopes_of(problem: Problem) -> tuple[Fraction, Fraction]:
@@ -35,43 +43,6 @@ def slopes_of(problem: Problem) -> tuple[Fraction, Fraction]:
         return Fraction(1), Fraction(1)
     above = Fraction(level).limit_denominator(1000)
     return above, 1 - above
-
-
-def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
-    for feature in range(problem.n_features):
-        if problem.sensor_index[feature] in sensors:
-            column = problem.features[:, feature]
-            for low in np.unique(column)[:-1].tolist():
-                yield sum(1 << int(i) for i in np.flatnonzero(column <= low))
-
-
-def _least(problem: Problem, cuts: list[Cut]) -> Fraction:
-    targets = [Fraction(y) for y in problem.targets.tolist()]
-    weights = [Fraction(w) for w in problem.weights.tolist()]
-
-    @cache
-    def leaf(samples: int) -> Fraction:
-        rows = [i for i in range(len(targets)) if samples >> i & 1]
-        total = sum((weights[i] for i in rows), Fraction(0))
-        if problem.loss.name == "squared":
-            first = sum((weights[i] * targets[i] for i in rows), Fraction(0))
-            square = sum((weights[i] * targets[i] ** 2 for i in rows), Fraction(0))
-            return square - first * first / total if total else square
-        up, down = slopes_of(problem)
-        misses = [[(targets[i] - targets[j]) * weights[i] for i in rows] for j in rows]
-        return min((sum((max(up * m, -down * m) for m in of), Fraction(0)) for of in misses), default=Fraction(0))
-
-    @cache
-    def best(samples: int, depth: int) -> Fraction:
-        found = leaf(samples)
-        for mask in cuts if depth else ():
-            sides = samples & mask, samples & ~mask
-            if min(side.bit_count() for side in sides) >= problem.leaf_size:
-                cost = sum((best(side, depth - 1) for side in sides), Fraction(problem.leaf_penalty))
-                found = min(found, cost)
-        return found
-
-    return best((1 << problem.n_samples) - 1, problem.depth)
 
 
 def random_problem(

@@ -6,7 +6,7 @@ but the problem and the tree.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from functools import cache
 from itertools import combinations, product
@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.oracles.enumeration import whole_prices
-from benchmarks.oracles.two_feature import partings
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, complexity, predict
+from tests.oracles.enumeration import whole_prices
 
 Partings = dict[int, set[tuple[int, frozenset[int]]]]  # left samples: (features of the split, which)
 
@@ -43,7 +42,7 @@ def least_cost(problem: Problem) -> Fraction:
     if problem.split == "axis":
         best = min(_best_along(problem, features, prices) for features in _affordable(problem))
     else:
-        parted = partings(problem) if problem.integer_normals is None else _whole_partings(problem)
+        parted = _partings(problem) if problem.integer_normals is None else _whole_partings(problem)
         best = min(_best_cost(problem, _cheapest(parted, features), prices) for features in _affordable(problem))
     return Fraction(best, denominator)
 
@@ -144,6 +143,41 @@ def _best_cost(problem: Problem, sizes: dict[int, int], prices: list[list[int]])
         return parts
 
     return best((1 << problem.n_samples) - 1, problem.depth)
+
+
+def _partings(problem: Problem) -> Partings:
+    """Return the partings by any line over two features, or a cut of one.
+
+    Every way of parting distinct points by a line is that of the line through two of them, turned a little about a
+    place on it, so the points on it come apart as a prefix and a suffix.
+    """
+    found: Partings = {}
+    columns = [[Fraction(value) for value in column] for column in problem.features.T.tolist()]
+    everything = (1 << problem.n_samples) - 1
+
+    def add(left: int, features: tuple[int, ...]) -> None:
+        for side in (left, everything ^ left):
+            found.setdefault(side, set()).add((len(features), frozenset(features)))
+
+    for f in range(problem.n_features):
+        if problem.is_allowed((f,)):
+            for value in set(columns[f]):
+                add(_mask(x <= value for x in columns[f]), (f,))
+    for f, g in combinations(range(problem.n_features), 2):
+        if problem.is_allowed((f, g)):
+            points = list(zip(columns[f], columns[g], strict=True))
+            for a, b in combinations(sorted(set(points)), 2):
+                normal = (b[1] - a[1], a[0] - b[0])
+                turn = [normal[0] * (p[0] - a[0]) + normal[1] * (p[1] - a[1]) for p in points]
+                for end in {p for p, t in zip(points, turn, strict=True) if t == 0}:
+                    for is_upper in (False, True):
+                        sides = zip(points, turn, strict=True)
+                        add(_mask(t > 0 or (t == 0 and (p > end) == is_upper) for p, t in sides), (f, g))
+    return found
+
+
+def _mask(bits: Iterable[bool]) -> int:
+    return sum(1 << i for i, bit in enumerate(bits) if bit)
 
 
 def _whole_partings(problem: Problem) -> Partings:

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.oracles.regression_trees import slopes_of
 from octmip.trees.problem import Problem
+from tests.oracles.regression_trees import slopes_of
 
 Rows = NDArray[np.int64]
 Numbers = NDArray[np.object_]

@@ -151,12 +151,6 @@ def check_page(path: Path, browser: "Browser", *, presses: bool = True) -> list[
     return list(dict.fromkeys(faults))
 
 
-def smallest_text(page: "Page") -> float:
-    """Return the size of the smallest text that can be seen, in pixels of the screen."""
-    size: float = page.evaluate(LOOK, LEAST_TEXT)[1]
-    return size
-
-
 def _hear(faults: list[str], url: str, path: Path) -> None:
     if url != path.as_uri():
         faults.append(f"silence: request {url}")

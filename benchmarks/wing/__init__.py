@@ -1,1 +1,0 @@
-"""The wing beside other codes and other loads."""
