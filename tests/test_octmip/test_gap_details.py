@@ -22,6 +22,7 @@ from octmip.gap.inference.states import LINES, _changes, grid, joint_covariance,
 from octmip.gap.location import flips, localise
 from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
 from octmip.gap.preparation import _typical
+from octmip.gap.shrinkage import _closed, _Left, _residuals
 from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
@@ -347,3 +348,39 @@ def test_faults_of_the_measuring_chain_change_readings_by_their_formulas():
         assert [twin.gauges.index(name) for name in effect.gauges_of(twin, place)][: len(changes)] == list(changes)
     assert "f" in DEAD_GAUGE.places(twin)
     assert not [place for one in expected if one is not DEAD_GAUGE for place in one.places(twin) if "f" in place]
+
+
+@pytest.mark.parametrize("is_known", [True, False])
+def test_what_is_held_out_is_predicted_from_the_rest_alone(is_known):
+    """Sizes by least squares beside their priors, three times as wide; open states go with the rest of the readings."""
+    twin = Beam()
+    campaign = measured(1, lambda state, load, time: -25.0, known=is_known)
+    inputs = prepare(campaign, twin, twin.effects, measured(1000))[0]
+    model, members = linearise(inputs, np.zeros((4, 2))), [1, 3]
+    held = np.flatnonzero([load == 2.0 for load in model.loads])
+    rest = np.setdiff1d(np.arange(model.n), held)
+    root = np.linalg.cholesky(model.covariance[np.ix_(rest, rest)])
+    wide, mean = 3.0 * inputs.priors.sd[members], inputs.priors.mean[members]
+    stacked = np.vstack([np.linalg.solve(root, model.signatures[np.ix_(rest, members)]), np.diag(1.0 / wide)])
+    size = np.linalg.lstsq(stacked, np.append(np.linalg.solve(root, model.residual[rest]), mean / wide), rcond=None)[0]
+    through = OPEN_STATE**2 * model.tangents[held] @ model.tangents[rest].T @ np.linalg.inv(root @ root.T)
+    expected = []
+    for z in (np.zeros(2), size):
+        left = model.residual - model.signatures[:, members] @ z
+        expected.append(left[held] - through @ left[rest])
+    assert _residuals(model, members, held) == pytest.approx(np.array(expected), rel=1e-6, abs=1e-9)
+
+
+def test_the_share_that_is_closed_is_of_squares_with_noise_and_floor_taken_off():
+    rng = np.random.default_rng(0)
+    before, after, noise = rng.normal(9.0, 1.0, 400), rng.normal(3.0, 1.0, 400), np.ones(400)
+    left = _Left(before, after, noise, 2.0 * noise)
+    share = 1.0 - (np.mean(after**2) - 3.0) / (np.mean(before**2) - 3.0)
+    assert left.held_out("all").closed == pytest.approx(share)
+    draws = rng.normal(0.0, 1.0, (500, 400))
+    closed, low, high = _closed(left, draws)
+    noisy = [np.mean((part + draws) ** 2, axis=1) - 4.0 for part in (before, after)]
+    assert closed == pytest.approx(share)
+    assert (low, high) == pytest.approx(tuple(np.quantile(1.0 - noisy[1] / noisy[0], [0.05, 0.95])))
+    assert np.isnan(_closed(_Left(noise, noise, noise, 0.0 * noise), draws)).all()
+    assert _closed(_Left(before, 0.0 * after, noise, noise), draws)[0] == 1.0
