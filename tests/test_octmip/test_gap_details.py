@@ -12,17 +12,20 @@ from octmip.gap import Campaign, Differences, Odds, Recorded, diagnose, function
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise_estimate import _moderated
+from octmip.gap.campaign.noise_parts import _has_trend, _with_outstanding, greatest
 from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
 from octmip.gap.effects.loads import errors_of_load
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, linearise
+from octmip.gap.inference.signatures import load_steps
 from octmip.gap.inference.states import LINES, _changes, grid, joint_covariance, state_posterior
 from octmip.gap.location import flips, localise
 from octmip.gap.next_test import _answer_entropy, _loads_to_test, _new_settings, _overlap
 from octmip.gap.preparation import _typical
 from octmip.gap.shrinkage import _closed, _Left, _residuals
+from octmip.gap.sizes import _mixture
 from octmip.trees.tree import Leaf, Split
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, Field, measured, own_gains
@@ -384,3 +387,50 @@ def test_the_share_that_is_closed_is_of_squares_with_noise_and_floor_taken_off()
     assert (low, high) == pytest.approx(tuple(np.quantile(1.0 - noisy[1] / noisy[0], [0.05, 0.95])))
     assert np.isnan(_closed(_Left(noise, noise, noise, 0.0 * noise), draws)).all()
     assert _closed(_Left(before, 0.0 * after, noise, noise), draws)[0] == 1.0
+
+
+def test_directions_that_gauges_share_stand_out_of_white_noise_and_no_others():
+    rng = np.random.default_rng(1)
+    for n_shared in (0, 1, 2):
+        white, way = rng.standard_normal((300, 6)), np.linalg.qr(rng.standard_normal((6, 2)))[0][:, :n_shared]
+        found = _with_outstanding(np.zeros((6, 0)), white + 3.0 * rng.standard_normal((300, n_shared)) @ way.T, 300.0)
+        assert found.shape == (6, n_shared)
+        assert np.linalg.norm(way.T @ found) ** 2 == pytest.approx(n_shared, rel=0.05)
+        assert _with_outstanding(found, white, 300.0).shape == (6, n_shared)
+    assert _with_outstanding(np.zeros((6, 0)), 9.0 * np.ones((3, 6)), 3.0).shape == (6, 0)
+    most = [np.linalg.norm(rng.standard_normal((50, 8)), 2) ** 2 / 50.0 for _ in range(300)]
+    assert 0.55 * greatest(50.0, 8) < np.median(most) < max(most) < greatest(50.0, 8)
+
+
+def test_trends_of_one_pattern_over_the_gauges_are_no_noise():
+    rng = np.random.default_rng(2)
+    own, pattern = rng.standard_normal((9, 6)), 5.0 * np.arange(1.0, 7.0)
+    by_chance = [np.stack([row, row]) for row in own]
+    alike = [np.stack([row + rng.standard_normal() * pattern, row]) for row in own]
+    assert (_has_trend(by_chance), _has_trend(alike), _has_trend(by_chance[:2])) == (True, False, False)
+
+
+def test_a_step_of_the_load_is_its_change_at_the_time_of_its_first_reading():
+    campaign = measured(1, loads=(1.0, 3.0, 0.5), repeats=5)
+    assert load_steps(campaign) == [(1.0, 0.0), (2.0, 30.0), (-2.5, 60.0)]
+    assert load_steps(replace(campaign, time=np.full(15, np.nan))) == []
+
+
+def test_a_size_is_the_mean_over_the_hypotheses_that_hold_its_effect_once():
+    inputs = SimpleNamespace(priors=SimpleNamespace(name=[0, 0, 1]))
+    rows = [
+        ((0,), [2.0], 0.5, 0.6, False),
+        ((1, 2), [4.0, 9.0], 0.25, 0.2, False),
+        ((0, 1), [7.0, 8.0], 1.0, 0.1, False),
+    ]
+    rows.append(((1,), [90.0], 1.0, 0.1, True))
+    judged = [
+        SimpleNamespace(
+            members=members, has_unknown=unknown, probability=share, model=SimpleNamespace(inputs=inputs),
+            fit=SimpleNamespace(size=np.array(size), covariance=variance * np.eye(len(size))),
+        )
+        for members, size, variance, share, unknown in rows
+    ]  # fmt: skip
+    mean, variance = _mixture(judged[0], 0, judged)
+    assert mean == pytest.approx(0.75 * 2.0 + 0.25 * 4.0)
+    assert variance == pytest.approx(0.75 * (0.5 + 0.25) + 0.25 * (0.25 + 2.25))
