@@ -144,6 +144,16 @@ def test_a_text_among_readings_is_refused_with_what_its_row_may_be(tmp_path, row
         read_campaign(write(tmp_path, rows), Beam())
 
 
+@pytest.mark.parametrize("unit", ["microstrain", "mm"])
+def test_only_strains_of_load_factors_are_refused_with_words_on_lift(tmp_path, unit):
+    twin, campaign = Beam(), measured(1)
+    twin.units = dict.fromkeys(twin.gauges, unit)
+    with pytest.raises(DataError, match="opposite sign of the twin's") as caught:
+        read_campaign(write(tmp_path, lines_of(replace(campaign, readings=-campaign.readings))), twin)
+    assert ("positive load factors for lift" in str(caught.value)) == (unit == "microstrain")
+    assert "or of the column load_factor" in str(caught.value)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_cells_halves_and_what_is_left_are_as_defined(seed):
     rng, n = np.random.default_rng(seed), 200
