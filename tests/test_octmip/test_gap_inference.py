@@ -9,6 +9,7 @@ from scipy.stats import chi2, norm
 
 from octmip.errors import DataError
 from octmip.gap import Differences, Odds, diagnose
+from octmip.gap.inference.inference import Inference
 from octmip.gap.inference.inputs import prepare
 from octmip.gap.inference.linear_model import OPEN_STATE, linearise
 from octmip.gap.inference.signatures import load_steps
@@ -33,6 +34,19 @@ def test_an_unknown_damage_changes_each_load_by_what_the_twin_says():
         true = [twin.predict(state, model.loads[k]) - twin.predict({}, model.loads[k]) for k in rows]
         gauges = [inputs.order[k] for k in model.gauge[rows]]
         assert found == pytest.approx([row[k] for row, k in zip(true, gauges, strict=True)])
+
+
+def test_a_set_stands_as_far_from_its_model_as_its_states_move():
+    twin = Beam()
+    inputs = prepare(measured(1, states=((0.3, 0.1),), known=False), twin, twin.effects, measured(1000))[0]
+    start = np.tile([0.2, 0.2], (4, 1))
+    inference = Inference(linearise(inputs, start))
+    away, log_evidence = inference.stand(())
+    moved = inference.moved(())
+    assert moved[0] == pytest.approx([0.3, 0.1], abs=0.06)
+    assert away == pytest.approx(np.abs(moved - start).max())
+    none = inference.model.log_none + inference.log_box(())
+    assert (away > 0.04, log_evidence) == (True, pytest.approx(none))
 
 
 def test_open_states_and_sizes_have_their_joint_posterior():
