@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 EXTRA_OF = {
-    "cvxpy": "sensing",
     "matplotlib": "plot",
     "pyarrow": "parquet",
     "onnx": "onnx",

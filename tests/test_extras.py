@@ -15,7 +15,7 @@ from femlib import errors as femlib_errors
 from octmip import errors as octmip_errors
 
 ROOT = Path(__file__).parent.parent
-OPTIONAL = ("cvxpy", "pyfe3d", "matplotlib", "pyarrow", "onnx", "meshio")
+OPTIONAL = ("pyfe3d", "matplotlib", "pyarrow", "onnx", "meshio")
 
 REFUSE = f"""
 import sys
@@ -94,11 +94,6 @@ def plot():
     import octmip.interfaces.plot
 
 
-def design():
-    from octmip.sensing.designs import by_information
-    by_information(problem, 2.0, np.ones((2, 1)))
-
-
 def onnx():
     from octmip.monitor.export import onnx_model
     onnx_model(solution.tree, ["a", "b"], [0, 1])
@@ -109,7 +104,7 @@ def meshes():
     femlib.read("x.msh")
 
 
-for use in (beam, meshes, stored, pictures, plot, design, onnx):
+for use in (beam, meshes, stored, pictures, plot, onnx):
     said[use.__name__] = sentence(use)
 print(json.dumps(said))
 """
@@ -158,7 +153,6 @@ USES = {
     "stored": "pyarrow",
     "pictures": "matplotlib",
     "plot": "matplotlib",
-    "design": "cvxpy",
     "onnx": "onnx",
     "frontier t.csv --label kind --depth 2 --over depth --out f.svg": "matplotlib",
     "report tree.json --out tree.svg": "matplotlib",

@@ -131,7 +131,7 @@ def test_mypy_sees_the_types_of_the_installed_packages(installed_octmip: Install
 
 
 def test_every_extra_is_installed_where_make_asked_for_all(tmp_path: Path) -> None:
-    used = "import octmip.interfaces.plot, octmip.interfaces.report.page, femlib.wing, cvxpy, pyarrow, onnx, jinja2"
+    used = "import octmip.interfaces.plot, octmip.interfaces.report.page, femlib.wing, pyarrow, onnx, jinja2"
     wing = "femlib.wing.uav_wing(refinement=0.25)"
     done = subprocess.run(
         [sys.executable, "-c", f"{used}\n{wing}"], capture_output=True, text=True, cwd=tmp_path, env=stranger()

@@ -5,7 +5,6 @@ from octmip.monitor.candidates import Candidate, effect_candidates, gauge_candid
 from octmip.monitor.compiled import REFUSED, CompiledTree
 from octmip.monitor.filter import Filter
 from octmip.monitor.finding import Finding, Proposal, explain
-from octmip.monitor.gaussian_likelihood import GaussianLikelihood
 from octmip.monitor.growth import Growth, steady_growth
 from octmip.monitor.leaf_likelihood import LeafLikelihood
 from octmip.monitor.library import Library, grid_states, library_of
@@ -21,7 +20,6 @@ __all__ = [
     "CompiledTree",
     "Filter",
     "Finding",
-    "GaussianLikelihood",
     "Growth",
     "LeafLikelihood",
     "Library",

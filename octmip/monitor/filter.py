@@ -2,8 +2,8 @@
 
     belief_t(s')  ~  P(reading_t | s', load_t) * sum_s  growth(s -> s')  belief_{t-1}(s)
 
-The observation is the leaf that a tree reached (LeafLikelihood: the tree alone is asked, as on the smallest processor)
-or the whole reading (GaussianLikelihood). Readings may lack gauges, or be left out altogether.
+The observation is the leaf that a tree reached (LeafLikelihood: the tree alone is asked, as on the smallest
+processor), or what another `Likelihood` makes of a reading. Readings may lack gauges, or be left out altogether.
 
 Source: L. R. Rabiner, A tutorial on hidden Markov models, Proc. IEEE 77 (1989), equation 20 (the forward recursion).
 """
@@ -95,7 +95,7 @@ class Filter:
         rows = check_readings(readings, self.library)
         loads = self.library.checked_loads(load_factor, len(rows))
         log_likelihood = np.empty((len(rows), self.library.n_states))
-        for load in np.unique(loads).tolist():
+        for load in map(self.library.checked_load, np.unique(loads).tolist()):
             chosen = np.flatnonzero(loads == load)
             log_likelihood[chosen] = self.likelihood.log_likelihood(rows[chosen], load)
         log_likelihood -= log_likelihood.max(axis=1, keepdims=True)

@@ -1,13 +1,13 @@
-"""Sensors: which to install, for how many labels at once, and what to do if one fails.
+"""Sensors: which to install, for how many labels at once, and what a failed one would have read.
 
 placement   the sensors that the best tree reads and the value of each further one, with a bound; sensors chosen by
-            rules and designs of experiment, to compare with
+            rules, to compare with
 sensor_sets trees for several labels under one budget of sensors, each sensor paid for once, with proof and certificate
-failed_gauge  the failed gauge found at a stated false-alarm rate, and its reading replaced by what the others say
+imputation  the reading of a failed gauge, from what the others say
 """
 
-from octmip.sensing.designs import InformationDesign, by_chance, by_information, by_reading, by_tree
-from octmip.sensing.failed_gauge import FaultDetector, Imputation, power
+from octmip.sensing.designs import by_chance, by_reading, by_tree
+from octmip.sensing.imputation import Imputation
 from octmip.sensing.joint_solution import JointSolution, certify_joint
 from octmip.sensing.placement import (
     Placement,
@@ -20,13 +20,10 @@ from octmip.sensing.placement import (
 from octmip.sensing.sensor_sets import shared_budget
 
 __all__ = [
-    "FaultDetector",
     "Imputation",
-    "InformationDesign",
     "JointSolution",
     "Placement",
     "by_chance",
-    "by_information",
     "by_reading",
     "by_tree",
     "certify_joint",
@@ -34,7 +31,6 @@ __all__ = [
     "place_sensors",
     "placement_frontier",
     "placement_on",
-    "power",
     "problem_on",
     "shared_budget",
 ]

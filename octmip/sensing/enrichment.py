@@ -320,12 +320,12 @@ def _changed(
     """Return the design with the deployed trees that retrained ones do not better, and what became of each tree."""
     solutions, changes = list(design.solutions), []
     for k, (one, problem) in enumerate(zip(design.trees, design.problems, strict=True)):
-        errors, old = _errors(design, k, one), before.get(one.parameter)
+        errors, old = design.errors_of(k, one), before.get(one.parameter)
         splits: tuple[str, ...] = ()
         deployed, error = None, 0.0
         verdict: Verdict = "new"
         if old is not None:
-            apart = _errors(design, k, old) - errors
+            apart = design.errors_of(k, old) - errors
             deployed, error = float(apart.mean() + errors.mean()), float(apart.std() / np.sqrt(len(apart)))
             if may_keep and apart.mean() <= SIGNIFICANT * error:
                 solutions[k] = _kept(problem, solutions[k], old.tree)
@@ -335,12 +335,6 @@ def _changed(
         claims = (own.objective, own.bound, own.is_optimal)
         changes.append(TreeChange(one.parameter, verdict, splits, deployed, float(errors.mean()), error, *claims))
     return replace(design, solutions=tuple(solutions)), tuple(changes)
-
-
-def _errors(design: MonitorDesign, k: int, one: ParameterTree) -> Floats:
-    """Return what a tree is off on each fresh reading (n_readings,)."""
-    told = np.array(one.values)[predict(one.tree, design.fresh)]
-    return np.asarray(np.abs(told - design.library.states[design.truth, k]))
 
 
 def _tree(solution: Solution) -> Node:

@@ -73,11 +73,12 @@ class MonitorDesign:
     @property
     def off_by(self) -> tuple[float, ...]:
         """What each tree is off on average on fresh readings, in the unit of its parameter."""
-        found = []
-        for k, one in enumerate(self.trees):
-            told = np.array(one.values)[predict(one.tree, self.fresh)]
-            found.append(float(np.mean(np.abs(told - self.library.states[self.truth, k]))))
-        return tuple(found)
+        return tuple(float(self.errors_of(k, one).mean()) for k, one in enumerate(self.trees))
+
+    def errors_of(self, k: int, one: ParameterTree) -> Floats:
+        """Return what a tree of parameter k is off on each fresh reading, shape (n_readings,)."""
+        told = np.array(one.values)[predict(one.tree, self.fresh)]
+        return np.asarray(np.abs(told - self.library.states[self.truth, k]))
 
     @property
     def without_readings(self) -> tuple[float, ...]:

@@ -217,7 +217,7 @@ def _bounded(solution: Solution, bound: float) -> Solution:
     if bound <= solution.bound or solution.tree is None:
         return solution
     better = replace(solution, bound=min(bound, solution.objective))
-    return replace(better, stop=Stop.OPTIMAL) if better.is_optimal else better
+    return replace(better, stop=Stop.OPTIMAL) if better.meets_bound else better
 
 
 def label_bound(problem: Problem) -> float:

@@ -26,7 +26,7 @@ from octmip.sensing.joint_solution import (
 )
 from octmip.trees.methods.options import NO_OPTIONS, Options
 from octmip.trees.problem import Problem
-from octmip.trees.registry import Run, refuse_numbers
+from octmip.trees.registry import Run, refuse_unknown
 from octmip.trees.solution import Limits, Solution, Stop
 from octmip.trees.solver import solve_run
 from octmip.trees.tree import Leaf, Node
@@ -75,7 +75,7 @@ def shared_budget(
         a solver failed.
     """
     for problem in problems:
-        refuse_numbers(problem, "shared_budget")
+        refuse_unknown(problem, "shared_budget")
     shared, shares = _with_budget(problems, budget), _checked_weights(weights, len(problems))
     run = Run(_chosen_method(shared, method), limits, seed, n_jobs, options)
     joint = SetSearch(shared, shares, run).found()

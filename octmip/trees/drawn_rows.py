@@ -60,9 +60,8 @@ def tree_of_drawn_rows(call: Call) -> Solution:
     seconds = search_seconds(problem, left)
     n_drawn = max(1, int(SETUP_SHARE * seconds * SETUP_READINGS[problem.loss.predicts] / problem.n_features))
     rows = np.sort(np.random.default_rng(call.run.seed).permutation(problem.n_samples)[:n_drawn])
-    drawn = {name: getattr(problem, name)[rows] for name in ("features", "targets", "weights")}
     share = seconds / left if left else 0.0
-    found = replace(call, problem=replace(problem, **drawn)).solve("search", None, share=share)
+    found = replace(call, problem=problem.of_rows(rows)).solve("search", None, share=share)
     assert found.tree is not None
     tree = problem.with_sides(ordered(problem, problem.with_best_leaves(found.tree)))
     stop = Stop.TIME if found.stop is not Stop.INTERRUPTED else found.stop

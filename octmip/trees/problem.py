@@ -9,7 +9,7 @@ over       trees of at most `depth` levels of splits (or of any), every leaf wit
 import hashlib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -291,6 +291,11 @@ class Problem(Shape):
             return leaf, float(self.weights[rows] @ self.loss.of_misses(self.codes[rows] - leaf.value))
         costs = self.class_costs(rows)
         return Leaf(int(costs.argmin())), float(costs.min())
+
+    def of_rows(self, rows: NDArray[Any], **others: Any) -> "Problem":
+        """Return the problem of some samples: `rows` are indices in their order, or a mask; `others` other fields."""
+        kept = {name: getattr(self, name)[rows] for name in ("features", "targets", "weights")}
+        return replace(self, **{**kept, **others})
 
     def with_best_leaves(self, tree: Node) -> Node:
         """Return the tree with the best value in every leaf; samples must reach each."""

@@ -220,51 +220,49 @@ OF_CLASSES_ALONE: Mapping[str, str] = {
 }
 """What the command asks of classes alone, and what it is about: refused in one sentence with a loss of numbers."""
 
-ASKED_OF_CLASSES: Mapping[str, str] = {
-    "near_optimal": "trees are counted by whole costs, and errors of numbers are none",
-    "sensor_roles": "what a sensor is worth is counted by whole costs, and errors of numbers are none",
-    "leaves_on_fresh_rows": "probabilities are those of classes",
-    "shared_budget": "labels are classes",
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is asked of a problem of classes beside a solve: why of classes alone, and whether level by level.
+
+    What goes through trees level by level knows nothing of `Problem.is_shaped`.
+    """
+
+    of_classes: str
+    by_level: bool = False
+
+
+ASKED: Mapping[str, Asked] = {
+    "near_optimal": Asked("trees are counted by whole costs, and errors of numbers are none", by_level=True),
+    "sensor_roles": Asked("what a sensor is worth is counted by whole costs, and errors of numbers are none", True),
+    "leaves_on_fresh_rows": Asked("probabilities are those of classes"),
+    "shared_budget": Asked("labels are classes"),
 }
-"""What is asked of classes alone, by name, and why: refused in one sentence with a loss of numbers."""
+"""What is asked beside a solve, by name: refused in one sentence with what it does not know."""
 
 
-NOT_OF_SHAPES = ("near_optimal", "sensor_roles")
-"""What knows nothing of `Problem.is_shaped`: its searches go through trees level by level."""
-
-
-def refuse_shape(problem: Problem, asked: str) -> None:
-    """Check that a problem limits its trees by nothing that what is asked does not know.
+def refuse_unknown(problem: Problem, asked: str) -> None:
+    """Check that a problem asks for nothing that what is asked of it does not know.
 
     Raises
     ------
     ProblemError
-        it limits the number of splits, asks for an order, or has no depth.
+        its loss is one of numbers, or the trees gone through level by level have no depth or a shape of their own.
     """
-    if asked in NOT_OF_SHAPES and problem.any_depth:
+    row = ASKED[asked]
+    if row.by_level and problem.any_depth:
         raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
-    if asked in NOT_OF_SHAPES and (problem.is_shaped or problem.leaf_weight is not None):
+    if row.by_level and (problem.is_shaped or problem.leaf_weight is not None):
         names = ("leaf_weight", "monotone", *PARTS, "max_splits")
         name = next(name for name in names if getattr(problem, name) is not None)
         raise ProblemError(
             f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
             "trace_frontier or choose_tree"
         )
-
-
-def refuse_numbers(problem: Problem, asked: str) -> None:
-    """Check that a problem is one of classes, for what is asked of these alone, and of a shape that it knows.
-
-    Raises
-    ------
-    ProblemError
-        its loss is one of numbers.
-    """
-    refuse_shape(problem, asked)
     if problem.loss.predicts == "number":
         raise ProblemError(
-            f"{asked} is for classes, as {ASKED_OF_CLASSES[asked]}; got the loss {problem.loss.spelling!r}; sort the "
-            "numbers into classes, or ask solve, trace_frontier or choose_tree, which answer every loss"
+            f"{asked} is for classes, as {row.of_classes}; got the loss {problem.loss.spelling!r}; sort the numbers "
+            "into classes, or ask solve, trace_frontier or choose_tree, which answer every loss"
         )
 
 

@@ -46,12 +46,6 @@ def within(problem: Problem, trees: str) -> str:
     return f"{trees}, {limits_in_words(problem)}"
 
 
-def narrow_scope(solution: Solution) -> str:
-    """Return the trees for which the bound holds where these are not all trees of the problem, else nothing."""
-    scope = str(solution.details.get("scope", "all"))
-    return "" if scope.startswith("all") else scope
-
-
 def scope_of(problem: Problem, solution: Solution) -> str:
     """Return the trees that no bound of a solution says more about than these."""
-    return narrow_scope(solution) or f"trees {limits_in_words(problem)}"
+    return solution.scope or f"trees {limits_in_words(problem)}"

@@ -116,7 +116,7 @@ class Solution:
     objective
         ``sum_i weights_i * costs[label_i, predicted_i] + leaf_penalty * complexity``.
     bound
-        proven lower bound of the objective of every tree of the problem; -inf without a proof.
+        proven lower bound of the objective of every tree in `scope`; -inf without a proof.
     stop
         why the solver stopped.
     seconds
@@ -161,7 +161,7 @@ class Solution:
         if bound <= self.bound:
             return self
         closer = replace(self, bound=min(bound, self.objective))
-        is_proven = closer.is_optimal and closer.stop is not Stop.INTERRUPTED
+        is_proven = closer.meets_bound and closer.stop is not Stop.INTERRUPTED
         return replace(closer, stop=Stop.OPTIMAL) if is_proven else closer
 
     def __str__(self) -> str:
@@ -169,9 +169,11 @@ class Solution:
         found = f"{self.solver} {self.version}, {self.seconds:.3g} s, stop: {self.stop}"
         if self.tree is None:
             return f"no tree found, bound {self.bound:.6g}\n{found}"
-        proof = "proven optimal" if self.is_optimal else f"gap {100 * self.gap:.3g} %"
+        proof = "proven optimal" if self.meets_bound else f"gap {100 * self.gap:.3g} %"
         if math.isinf(self.bound):
             proof = "no proof"
+        elif self.scope:
+            proof += f" among {self.scope}"
         splits = f"{n_splits(self.tree)} split" + ("" if n_splits(self.tree) == 1 else "s")
         head = f"objective {self.objective:.6g}, bound {self.bound:.6g}: {proof}"
         return "\n".join([head, f"depth {depth(self.tree)}, {splits}; {found}", "", *first_lines(self.tree)])
@@ -185,13 +187,24 @@ class Solution:
     @property
     def gap(self) -> float:
         """Relative gap between objective and bound; 0 when they meet within `tolerance`."""
-        return 0.0 if self.is_optimal else relative_gap(self.objective, self.bound)
+        return 0.0 if self.meets_bound else relative_gap(self.objective, self.bound)
+
+    @property
+    def scope(self) -> str:
+        """The trees that the bound is about, in words, where these are not all trees of the problem; "" for all."""
+        scope = str(self.details.get("scope", "all"))
+        return "" if scope.startswith("all") else scope
+
+    @property
+    def meets_bound(self) -> bool:
+        """Whether the bound proves that no tree in `scope` is better (by more than `tolerance`)."""
+        is_said = self.tree is not None and self.stop is not Stop.NUMERICS
+        return is_said and self.bound >= self.objective - self.tolerance
 
     @property
     def is_optimal(self) -> bool:
         """Whether the bound proves that no tree of the problem is better (by more than `tolerance`)."""
-        is_said = self.tree is not None and self.stop is not Stop.NUMERICS
-        return is_said and self.bound >= self.objective - self.tolerance
+        return self.meets_bound and not self.scope
 
 
 class ProofError(SolverError):

@@ -395,6 +395,6 @@ def _with_better_tree(solution: Solution, first: Solution | None) -> Solution:
     if first is None or first.objective >= solution.objective:
         return solution
     better = replace(solution, tree=first.tree, objective=first.objective)
-    if better.is_optimal and better.stop is not Stop.INTERRUPTED:
+    if better.meets_bound and better.stop is not Stop.INTERRUPTED:
         better = replace(better, stop=Stop.OPTIMAL)
     return better

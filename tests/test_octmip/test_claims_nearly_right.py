@@ -17,7 +17,6 @@ from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.set_certificate import certify_set
 from octmip.trees.tradeoff import frontier
 from octmip.trees.tree import Node, ValueLeaf
-from octmip.trees.uncertainty import CredibleSets
 from tests.test_octmip.test_near_sets import Claimed, five_values
 
 
@@ -150,14 +149,6 @@ def test_bounds_of_a_larger_penalty_say_nothing_of_a_smaller_one(monkeypatch: py
     monkeypatch.setattr(frontier, "solve_run", lambda *_args, **_options: next(answers))
     points = frontier.trace_frontier(five_values(), "penalty", [0.0, 5.0])
     assert [point.solution.bound for point in points] == [0.0, 2.0]
-
-
-def test_scores_at_a_threshold_are_in_the_set_and_by_chance_only_as_often_as_is_due() -> None:
-    n = np.array([9, 9])
-    sets = CredibleSets(0.5, np.array([0.5, 0.5]), np.array([0.25, 0.25]), np.array([5, 5]), n, False)
-    assert sets.sets([[0.5, 0.5]]).all()
-    drawn = sets.sets(np.full((4000, 2), 0.5), np.random.default_rng(0))
-    assert abs(drawn.mean() - 0.25) < 0.03
 
 
 @pytest.mark.parametrize(

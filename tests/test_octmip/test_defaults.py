@@ -17,13 +17,10 @@ PACKAGES = ("octmip", "octmip.formats.columns", "octmip.monitor", "octmip.sensin
 PACKAGES += tuple(f"octmip.trees.{name}" for name in ("losses", "near_sets", "tradeoff", "uncertainty"))
 EVERYWHERE = {
     "break_ties": False,
-    "by_class": False,
     "by_impurity": False,
     "by_sets": False,
     "categories": "yes-no",
     "change": 0.0,
-    "check_log": True,
-    "coverage": 0.9,
     "dual_tolerance": 1e-6,
     "folds": 5,
     "horizon": 100,
@@ -42,8 +39,6 @@ EVERYWHERE = {
     "most_damage": 0.98,
     "most_predictions": 10**6,
     "most_solves": 32,
-    "n_averaged": 1,
-    "n_bins": 10,
     "n_draws": 2000,
     "n_dual_states": 24,
     "n_jobs": 1,
@@ -76,9 +71,6 @@ EVERYWHERE = {
 OWN = {
     **dict.fromkeys([("OptimalTreeClassifier", "seconds"), ("OptimalTreeRegressor", "seconds")], 60.0),
     **dict.fromkeys([("OptimalTreeClassifier", "takes_missing"), ("OptimalTreeRegressor", "takes_missing")], True),
-    ("by_tree", "limits"): Limits(nodes=10),
-    ("by_tree", "options"): {"restarts": 1, "perturbations": 0},
-    ("by_tree", "method"): "search",
     ("explain", "row"): 0,
     ("explain", "state"): 0,
     ("Limits", "gap"): 0.0,

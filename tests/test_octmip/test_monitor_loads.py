@@ -7,7 +7,6 @@ from octmip.errors import DataError, ProblemError, TwinError
 from octmip.gap import function_twin
 from octmip.monitor import (
     Filter,
-    GaussianLikelihood,
     ModelSelector,
     Monitor,
     Watch,
@@ -17,6 +16,7 @@ from octmip.monitor import (
     steady_growth,
 )
 from octmip.trees.tree import Leaf, Split
+from tests.test_octmip.test_monitor_filter import WholeReading
 
 LEVELS = (0.0, 0.2, 0.4)
 GAUGES = {f"g{k}": "mm" for k in range(6)}
@@ -43,7 +43,7 @@ def library(twin=LINEAR, at=AT):
 def monitor_of(known, **options):
     middle = (known.strains[1:, 0] + known.strains[:-1, 0]) / 2
     tree = Split(0, float(middle[0]), Leaf(0), Split(0, float(middle[1]), Leaf(1), Leaf(2)))
-    chain = Filter(GaussianLikelihood(known), steady_growth(known, 0.01))
+    chain = Filter(WholeReading(known), steady_growth(known, 0.01))
     return Monitor(ModelSelector(known, tree), chain, Watch(known, **options))
 
 

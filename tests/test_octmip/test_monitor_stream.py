@@ -9,7 +9,6 @@ import pytest
 from octmip.errors import DataError
 from octmip.monitor import (
     Filter,
-    GaussianLikelihood,
     Monitor,
     Refusal,
     Result,
@@ -18,6 +17,7 @@ from octmip.monitor import (
     library_of,
     steady_growth,
 )
+from tests.test_octmip.test_monitor_filter import WholeReading
 from tests.test_octmip.test_monitor_selector import LinearBeam, a_selector
 
 SELECTOR = a_selector()
@@ -26,7 +26,7 @@ GAUGES = SELECTOR.library.gauges
 
 def whole():
     cells = library_of(LinearBeam(), grid_states([(0.1, 0.3, 0.5, 0.7)] * 2), 31.6, widths=(0.2, 0.2))
-    chain = Filter(GaussianLikelihood(cells), steady_growth(cells, 0.01))
+    chain = Filter(WholeReading(cells), steady_growth(cells, 0.01))
     return Monitor(SELECTOR, chain, Watch(SELECTOR.library, rate=0.01, horizon=20), start_state=0)
 
 
@@ -85,11 +85,9 @@ def test_the_alarm_is_explained_once_and_a_faulty_gauge_is_left_out():
 def test_loads_that_never_repeat_need_no_more_than_so_many_tables():
     monitor = whole()
     leaves = Filter(SELECTOR.likelihood, steady_growth(SELECTOR.library, 0.001))
-    for one in (monitor, replace(monitor, filter=leaves)):
-        loads = np.random.default_rng(0).uniform(2.0, 2.2, 300)
-        results = one.run((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
-        assert all(isinstance(result, Result) for result in results)
-    assert len(monitor.filter.likelihood._tables) <= 64
+    loads = np.random.default_rng(0).uniform(2.0, 2.2, 300)
+    readings = ((load, (load * SELECTOR.library.strains[7]).tolist()) for load in loads.tolist())
+    assert all(isinstance(result, Result) for result in replace(monitor, filter=leaves).run(readings))
     assert len(monitor.watch._tables) <= 64
     assert len(SELECTOR.likelihood._tables) <= 8
 

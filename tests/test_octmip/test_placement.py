@@ -1,8 +1,6 @@
 """Sensors that trees choose, and what they are compared with."""
 
-import math
 from dataclasses import replace
-from itertools import combinations
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ from octmip import Problem, certify
 from octmip.errors import ProblemError
 from octmip.sensing import (
     by_chance,
-    by_information,
     label_bound,
     place_sensors,
     placement_frontier,
@@ -102,50 +99,3 @@ def test_no_bound_lies_above_the_optimum(seed):
     least = optimum(problem).objective
     slack = 1e-9 * max(1.0, least)
     assert label_bound(problem) <= least + slack
-
-
-def test_the_d_optimal_design_is_near_the_best_of_all_and_below_its_relaxation():
-    rng = np.random.default_rng(1)
-    problem = Problem(rng.normal(size=(10, 7)), [0, 1] * 5, depth=1)
-    sensitivity = rng.normal(size=(3, 7, 2)) * [1.0, 100.0]
-    design = by_information(problem, 3.0, sensitivity)
-    scaled = sensitivity / np.sqrt((sensitivity**2).mean(axis=(0, 1)))
-
-    def log_det(chosen: tuple[int, ...]) -> float:
-        part = scaled[:, list(chosen)]
-        return float(np.linalg.slogdet(np.einsum("sja,sjb->sab", part, part))[1].mean())
-
-    values = {chosen: log_det(chosen) for chosen in combinations(range(7), 3)}
-    mine = tuple(problem.sensors.index(name) for name in design.sensors)
-    assert len(design.sensors) == 3
-    assert design.log_det == pytest.approx(values[mine])
-    assert max(values.values()) <= design.relaxed_log_det
-    assert design.log_det > np.median(list(values.values()))
-    assert math.isclose(sum(design.shares), 3.0, rel_tol=1e-5)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_no_choice_has_more_information_than_the_relaxation_promises(seed):
-    """Where all sensors are affordable the relaxation is met by them all, and a solver stops just short of it."""
-    rng = np.random.default_rng(seed)
-    costs = [1.0] * 6 if seed % 2 else [0.0, 0.5, 1.0, 1.0, 2.0, 3.0]
-    problem = Problem(rng.normal(size=(20, 6)), np.arange(20) % 2, depth=1, sensor_cost=costs)
-    sensitivity = rng.normal(size=(2, 6, 2)) * 10.0 ** rng.uniform(-3, 3)
-    scaled = sensitivity / np.sqrt((sensitivity**2).mean(axis=(0, 1)))
-    for budget in (sum(costs), 3.0, 2.0):
-        design = by_information(problem, budget, sensitivity)
-        choices = [c for n in range(2, 7) for c in combinations(range(6), n) if sum(costs[j] for j in c) <= budget]
-        parts = (scaled[:, list(choice)] for choice in choices)
-        best = max(float(np.linalg.slogdet(np.einsum("sja,sjb->sab", p, p))[1].mean()) for p in parts)
-        assert best <= design.relaxed_log_det
-        assert design.relaxed_log_det < best + (1e-5 if budget == sum(costs) else 1.0)
-
-
-def test_a_d_optimal_design_refuses_what_it_cannot_tell():
-    problem = readings()
-    with pytest.raises(ProblemError, match="shape"):
-        by_information(problem, 2.0, np.ones((3, 2)))
-    with pytest.raises(ProblemError, match="parameter 1"):
-        by_information(problem, 2.0, np.column_stack([np.ones(8), np.zeros(8)]))
-    with pytest.raises(ProblemError, match="tell all 2 parameters apart"):
-        by_information(problem, 2.0, np.ones((8, 2)))

@@ -55,7 +55,7 @@ def test_the_plane_of_a_tree_over_three_features_is_refused():
 def test_a_choice_is_drawn_with_one_line_a_depth_and_its_mark():
     problem = Problem(RNG.random((30, 2)), [0, 1, 2] * 10, depth=2)
     choice = choose_tree(problem, folds=2, method="cart")
-    axes = choice_figure(choice, "choice").axes[0]
+    axes = choice_figure(choice).axes[0]
     labels = [text.get_text() for text in axes.get_legend().get_texts()]
     assert labels == ["depth 1", "depth 2", "chosen"]
     costs = [step.validation_cost for step in choice.steps if step.depth == 1]

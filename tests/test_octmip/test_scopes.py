@@ -85,3 +85,15 @@ def test_limits_that_enumeration_does_not_know_are_named_too():
     assert depth_in_words(None) == "of any depth"
     with pytest.raises(ValueError, match="names no depth"):
         Said.read("trees that cut each feature at 5 quantiles at most")
+
+
+def test_the_best_of_separated_trees_is_not_called_the_best_of_all():
+    rng = np.random.default_rng(7)
+    problem = Problem(rng.normal(size=(20, 4)), rng.integers(0, 2, 20), depth=1, split="hyperplane")
+    separated, better = solve(problem, "oct_h"), solve(problem, "search")
+    assert better.objective < separated.objective == separated.bound
+    assert separated.meets_bound
+    assert not separated.is_optimal
+    assert separated.scope.startswith("mu-separated trees")
+    assert f"proven optimal among {separated.scope}" in str(separated)
+    certify(problem, separated)

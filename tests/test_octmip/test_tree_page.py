@@ -27,9 +27,9 @@ from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.embedded import MOST_CELLS, MOST_ROWS, sample_data
-from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
+from octmip.interfaces.report.tree.evidence import gather, judged_by
 from octmip.interfaces.report.tree.words import Wording, figure, listed, percent, question
-from octmip.trees.registry import Run
+from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import leaf_index, leaves
 from tests.oracles.hostile_names import hostile_names
 from tests.oracles.page_check import check_page
@@ -45,11 +45,17 @@ def xor(n: int = 200, depth: int = 2) -> Problem:
     return Problem(features, labels, depth=depth, feature_names=("g01", "g02", "<b>"))
 
 
+def drawn_from(problem: Problem) -> Samples:
+    """Return a quarter of the samples, as if they were others."""
+    rows = np.random.default_rng(0).permutation(problem.n_samples)[: problem.n_samples // 4]
+    return Samples(problem.features[rows], problem.codes[rows], problem.weights[rows])
+
+
 @pytest.fixture(scope="module")
 def xor_page() -> str:
     problem = xor()
     file = record_tree(problem, solve(problem), "side")
-    evidence = with_share_held_out(gather(file, problem), 0.25, Run())
+    evidence = judged_by(gather(file, problem), file, drawn_from(problem), "new.csv")
     return tree_page(
         file, "t.json", evidence, data="xor.csv", units={"g01": "microstrain"}, masthead=Masthead(made=DAY)
     )

@@ -14,12 +14,12 @@ from octmip.interfaces.report.html import tree_page
 from octmip.interfaces.report.page import Masthead
 from octmip.interfaces.report.tree.contents import measure_of
 from octmip.interfaces.report.tree.drawing import draw_tree
-from octmip.interfaces.report.tree.evidence import gather, with_share_held_out
+from octmip.interfaces.report.tree.evidence import gather, judged_by
 from octmip.interfaces.report.tree.words import Wording, figure
 from octmip.trees.losses import Loss
 from octmip.trees.methods.cart import greedy_tree
-from octmip.trees.registry import Run
 from tests.oracles.page_check import check_page
+from tests.test_octmip.test_tree_page import drawn_from
 
 DAY = datetime.date(2026, 3, 1)
 
@@ -34,7 +34,7 @@ def prices(loss: Loss, **asked: Any) -> Problem:
 
 def number_page(problem: Problem, **options: Any) -> str:
     file = record_tree(problem, solve(problem, **options), "price")
-    evidence = with_share_held_out(gather(file, problem, seconds=2.0), 0.25, Run())
+    evidence = judged_by(gather(file, problem, seconds=2.0), file, drawn_from(problem), "new.csv")
     return tree_page(file, "t.json", evidence, data="houses.csv", units={"price": "EUR"}, masthead=Masthead(made=DAY))
 
 

@@ -95,7 +95,7 @@ def problem_of(case: str) -> Problem:
 @pytest.mark.parametrize("case", CASES)
 def test_the_bound_is_true_and_its_log_is_accepted(case: str, tmp_path: Path) -> None:
     problem = problem_of(case)
-    solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"), check_log=False)
+    solution = two_feature_branch_and_bound(problem, options=ExactOptions(proof=tmp_path / "log"))
     certify(problem, solution)
     optimum = float(least_cost(problem)) if problem.n_samples < 20 else 14.0
     assert solution.bound <= optimum <= solution.objective

@@ -18,7 +18,7 @@ from octmip.interfaces.report.markdown import markdown_table
 from octmip.trees.losses import ClassCosts, SquaredError
 from octmip.trees.problem import Problem
 from octmip.trees.registry import Run
-from octmip.trees.scope import narrow_scope, scope_of
+from octmip.trees.scope import scope_of
 from octmip.trees.solution import Limits, Solution
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff.default import solve_default
@@ -62,7 +62,7 @@ def outcome(seed: int) -> Line:
     cuts: Any = solution.details.get("cuts", ())
     least = least_inside(asked, scope, cuts)
     fault = f"bound {bound}, and a tree inside costs {least}" if bound > least + MARGIN * max(1.0, abs(least)) else ""
-    narrow = bool(narrow_scope(solution))
+    narrow = bool(solution.scope)
     return line | {"scope": scope, "narrow": narrow, "optimal": solution.is_optimal, "fault": fault}
 
 

@@ -11,12 +11,12 @@ from typing import Any
 
 from octmip.formats.tree_file import finite_or_none
 from octmip.input.names import visible
+from octmip.interfaces.report.new_rows import counts_errors
 from octmip.interfaces.report.text import number, percent, progress_words
 from octmip.trees.certificate import Certificate
-from octmip.trees.losses import ClassCosts
 from octmip.trees.methods.interruption import held_back
 from octmip.trees.problem import Problem
-from octmip.trees.scope import limits_in_words, narrow_scope
+from octmip.trees.scope import limits_in_words
 from octmip.trees.solution import Progress, Solution
 from octmip.trees.tradeoff import Comparison, Score
 from octmip.trees.tree_nodes import encode_tree
@@ -94,7 +94,7 @@ def describe(problem: Problem, solution: Solution, certificate: Certificate) -> 
         "gap": finite_or_none(solution.gap),
         "is_optimal": solution.is_optimal,
         "scope": certificate.scope,
-        "scope_is_whole": not narrow_scope(solution),
+        "scope_is_whole": not solution.scope,
         "stop": str(solution.stop),
         "seconds": solution.seconds,
         "n_nodes": solution.n_nodes,
@@ -118,7 +118,7 @@ def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> s
     """Return what is known of a tree in one sentence, for the last line on the screen."""
     wrong = problem.loss.short_words_of(certificate.measures, problem.n_samples)
     trees, counts = _trees(problem, solution), _counts_errors(problem)
-    if solution.is_optimal:
+    if solution.meets_bound:
         no_better = "makes fewer errors" if counts else f"has an objective below {number(solution.bound)}"
         return f"In training, proven optimal: {wrong}; no {trees} {no_better}."
     if math.isinf(solution.bound):
@@ -132,15 +132,14 @@ def verdict(problem: Problem, solution: Solution, certificate: Certificate) -> s
 
 def _trees(problem: Problem, solution: Solution) -> str:
     """Return the trees that a bound holds for, in words that follow "no" and "every"."""
-    scope = narrow_scope(solution)
+    scope = solution.scope
     trees = f"tree among {visible(scope)}" if scope else f"tree {limits_in_words(problem)}"
     return f"{trees}," if "," in trees else trees
 
 
 def _counts_errors(problem: Problem) -> bool:
     """Whether the objective is the number of wrong samples."""
-    is_count = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
-    return bool(is_count and problem.leaf_penalty == 0 and (problem.weights == 1).all())
+    return problem.leaf_penalty == 0 and counts_errors(problem)
 
 
 def comparison_text(problem: Problem, found: Comparison) -> str:

@@ -34,7 +34,6 @@ class Extra:
 
 EXTRAS: Mapping[str, Extra] = MappingProxyType(
     {
-        "sensing": Extra(("cvxpy",), "sensor placement by convex relaxation"),
         "wing": Extra(("pyfe3d",), "beams in femlib's structures"),
         "plot": Extra(("matplotlib",), "drawings"),
         "parquet": Extra(("pyarrow",), "tables in Parquet files"),

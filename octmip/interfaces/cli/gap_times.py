@@ -30,7 +30,7 @@ class GapTimes:
 
     def end(self, solution: Solution) -> None:
         """Note the end."""
-        self._note(0.0 if solution.is_optimal else solution.gap, solution.seconds)
+        self._note(0.0 if solution.meets_bound else solution.gap, solution.seconds)
 
     def reached(self) -> dict[str, float | None]:
         """Return the seconds to each of `GAPS`, by its percentage; None for those that were not reached."""

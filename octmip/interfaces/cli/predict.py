@@ -21,6 +21,7 @@ from octmip.input.names import visible, visible_lines
 from octmip.interfaces.cli.answer import print_json, then_written
 from octmip.interfaces.cli.samples.names import one_name
 from octmip.interfaces.cli.samples.training import targets_of
+from octmip.trees.classes import codes_of
 from octmip.trees.tree import leaf_index, leaves, predict_values
 
 MADE = "shares of the training rows, which are too high for fresh ones"
@@ -149,8 +150,7 @@ def _counted(file: TreeFile, table: Table, label: str, predicted: NDArray[Any]) 
     known = table.rows(~is_missing).with_plain_numbers(label) if is_missing.any() else table
     targets = targets_of(file, known, label)
     if file.class_names:
-        position = {name: k for k, name in enumerate(file.class_names)}
-        targets = np.array([position[name] for name in targets.tolist()], dtype=np.int64)
+        targets = codes_of(targets, file.class_names)
     measures = dict(file.loss.measures(np.ones(len(targets)), targets, predicted[~is_missing]))
     return measures | ({"n_unlabelled": int(is_missing.sum())} if is_missing.any() else {})
 

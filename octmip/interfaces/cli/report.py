@@ -56,7 +56,7 @@ def _check(arguments: argparse.Namespace, kind: str) -> None:
         raise DataError(f"--out {arguments.out} holds the tree alone, without DATA; leave {arguments.data} out")
     if arguments.table and kind != ".sql":
         raise DataError("--table names the table of an expression; write one with --out TREE.sql, or leave it out")
-    for option in ("test", "holdout", "proof"):
+    for option in ("test", "proof"):
         if getattr(arguments, option) is not None and not arguments.data:
             raise DataError(f"--{option} needs the table that the tree was trained on; give DATA behind TREE.json")
     if not arguments.seconds >= 0:
@@ -78,10 +78,8 @@ def _number_columns(columns: Columns | None, file: TreeFile) -> tuple[str, ...]:
 
 def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -> "Evidence":
     from octmip.interfaces.cli.samples.training import read_test, read_training
-    from octmip.interfaces.report.tree.evidence import gather, judged_by, with_share_held_out
+    from octmip.interfaces.report.tree.evidence import gather, judged_by
     from octmip.trees.proof import check_proof
-    from octmip.trees.registry import Run
-    from octmip.trees.solution import Limits
 
     training = read_training(file, arguments.data, source=arguments.tree)
     seconds = arguments.seconds if has_depths else 0.0
@@ -93,13 +91,8 @@ def _evidence(arguments: argparse.Namespace, file: TreeFile, has_depths: bool) -
     if arguments.test:
         samples = read_test(file, training.problem, arguments.test)
         return judged_by(found, file, samples, Path(arguments.test).name)
-    if training.held_out is not None and arguments.holdout is not None:
-        raise DataError(f"{arguments.tree} was trained with samples held out already; leave --holdout out")
     if training.held_out is not None:
         return judged_by(found, file, training.held_out, f"{_name_of(arguments.data)}, held out before the training")
-    if arguments.holdout is not None:
-        run = Run(limits=Limits(seconds=arguments.seconds or 10.0), seed=file.solution.seed)
-        return with_share_held_out(found, arguments.holdout, run)
     return found
 
 

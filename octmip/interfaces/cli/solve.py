@@ -5,7 +5,6 @@ import math
 from dataclasses import replace
 
 from octmip.errors import DataError, SolverError
-from octmip.formats.columns import Columns
 from octmip.formats.table.preparation import with_written_cuts
 from octmip.formats.tree_file import leaf_counts, read_tree_file, record_tree, tree_for, write_tree_file
 from octmip.interfaces.cli.answer import (
@@ -174,16 +173,8 @@ def _show_words(asked: TableProblem, solution: Solution, certificate: Certificat
         print(f"{comparison_text(problem, found)}\n{difference_text(problem, found)}\n")
     print(printable(solution_text(problem, solution, certificate)))
     print()
-    print(printable(tree_text(tree, *_names(asked), leaf_counts(problem, tree), _columns(asked))))
+    names, counts = (problem.feature_names, problem.class_names), leaf_counts(problem, tree)
+    print(printable(tree_text(tree, *names, counts, asked.preparation.columns)))
     print()
     if doubt := warning_text(problem, tree):
         print(f"{doubt}\n")
-
-
-def _names(asked: TableProblem) -> tuple[tuple[str, ...], tuple[object, ...]]:
-    return asked.problem.feature_names, asked.problem.class_names
-
-
-def _columns(asked: TableProblem) -> Columns | None:
-    columns = asked.preparation.columns
-    return None if columns.is_plain else columns

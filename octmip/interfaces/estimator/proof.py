@@ -30,7 +30,7 @@ def method_proves(problem: Problem, method: str) -> bool:
 
 def warn_unproven(solution: Solution, proves: bool, seconds: float) -> None:
     """Warn where a method that proves did not: a better tree may exist, and the gap says how much better."""
-    if solution.is_optimal or not proves:
+    if solution.meets_bound or not proves:
         return
     ended = ENDED.get(solution.stop, "early").format(seconds=seconds)
     cure = CURE.get(solution.stop, "give more seconds")

@@ -21,6 +21,7 @@ from octmip.formats.columns.column import Column
 from octmip.formats.columns.frames import frame_of, series_of
 from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact
 from octmip.input.messages import shown
+from octmip.trees.classes import codes_of
 from octmip.trees.tradeoff.held_out import Samples
 
 Floats = NDArray[np.float64]
@@ -152,14 +153,12 @@ def test_samples(estimator: BaseEstimator, X: ArrayLike, y: ArrayLike | None) ->
     check_consistent_length(features, labels)
     if not hasattr(estimator, "classes_"):
         return Samples(features, np.asarray(labels, dtype=np.float64), np.ones(len(labels)))
-    position = {label: code for code, label in enumerate(estimator.problem_.class_names)}
-    unknown = next((label for label in labels.tolist() if label not in position), None)
+    names = estimator.problem_.class_names
+    known = set(names)
+    unknown = next((label for label in labels.tolist() if label not in known), None)
     if unknown is not None:
-        raise DataError(
-            f"y_test holds {unknown!r}, which is no class of the training ({', '.join(map(str, position))})"
-        )
-    codes = np.array([position[label] for label in labels.tolist()], dtype=np.int64)
-    return Samples(features, codes, np.ones(len(codes)))
+        raise DataError(f"y_test holds {unknown!r}, which is no class of the training ({', '.join(map(str, names))})")
+    return Samples(features, codes_of(labels, names), np.ones(len(labels)))
 
 
 def label_name(y: Any) -> str | None:

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.interfaces.plot.names import name_entries
-from octmip.interfaces.plot.style import DISTINCT, INK, Picture, quiet_frame, titled
+from octmip.interfaces.plot.style import DISTINCT, INK, Picture, quiet_frame
 from octmip.trees.tradeoff import Choice, Step
 
 
-def frontier_figure(
-    values: Sequence[float], objectives: Sequence[float], bounds: Sequence[float], name: str, title: str | None = None
-) -> Figure:
+def frontier_figure(values: Sequence[float], objectives: Sequence[float], bounds: Sequence[float], name: str) -> Figure:
     """Return objectives and bounds against what was varied, the gaps between them as bars; `name` is of the values.
 
     Raises
@@ -39,7 +37,7 @@ def frontier_figure(
     axes.set_ylabel("objective", color=INK)
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
-    return titled(figure, axes, title)
+    return figure
 
 
 def benchmark_figure(
@@ -90,7 +88,7 @@ def _gap_at(seconds: NDArray[np.float64], run: Sequence[tuple[float, float]]) ->
     return np.array([1.0, *(min(1.0, gap) for _, gap in run)])[found]
 
 
-def choice_figure(choice: Choice, title: str | None = None) -> Figure:
+def choice_figure(choice: Choice) -> Figure:
     """Return cross-validated cost against alpha, one line per depth, the choice and its standard error marked."""
     figure = Picture(figsize=(5.6, 3.4), layout="tight")
     axes = figure.add_subplot()
@@ -110,7 +108,7 @@ def choice_figure(choice: Choice, title: str | None = None) -> Figure:
     axes.set_ylabel("cost on the folds held out", color=INK)
     axes.legend(frameon=False, fontsize=8)
     quiet_frame(axes)
-    return titled(figure, axes, title)
+    return figure
 
 
 def _mark(axes: Axes, chosen: Step) -> None:

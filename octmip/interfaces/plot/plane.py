@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from octmip.errors import ProblemError
 from octmip.input.names import shown
-from octmip.interfaces.plot.names import drawn, name_entries, plain
-from octmip.interfaces.plot.style import INK, PAPER, Picture, check_names, class_colours, quiet_frame, titled
+from octmip.interfaces.plot.names import drawn, in_font, name_entries, plain
+from octmip.interfaces.plot.style import INK, PAPER, Picture, check_names, class_colours, quiet_frame
 from octmip.trees.problem import Problem
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, features_used
 
@@ -60,7 +60,9 @@ def partition_figure(
     plain(axes.set_xlabel(drawn(problem.feature_names[pair[0]], problem.feature_names), color=INK))
     plain(axes.set_ylabel(drawn(problem.feature_names[pair[1]], problem.feature_names), color=INK))
     quiet_frame(axes)
-    return titled(figure, axes, title)
+    if title:
+        plain(axes.set_title(in_font(title), fontsize=10, color=INK))
+    return figure
 
 
 def _plane(problem: Problem, tree: Node, features: tuple[int, int] | None) -> list[int]:

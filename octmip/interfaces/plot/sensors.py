@@ -6,13 +6,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from octmip.interfaces.plot.names import drawn, plain
-from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, Picture, quiet_frame, titled
+from octmip.interfaces.plot.style import DISTINCT, INK, QUIET, Picture, quiet_frame
 from octmip.trees.near_sets import Role, SensorRoles
 
 COLOURS = {Role.NEEDED: DISTINCT[1], Role.REPLACEABLE: DISTINCT[0], Role.USELESS: QUIET, Role.UNKNOWN: DISTINCT[5]}
 
 
-def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
+def sensors_figure(found: SensorRoles) -> Figure:
     """Return two bars per sensor, both from the optimum: right, the price of losing it; left, of having to read it.
 
     The colour is the sensor's role; the shaded band is what counts as near-optimal.
@@ -44,7 +44,7 @@ def sensors_figure(found: SensorRoles, title: str | None = None) -> Figure:
     above = 1.0 + 0.9 / len(found.roles)
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, above), ncols=4)
     quiet_frame(axes)
-    return titled(figure, axes, title)
+    return figure
 
 
 def _note(axes: Axes, text: str, place: tuple[float, float], aside: float) -> None:

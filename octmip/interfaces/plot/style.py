@@ -12,7 +12,6 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from octmip.errors import ProblemError
-from octmip.interfaces.plot.names import in_font, plain
 from octmip.trees.problem import Problem
 from octmip.trees.tree import Node, ValueLeaf, features_used, leaves
 
@@ -64,13 +63,6 @@ def quiet_frame(axes: Axes) -> None:
     for side in axes.spines.values():
         side.set_color(QUIET)
         side.set_linewidth(0.7)
-
-
-def titled(figure: Figure, axes: Axes, title: str | None) -> Figure:
-    """Return a figure whose axes bear a title, where there is one."""
-    if title:
-        plain(axes.set_title(in_font(title), fontsize=10, color=INK))
-    return figure
 
 
 def check_names(problem: Problem, tree: Node) -> None:

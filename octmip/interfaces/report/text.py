@@ -11,7 +11,6 @@ from octmip.input.names import shown, visible
 from octmip.trees.certificate import Certificate
 from octmip.trees.classes import words_of_order
 from octmip.trees.problem import Problem
-from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Progress, Solution, relative_gap
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, ValueLeaf, prediction, tree_lines
 from octmip.trees.tree import condition as named_condition
@@ -39,10 +38,11 @@ def tree_text(
 ) -> str:
     """Return a tree as indented lines, with the training samples of each leaf where `counts` are given.
 
-    `columns` puts the conditions in words of the table that the features were made from. `counts` are those of
-    `octmip.formats.tree_file.leaf_counts`, leaves from the left.
+    `columns` puts the conditions in words of the table that the features were made from, where these are no plain
+    numbers. `counts` are those of `octmip.formats.tree_file.leaf_counts`, leaves from the left.
     """
     rows = iter([] if counts is None else counts.tolist())
+    columns = None if columns is None or columns.is_plain else columns
 
     def decision(leaf: Leaf) -> str:
         return f"{leaf_text(leaf, feature_names, class_names)}{leaf_note(next(rows, None), leaf.label)}"
@@ -79,10 +79,10 @@ def percent(share: float) -> str:
 def solution_text(problem: Problem, solution: Solution, certificate: Certificate) -> str:
     """Return what a solution claims and its certificate found, in three lines."""
     loss, is_number = problem.loss, problem.loss.predicts == "number"
-    proof = "proven optimal" if solution.is_optimal else f"gap {percent(solution.gap)}"
+    proof = "proven optimal" if solution.meets_bound else f"gap {percent(solution.gap)}"
     if math.isinf(solution.bound):
         proof = "no proof"
-    elif scope := visible(narrow_scope(solution)):
+    elif scope := visible(solution.scope):
         proof += f" among {scope}"
     elif is_number and solution.tolerance > 0:
         proof += f" within {solution.tolerance:.1g}"

@@ -76,11 +76,6 @@ class IntegerCosts:
         """Factor from a whole-numbered objective to the problem's, `base` left out."""
         return math.ldexp(1.0, -self.exponent)
 
-    @property
-    def weight_unit(self) -> float:
-        """The part of `unit` that scales the weights."""
-        return math.ldexp(1.0, -self.weight_exponent)
-
     def value(self, whole: int) -> float:
         """Return the largest float64 not above a whole-numbered objective or bound, in the problem's units."""
         return rounded_down(self.base + whole * power_of_two(-self.exponent))

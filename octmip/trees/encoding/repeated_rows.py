@@ -11,7 +11,6 @@ weighed again: if it is a tree of the problem, it is the best one there, too.
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,11 +62,5 @@ def sized_rows(problem: Problem, unit: float) -> Problem:
     times[weights >= least] = size
     rows = np.repeat(np.arange(len(kept)), times.astype(np.int64))
     is_first = np.diff(rows, prepend=-1) > 0
-    return replace(
-        problem,
-        features=problem.features[kept[rows]],
-        targets=problem.targets[kept[rows]],
-        weights=np.where(is_first, weights[rows], 0.0),
-        leaf_size=size,
-        leaf_weight=None,
-    )
+    weights = np.where(is_first, weights[rows], 0.0)
+    return problem.of_rows(kept[rows], weights=weights, leaf_size=size, leaf_weight=None)

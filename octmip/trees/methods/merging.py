@@ -62,7 +62,7 @@ def _taken(problem: Problem, rows: NDArray[np.intp], weights: NDArray[np.float64
     """Return the problem of these rows, in this order."""
     if np.array_equal(rows, np.arange(problem.n_samples)):
         return problem
-    return replace(problem, features=problem.features[rows], targets=problem.targets[rows], weights=weights[rows])
+    return problem.of_rows(rows, weights=weights[rows])
 
 
 def _groups(ranks: Ranks, codes: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -8,12 +8,9 @@ rounded to a grid. Coordinates scaled to [0, 1] settle all samples that keep 2^-
 parted in whole numbers of as many bits as it takes. A dichotomy that no float64 line makes with that much room is
 numerically undecided: it counts for the bound but is not returned, and `Stop.NUMERICS` and
 `Solution.details["numerically_undecided"]` report it. See docs/theory/two-feature.md.
-
-Trees of depth 3 are not searched: the best tree of depth 2 is, and what it costs bounds them.
 """
 
 import contextlib
-import math
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -48,12 +45,11 @@ from octmip.trees.methods.native_call import (
 from octmip.trees.methods.options import ExactOptions
 from octmip.trees.problem import Problem
 from octmip.trees.proof import check_proof, log_header
-from octmip.trees.solution import Limits, Progress, ProgressCallback, ProofError, Solution, Stop
+from octmip.trees.solution import Limits, ProgressCallback, ProofError, Solution, Stop
 from octmip.trees.tree import HyperplaneSplit, Leaf, Node, Split, goes_left
 
 SOLVER = "two-feature exact"
 MOST_DEPTH = 2
-MOST_BOUNDED_DEPTH = 3
 MOST_FEATURES = 2
 
 
@@ -66,17 +62,13 @@ def two_feature_branch_and_bound(
     n_jobs: int = 1,
     progress: ProgressCallback | None = None,
     options: ExactOptions = ExactOptions(),  # noqa: B008 (frozen)
-    check_log: bool = True,
-    whole_coefficients: int | None = None,
 ) -> Solution:
     """Return a proven optimal tree, or the best tree and the bound when a limit is reached.
 
     Parameters
     ----------
     problem
-        of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features). Of
-        depth 3, the result is the better of the incumbent and the best tree of depth 2, with the bound that follows
-        from this one's.
+        of depth 1 or 2 and at most two features per split (`split_size=2`, or no more than two features).
     limits
         when to stop early.
     incumbent
@@ -88,14 +80,8 @@ def two_feature_branch_and_bound(
     progress
         called every few hundredths of a second.
     options
-        the proof's log takes a second search, about as long. ``checkpoint`` is an entry here, which keeps the open
-        nodes of a proof of depth 2.
-    check_log
-        the log is written once that check accepts it, which takes up to ten times as long; without it, it is
-        written unchecked.
-    whole_coefficients
-        lines get whole-numbered coefficients of at most this size wherever some part the node's
-        samples alike. A wish; `Problem.integer_normals` is a condition.
+        the proof's log takes a second search, about as long, and is written once the checker accepts it, which takes
+        up to ten times as long. ``checkpoint`` is an entry here, which keeps the open nodes of a proof of depth 2.
 
     Raises
     ------
@@ -109,15 +95,9 @@ def two_feature_branch_and_bound(
     """
     proof = options.proof
     _check(problem, n_jobs)
-    if problem.depth > MOST_DEPTH and proof is not None:
-        raise ProblemError(
-            f"depth is {problem.depth} but proof logs of two-feature trees end at depth {MOST_DEPTH}; leave proof out"
-        )
     if proof is not None:
         check_writable(proof)
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
-    if problem.depth > MOST_DEPTH:
-        return _bounded(problem, known, start, progress, (limits, seed, n_jobs))
     ranks, kept, state, first = rank_features(problem), None, None, known
     costs = integer_costs(problem, first)
     if options.checkpoint is not None and problem.depth == MOST_DEPTH:  # one level is one scan, which has no state
@@ -144,7 +124,6 @@ def two_feature_branch_and_bound(
     with contextlib.nullcontext() if kept is None else kept.going_on():
         result = _native.two_feature_branch_and_bound(
             *call,
-            whole_coefficients=whole_coefficients,
             checkpoint=None if kept is None else (kept.every, save, state),
         )
     found = _centred(relabelled(problem, tree_from_rows(result.rows, ranks)), problem.features)
@@ -169,59 +148,9 @@ def two_feature_branch_and_bound(
     )
     if proof is not None:
         with logged(proof, Stop(stop), lambda: solution):
-            _write_proof(problem, native, costs, bound, (solution, n_jobs, check_log), Path(proof))
+            _write_proof(problem, native, costs, bound, (solution, n_jobs), Path(proof))
         return replace(solution, seconds=time.perf_counter() - start)
     return solution
-
-
-def _bounded(
-    problem: Problem, known: Node | None, start: float, progress: ProgressCallback | None, run: tuple[Limits, int, int]
-) -> Solution:
-    """Return the better of a known tree and the best of a level fewer, with the bound that follows from this one's."""
-    level = replace(problem, depth=problem.depth - 1)
-    objective = math.inf if known is None else problem.objective(known)
-
-    def deeper(state: Progress) -> None:
-        if progress is not None:
-            bound = _one_level_deeper(problem, state.bound)
-            progress(replace(state, bound=bound, objective=min(objective, state.objective)))
-
-    limits, seed, n_jobs = run
-    shallower = two_feature_branch_and_bound(level, limits=limits, seed=seed, n_jobs=n_jobs, progress=deeper)
-    assert shallower.tree is not None
-    tree, objective = better(problem, shallower.tree, known)
-    bound = _one_level_deeper(problem, shallower.bound)
-    open_stop = Stop.FINISHED if shallower.is_optimal else shallower.stop
-    return replace(
-        shallower,
-        tree=tree,
-        objective=objective,
-        bound=bound,
-        stop=Stop.OPTIMAL if bound >= objective else open_stop,
-        seconds=time.perf_counter() - start,
-        tolerance=0.0,
-        details={**shallower.details, "bound": "from the trees of one level fewer"},
-    )
-
-
-def _one_level_deeper(problem: Problem, bound: float) -> float:
-    """Return a bound of the problem's trees from one of the trees of a level fewer.
-
-    Proof. Let M be the sum of w_i max_k c_ik, what all samples cost at most, and call M - cost what the leaves of a
-    tree save; every leaf saves 0 or more. Put the better leaf in the place of each split of the last level, with its
-    label: it keeps what it saved, which is half of what the two saved together, or more; all other leaves keep theirs;
-    no leaf has shrunk, no feature or sensor is new. So a tree of one level fewer saves half as much at least, and costs
-    e <= M - saved / 2 + P, P the price of its splits. The deeper tree pays these splits too: it costs
-    M - saved + P >= 2 e - M - P, and P is at most that of 2^level - 1 lines.
-    """
-    highest = problem.weights * problem.costs.max(axis=1)[problem.codes]
-    n_splits: int = 2 ** (problem.depth - 1) - 1
-    most = math.fsum(highest) + 2 * problem.leaf_penalty * n_splits
-    # Numbers that are not whole, or too large, are rounded: each by half a unit in the last place of the largest.
-    parts = (problem.weights, problem.costs, np.array([problem.leaf_penalty, bound]))
-    is_exact = 2 * most < 2**53 and all((part == np.floor(part)).all() for part in parts)
-    rounding = 0.0 if is_exact else 3 * math.ulp(2 * most)
-    return max(0.0, 2 * bound - most - rounding)
 
 
 def _open_stop(problem: Problem, stop: str) -> Stop:
@@ -240,10 +169,9 @@ def _details(problem: Problem, *, is_open: bool) -> dict[str, object]:
 
 
 def _check(problem: Problem, n_jobs: int) -> None:
-    if problem.depth > MOST_BOUNDED_DEPTH:
+    if problem.depth > MOST_DEPTH:
         raise ProblemError(
-            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH} and bounded to depth "
-            f"{MOST_BOUNDED_DEPTH}; take method='search'"
+            f"depth is {problem.depth} but two-feature trees are proven to depth {MOST_DEPTH}; take method='search'"
         )
     if problem.max_split_size > MOST_FEATURES:
         raise ProblemError(
@@ -257,11 +185,11 @@ def _write_proof(
     native: _native.Problem,
     costs: IntegerCosts,
     claim: int,
-    given: tuple[Solution, int, bool],
+    given: tuple[Solution, int],
     path: Path,
 ) -> None:
-    """Write the log of a claim, if the checker accepts it (or is not asked); else raise a `ProofError`."""
-    solution, n_jobs, check_log = given
+    """Write the log of a claim, if the checker accepts it; else raise a `ProofError`."""
+    solution, n_jobs = given
     body = _native.prove_two_feature(native, claim, n_jobs)
     if body is None:
         raise _no_log(
@@ -273,7 +201,7 @@ def _write_proof(
         check_proof(problem, draft, bound=solution.bound, n_jobs=n_jobs)
 
     try:
-        write_log(path, header + body + "end\n", check if check_log else None)
+        write_log(path, header + body + "end\n", check)
     except CertificateError as error:
         raise _no_log(path, f"the checker refuses it ({error})", solution) from error
 

@@ -22,7 +22,7 @@ from octmip.trees.methods import interruption
 from octmip.trees.near_sets.near_set import Cut, Entry, NearOptimalSet, NearTree, Place, RootInterval, Wanted
 from octmip.trees.near_sets.whole_numbers import WholeProblem, whole_problem
 from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_numbers
+from octmip.trees.registry import refuse_unknown
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.solver import solve
 from octmip.trees.tree import Node
@@ -103,7 +103,7 @@ def _decimal(number: float | Fraction | None) -> Fraction | None:
 
 
 def _check(problem: Problem, within: float | Fraction | None, relative: float | Fraction | None) -> None:
-    refuse_numbers(problem, "near_optimal")
+    refuse_unknown(problem, "near_optimal")
     if problem.split != "axis":
         raise ProblemError("trees are counted with splits over one feature but split is 'hyperplane'; use split='axis'")
     if (within is None) == (relative is None):

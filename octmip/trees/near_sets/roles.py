@@ -29,7 +29,7 @@ from octmip.trees.near_sets.counting import near_optimal
 from octmip.trees.near_sets.whole_numbers import whole_problem
 from octmip.trees.near_sets.without import Calls, Without, loss_of
 from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_numbers
+from octmip.trees.registry import refuse_unknown
 from octmip.trees.solution import Limits, ProgressCallback, Solution, Stop
 from octmip.trees.tree import Leaf, Node, Split, goes_left
 
@@ -145,7 +145,7 @@ def sensor_roles(
     ProblemError
         the splits are hyperplanes, `within` is no number of 0 or more, or costs span too many digits.
     """
-    refuse_numbers(problem, "sensor_roles")
+    refuse_unknown(problem, "sensor_roles")
     if problem.split != "axis":
         raise ProblemError("sensors are weighed with splits over one feature but split is 'hyperplane'; use 'axis'")
     if not 0 <= within < math.inf:

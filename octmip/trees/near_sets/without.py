@@ -51,7 +51,7 @@ class Without:
 def loss_of(problem: Problem, sensors: tuple[str, ...], solution: Solution) -> Without:
     """Return what a solution says of the trees without some sensors."""
     assert solution.tree is not None
-    bound = solution.objective if solution.is_optimal else solution.bound
+    bound = solution.objective if solution.meets_bound else solution.bound
     cost = problem.exact_objective(solution.tree)
     least = min(cost, Fraction(max(solution.bound, 0.0)))
     return Without(sensors, solution.objective, bound, solution.tree, problem.sensors_used(solution.tree), cost, least)
@@ -84,7 +84,7 @@ class Calls:
         """Return the solution of one exact search; after a signal the best leaf at once."""
         arguments = self.remaining, incumbent, self.seed, self.n_jobs, self.progress
         found = until_interrupted(problem, lambda: solve(problem, "exact", *arguments), "exact", incumbent)
-        if not found.is_optimal:
+        if not found.meets_bound:
             self.stop = found.stop
         return found
 

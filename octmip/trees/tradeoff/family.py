@@ -187,7 +187,7 @@ def _bounded(problem: Problem, found: Solution, run: Run, *, keeps_tree: bool = 
         return found
     limits = replace(run.limits, seconds=seconds)
     proof = solve_run(problem, replace(run, method="exact", limits=limits), found.tree)
-    if proof.is_optimal and not keeps_tree:
+    if proof.meets_bound and not keeps_tree:
         return proof
     # A proof that is cut off has found trees by the time that it had: kept is the tree that one seed always gives.
     return replace(found, bound=min(proof.bound, found.objective), seconds=found.seconds + proof.seconds)

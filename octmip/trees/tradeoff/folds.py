@@ -1,7 +1,6 @@
 """Folds: the samples that a tree is trained on, and those that it is judged by."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,9 +85,8 @@ def part_of(problem: Problem, rows: Rows, name: str) -> Problem:
     ProblemError
         they make no problem (one class only, too few for a leaf), or a single leaf already costs nothing.
     """
-    features, labels, weights = problem.features[rows], problem.targets[rows], problem.weights[rows]
     try:
-        part = replace(problem, features=features, targets=labels, weights=weights)
+        part = problem.of_rows(rows)
     except ProblemError as error:
         raise ProblemError(f"{name} make no problem: {error}") from error
     if part.baseline == 0:

@@ -22,7 +22,7 @@ import numpy as np
 from octmip.errors import ProblemError
 from octmip.trees.methods.options import SearchOptions
 from octmip.trees.problem import Problem
-from octmip.trees.registry import refuse_numbers
+from octmip.trees.registry import refuse_unknown
 from octmip.trees.solution import Limits, Stop
 from octmip.trees.solver import solve
 from octmip.trees.tradeoff.folds import part_of, stratified_folds
@@ -61,7 +61,7 @@ def leaves_on_fresh_rows(
     KeyboardInterrupt
         at Ctrl-C, at the end of the refit that it stops.
     """
-    refuse_numbers(problem, "leaves_on_fresh_rows")
+    refuse_unknown(problem, "leaves_on_fresh_rows")
     shares, hits, weights = [], [], []
     limits = Limits(seconds=seconds / FOLDS)
     folds = stratified_folds(problem, FOLDS, seed) if problem.n_samples >= LEAST_ROWS else []

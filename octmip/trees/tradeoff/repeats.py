@@ -12,8 +12,6 @@ are multiples. So risk weights, which are one number for each class, repeat noth
 row each, and so are more rows than `MOST_ROWS`.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -43,8 +41,7 @@ def counted(problem: Problem) -> Problem:
     if not problem.n_samples < times.sum() <= MOST_ROWS:
         return problem
     rows = np.repeat(np.arange(problem.n_samples), times)
-    weights = (problem.weights / times)[rows]
-    return replace(problem, features=problem.features[rows], targets=problem.targets[rows], weights=weights)
+    return problem.of_rows(rows, weights=(problem.weights / times)[rows])
 
 
 def _multiples(weights: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -75,6 +75,4 @@ def _work(n_rows: float) -> float:
 
 def _drawn(problem: Problem, share: float, seed: int) -> Problem:
     rows = np.flatnonzero(held_out_rows(strata_of(problem.loss, problem.targets), share, seed))
-    return replace(
-        problem, features=problem.features[rows], targets=problem.targets[rows], weights=problem.weights[rows]
-    )
+    return problem.of_rows(rows)

@@ -24,11 +24,10 @@ def page_of(run: Any, tmp_path: Path, *words: Any) -> str:
 
 
 def test_the_page_of_a_tree_and_its_data_recounts_compares_and_checks_the_proof(run, data, solved, tmp_path):
-    page = page_of(run, tmp_path, solved, data, "--holdout", 0.2, "--proof", tmp_path / "two.log", "--unit", "a=mm")
+    page = page_of(run, tmp_path, solved, data, "--proof", tmp_path / "two.log", "--unit", "a=mm")
     assert "A decision tree for y" in page
     assert "each of the 30 samples of data.csv was sent through the tree again" in page
     assert "Proof log checked for this page" in page
-    assert "6 samples were held out (20 % of the rows" in page
     assert re.search(r"≤ [\d.]+ mm\?", page)
     assert "Is the depth worth it?" in page
 
@@ -40,9 +39,6 @@ def test_a_test_table_and_samples_held_out_in_training_judge_the_page_s_own_tree
     frame = pd.read_csv(data)
     frame.head(10).to_csv(tmp_path / "test.csv", index=False)
     assert "10 samples of test.csv" in page_of(run, tmp_path, tree, data, "--test", tmp_path / "test.csv")
-    code, _, err = run("report", tree, data, "--holdout", 0.3)
-    assert code == 2
-    assert "leave --holdout out" in err
 
 
 def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, solved, tmp_path):
@@ -60,7 +56,7 @@ def test_a_drawing_has_histograms_a_dark_ground_and_units_when_asked(run, data, 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--holdout", 0.2), "--holdout needs the table"),
+        (("--test", "DATA"), "--test needs the table"),
         (("--histograms", "--out", "tree.svg"), "--histograms needs the training table"),
         (("--dark", "--out", "page.html"), "--dark is for pictures"),
         (("DATA", "--unit", "w=kg"), "'w', which is no column of numbers"),

@@ -11,14 +11,14 @@ import argparse
 
 from octmip.interfaces.cli.options.page import add_page_arguments
 from octmip.interfaces.cli.samples.file_arguments import reads, writes
-from octmip.interfaces.cli.samples.options import TABLE_HELP, add_held_out_arguments
+from octmip.interfaces.cli.samples.options import TABLE_HELP
 
 EXPORTS = (".sql", ".c", ".onnx", ".json")
 KINDS = (".html", ".md", ".txt", ".svg", ".png", ".pdf", *EXPORTS)
 EXAMPLES = """\
   octmip report tree.json
   octmip report tree.json iris.csv --out iris.html
-  octmip report tree.json strains.csv --holdout 0.25 --unit microstrain --out strains.html
+  octmip report tree.json strains.csv --unit microstrain --out strains.html
   octmip report tree.json train.csv --test test.csv --unit age=years --unit weight=kg --out page.html
   octmip report tree.json --out tree.sql
   octmip report tree.json pumps.csv --title "When a pump fails" --asset "Hall 2" --out pumps.html
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             "--out", metavar="FILE", help=f"one of {', '.join(KINDS)} (default: words on standard output)"
         )
     )
-    add_held_out_arguments(group)
+    reads(group.add_argument("--test", metavar="FILE", help="another table to test the tree on"))
     group.add_argument(
         "--table", metavar="NAME", default="", help="write this table's name before each column in .sql (default: none)"
     )
@@ -53,6 +53,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         type=float,
         default=10.0,
-        help="time for trees of lower depth and the tree of --holdout, a tenth of it for other columns at the splits "
-        "(default 10; 0: only the tree of --holdout)",
+        help="time for trees of lower depth, a tenth of it for other columns at the splits (default 10; 0: none)",
     )

@@ -110,8 +110,7 @@ def _show(
         print(printable(f"\n{_sets(found)}"))
     for title, trees in (("best", best), ("sample", samples)):
         for k, entry in enumerate(trees, 1):
-            columns = None if asked.preparation.columns.is_plain else asked.preparation.columns
-            problem = asked.problem
+            problem, columns = asked.problem, asked.preparation.columns
             words = tree_text(entry.tree, problem.feature_names, problem.class_names, None, columns)
             print(printable(f"\n{title} {k}, objective {number(entry.objective)}\n{words}"))
     print(f"\n{_verdict(found, wants_samples)}")

@@ -4,23 +4,18 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-import numpy as np
 import pandas as pd
 
 from octmip.formats.tree_file import TreeFile
-from octmip.interfaces.report.tree.words import percent
 from octmip.trees.certificate import Certificate, certify
 from octmip.trees.methods.cart import greedy_tree
 from octmip.trees.problem import Problem
 from octmip.trees.proof import ProofReport
 from octmip.trees.registry import Run
-from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Limits, Solution
-from octmip.trees.solver import solve_run
 from octmip.trees.tradeoff.edits import EditPrice, tree_edits
-from octmip.trees.tradeoff.folds import part_of
 from octmip.trees.tradeoff.frontier import frontier_run
-from octmip.trees.tradeoff.held_out import Samples, held_out_rows, strata_of
+from octmip.trees.tradeoff.held_out import Samples
 from octmip.trees.tree import Node, depth
 
 SHARE_OF_EDITS = 0.1
@@ -33,21 +28,17 @@ class HeldOut:
     Attributes
     ----------
     source
-        where they come from, for a sentence: "test.csv", or "25 % of the rows".
+        where they come from, for a sentence: "test.csv".
     samples
         the samples.
     tree, greedy
-        the page's own trees where the samples were not among its data; else trees of the same settings, trained on
-        the other rows.
-    is_retrained
-        whether they are of the latter kind.
+        the page's own trees.
     """
 
     source: str
     samples: Samples
     tree: Node
     greedy: Node
-    is_retrained: bool = False
 
     @property
     def n_samples(self) -> int:
@@ -144,14 +135,14 @@ def _depths(file: TreeFile, problem: Problem, greedy: Solution, run: Run) -> tup
     shallower = range(1, _levels(file, problem))
     points = frontier_run(problem, "depth", shallower, run) if shallower else []
     solved = [(point.problem, point.solution) for point in points if point.solution.tree is not None]
-    bound = -math.inf if narrow_scope(file.solution) else file.solution.bound
+    bound = -math.inf if file.solution.scope else file.solution.bound
     found = []
     for one, solution in solved:
         other = greedy_tree(one, seed=run.seed).objective if greedy.seconds <= run.limits.seconds else None
-        proven = solution.objective if solution.is_optimal else max(solution.bound, bound)
+        proven = solution.objective if solution.meets_bound else max(solution.bound, bound)
         found.append(DepthPoint(one.depth, solution.objective, proven, other))
     own = file.solution
-    proven = own.objective if own.is_optimal else own.bound
+    proven = own.objective if own.meets_bound else own.bound
     return (*found, DepthPoint(_levels(file, problem), own.objective, proven, greedy.objective))
 
 
@@ -164,22 +155,3 @@ def judged_by(evidence: Evidence, file: TreeFile, samples: Samples, source: str)
     """Return the evidence with samples that the page's own trees have not seen."""
     assert evidence.greedy.tree is not None
     return replace(evidence, held_out=HeldOut(source, samples, file.tree, evidence.greedy.tree))
-
-
-def with_share_held_out(evidence: Evidence, share: float, run: Run) -> Evidence:
-    """Return the evidence with a random share of the samples, and trees of the same settings from the other samples.
-
-    Raises
-    ------
-    ProblemError
-        the share is not between 0 and 1, or holds out no sample.
-    """
-    problem = evidence.problem
-    held = held_out_rows(strata_of(problem.loss, problem.codes), share, run.seed)
-    rest = part_of(problem, np.flatnonzero(~held), "the samples to train on")
-    tree, greedy = solve_run(rest, run).tree, greedy_tree(rest, seed=run.seed).tree
-    assert tree is not None  # a leaf alone is a tree of every problem
-    assert greedy is not None
-    samples = Samples(problem.features[held], problem.codes[held], problem.weights[held])
-    source = f"{percent(share)} of the rows, drawn at random with seed {run.seed}"
-    return replace(evidence, held_out=HeldOut(source, samples, tree, greedy, is_retrained=True))

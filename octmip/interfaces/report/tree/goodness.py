@@ -28,11 +28,6 @@ def quality(file: TreeFile, evidence: Evidence | None, measure: Measure) -> list
             else "Errors on training samples flatter every tree. How it does on new samples was not measured for this "
             "page."
         )
-    elif held.is_retrained:
-        sentences.append(
-            f"To measure the error on new samples, {counted(held.n_samples, 'sample')} were held out ({held.source}), "
-            "and both kinds of tree were trained again, with the same settings, on the others only."
-        )
     else:
         sentences.append(
             f"The error on new samples was measured on {counted(held.n_samples, 'sample')} of {held.source}."

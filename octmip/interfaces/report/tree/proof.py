@@ -12,7 +12,7 @@ from octmip.interfaces.report.tree.words import counted, figure, percent
 
 def certificate_words(file: TreeFile, evidence: Evidence | None, measure: Measure, data: str | None) -> list[str]:
     """Return one sentence or two for each claim."""
-    is_evident = file.solution.is_optimal and file.solution.objective == 0
+    is_evident = file.solution.meets_bound and file.solution.objective == 0
     log = [] if is_evident and (evidence is None or evidence.proof is None) else [_log(evidence)]
     return [_recount(file, evidence, measure, data), _bound(file, measure), *log, *_limits(file, evidence)]
 
@@ -36,12 +36,12 @@ def _bound(file: TreeFile, measure: Measure) -> str:
     solution = file.solution
     if not math.isfinite(solution.bound):
         return "No bound is known, so a better tree may exist."
-    if solution.is_optimal and solution.objective == 0:
+    if solution.meets_bound and solution.objective == 0:
         return f"No tree can have less than {measure.none()} at all: this one is the best."
     least = measure.least(solution.bound)
     gap = (
-        "This tree meets that bound, so it is the best."
-        if solution.is_optimal
+        f"This tree meets that bound, so it is the best{' of these' if solution.scope else ''}."
+        if solution.meets_bound
         else f"This tree has {measure.amount(solution.objective)}: a gap of {percent(solution.gap)}."
     )
     return f"Proven by the solver: {trees_meant(file)} {measure.below(least)}. {gap}"

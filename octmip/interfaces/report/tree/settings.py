@@ -9,7 +9,6 @@ from octmip.input.names import shown
 from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name
-from octmip.trees.scope import narrow_scope
 from octmip.trees.solution import Stop
 from octmip.trees.tree import ValueLeaf, leaves, splits
 
@@ -120,7 +119,7 @@ def settings_rows(file: TreeFile, measure: Measure) -> list[list[str]]:
         ("objective", figure(solution.objective)),
         ("bound", figure(solution.bound)),
         ("gap", percent(solution.gap)),
-        ("bound holds for", short_name(scope) if (scope := narrow_scope(solution)) else None),
+        ("bound holds for", short_name(scope) if (scope := solution.scope) else None),
         ("solver", f"{shown(solution.solver)}, version {shown(solution.version)}, seed {solution.seed}"),
         ("ended because", STOPS[solution.stop]),
         ("time", f"{figure(solution.seconds, 3)} s"),

@@ -10,7 +10,7 @@ from octmip.interfaces.report.tree.evidence import Evidence
 from octmip.interfaces.report.tree.measure import Card, Measure
 from octmip.interfaces.report.tree.words import Wording, counted, figure, listed, percent, short_name, short_names
 from octmip.trees.losses import ClassCosts
-from octmip.trees.scope import depth_in_words, narrow_scope
+from octmip.trees.scope import depth_in_words
 from octmip.trees.solution import Stop
 from octmip.trees.tree import depth, features_used
 
@@ -40,7 +40,7 @@ def _columns_read(file: TreeFile, wording: Wording) -> str:
 
 def trees_meant(file: TreeFile) -> str:
     """Return the trees over which the bound speaks."""
-    scope = narrow_scope(file.solution)
+    scope = file.solution.scope
     return (
         f"among {short_name(scope)}, no tree"
         if scope
@@ -87,9 +87,9 @@ def expected_errors(file: TreeFile) -> Mapping[str, Any] | None:
 
 def _proof_sentence(file: TreeFile, measure: Measure) -> str:
     solution = file.solution
-    if solution.is_optimal and solution.objective == 0:
+    if solution.meets_bound and solution.objective == 0:
         return "No tree can do better on them."
-    if solution.is_optimal:
+    if solution.meets_bound:
         return f"Proven: {trees_meant(file)} {measure.fewer()}."
     if not math.isfinite(solution.bound):
         return "Whether a better tree exists is not known: the method that found it gives no proof."
@@ -105,7 +105,7 @@ def _proof_sentence(file: TreeFile, measure: Measure) -> str:
 def way_on(file: TreeFile) -> str:
     """Return what finds a better tree, by what the solver ended with."""
     solution = file.solution
-    if solution.is_optimal and (scope := narrow_scope(solution)):
+    if solution.meets_bound and (scope := solution.scope):
         return f"it is the best among {short_name(scope)} only"
     return WAYS_ON.get(solution.stop, MORE)
 
@@ -151,8 +151,8 @@ def _greedy_card(file: TreeFile, evidence: Evidence, measure: Measure) -> Card:
 
 def _proof_card(file: TreeFile, measure: Measure) -> Card:
     solution = file.solution
-    if solution.is_optimal:
-        scope = narrow_scope(solution)
+    if solution.meets_bound:
+        scope = solution.scope
         among = f"among {short_name(scope)}" if scope else depth_in_words(file.settings["depth"])
         return ("Proven best", "yes", among, "good")
     if not math.isfinite(solution.bound):

@@ -194,14 +194,7 @@ def _leaf_answer(subproblem: Subproblem, samples: NDArray[np.bool_]) -> Answer:
 def _side_of(subproblem: Subproblem, samples: NDArray[np.bool_], feature: int, target: float) -> Subproblem:
     """Return the subproblem of the samples on one side of a cut: one level less, the cut's sensor paid for."""
     problem, prices = subproblem.problem, subproblem.prices
-    inside = replace(
-        problem,
-        features=problem.features[samples],
-        targets=problem.targets[samples],
-        weights=problem.weights[samples],
-        depth=problem.depth - 1,
-        **_budget_below(problem, feature),
-    )
+    inside = problem.of_rows(samples, depth=problem.depth - 1, **_budget_below(problem, feature))
     inside_prices = replace(prices, weights=prices.weights[samples], profile=prices.profile[samples])
     return Subproblem(inside, inside_prices, subproblem.rows[samples], target)
 
