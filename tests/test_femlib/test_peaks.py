@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 from functools import partial
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
 import pytest
 
-from femlib.assembly import MOST_ERROR
+from femlib.assembly import MOST_ERROR, peaks
 from femlib.errors import SolveError
 from femlib.material import isotropic_plate
 from femlib.structure import Structure, heated, read
@@ -179,3 +180,20 @@ def test_what_is_accepted_is_within_two_percent_and_what_is_refused_is_not_withi
         assert abs(found(1e9) / truth - 1.0) > 0.5 * LIMIT
     else:
         assert abs(off) < LIMIT
+
+
+def test_an_error_of_a_part_counts_over_the_largest_strain_of_all(monkeypatch):
+    found = {"coarse": np.array([1.0, 0.5]), "fine": np.array([1.0, 0.8])}
+    monkeypatch.setattr(peaks, "_peaks", lambda shells, moved, length: found[shells])
+    finer = SimpleNamespace(share=0.5, shells="fine")
+    judge = SimpleNamespace(shells="coarse", finer=finer, finer_solution=lambda *asked: "moved")
+    assert peaks.checked_peak(judge, None, None, None, limit=0.2) == pytest.approx(0.5 * 0.3 / 1.0)
+
+
+@pytest.mark.parametrize("bent", [1.0, -1.0])
+def test_a_strain_is_the_larger_one_of_both_faces(bent, monkeypatch):
+    strains = np.array([[1.0, 0.0, 0.0, bent * 300.0, 0.0, 400.0]])
+    monkeypatch.setattr(peaks, "corner_strains", lambda *asked: strains)
+    monkeypatch.setattr(peaks, "corner_elements", lambda shells: np.zeros(1, int))
+    shells = SimpleNamespace(section=np.zeros(1, int), laminates=(SimpleNamespace(thickness=0.01),))
+    assert peaks._sizes(shells, None, 0.0) == pytest.approx(np.hypot(1.0 + 1.5, 2.0 / np.sqrt(2.0)))

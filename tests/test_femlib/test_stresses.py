@@ -1,18 +1,24 @@
 """Stresses, strength, reactions and buckling of structures: what laminate theory and equilibrium say."""
 
+from dataclasses import replace
+
 import meshio
 import numpy as np
 import pytest
 
-from femlib.assembly import ply_stresses
+from femlib.assembly import Shells, ply_stresses
+from femlib.assembly.integration import point_strains
+from femlib.assembly.recovery import _is_edge, nodal_tensors
 from femlib.assembly.stresses import corner_strains
 from femlib.errors import InputError, SolveError
 from femlib.material import Ply, isotropic_plate, laminate
+from femlib.mesh import Mesh
 from femlib.rom.capability import full_limits
 from femlib.strength import Strength, strain_factors, tsai_wu_factors, von_mises, yielding_at
 from femlib.structure import Structure, heated, read, thermal_buckling
 from femlib.structure.strength import structure_limits
 from tests.test_femlib.own_meshes import plate_mesh, plate_with_mast
+from tests.test_femlib.plates import grid_mesh
 
 CARBON = Strength(1500e6, 900e6, 40e6, 150e6, 70e6)
 LAMINA = {"young_1": 130e9, "young_2": 9e9, "poisson_12": 0.3, "shear_12": 5e9, "shear_13": 5e9, "shear_23": 3e9}
@@ -217,3 +223,42 @@ def test_a_warm_strip_has_no_stress_where_it_is_free_and_its_own_where_it_is_hel
             heated(free, {"skin": bad})
     with pytest.raises(InputError, match="warmth is a list; expected temperatures by set name"):
         heated(free, [("skin", (50.0, 0.0))])
+
+
+@pytest.mark.parametrize("is_cut", [False, True])
+@pytest.mark.parametrize(("n", "length"), [(20, 0.2), (4, 0.05), (4, 0.0)])
+def test_a_strain_over_a_length_is_the_mean_of_what_its_part_has_within_it(n, length, is_cut):
+    """A sector of angle t has its middle 4 d sin(t / 2) / (3 t) away; a disc has the mean of x^2 and d^2 / 4."""
+    mesh, q = grid_mesh(np.linspace(0.0, 1.0, n + 1), np.linspace(0.0, 1.0, n + 1)), 5.0 * (n == 20)
+    if is_cut:
+        trias = np.concatenate([mesh.quads[:, [0, 1, 2]], mesh.quads[:, [0, 2, 3]]])
+        mesh = Mesh(mesh.nodes, np.zeros((0, 4), int), trias, ("plate",), np.zeros(len(trias), int))
+    cells = mesh.trias if is_cut else mesh.quads
+    scale = np.where(mesh.nodes[cells].mean(axis=1)[:, 0] < 0.5, 1.0, 9.0)
+    axis = np.array([1.0, 0.0, 0.0])
+    shells = Shells(mesh, (isotropic_plate(70e9, 0.3, 1e-3),), np.zeros(len(cells), int), scale, axis)
+
+    def value(part, x, y):
+        return np.where(part == 0, 1.0 + 2.0 * x + 3.0 * y + q * x**2, -5.0 - x + 4.0 * y)
+
+    kinds = [k for k in point_strains(shells, np.zeros((len(mesh.nodes), 6)), np.ones(len(cells))) if len(k.corners)]
+    for k, kind in enumerate(kinds):
+        x, y = np.moveaxis((kind.shapes @ kind.points)[..., :2], -1, 0)
+        strains = np.zeros_like(kind.strains)
+        strains[..., :2] = value(kind.group[:, :1] % 2, x, y)[..., None, None]
+        kinds[k] = replace(kind, strains=strains)
+    names, found = nodal_tensors(shells, kinds, length)
+    node = mesh.nodes[names // 2]
+    assert np.array_equal(_is_edge(kinds, names), np.isclose(node[:, :2] % 0.5, 0.0)[:, 0] | (node[:, 1] % 1.0 == 0.0))
+    far = 4.0 * length / (3.0 * np.pi)
+    places = {(0, 0.25, 0.5): (0.0, 0.0), (0, 0.25, 0.0): (0.0, far), (0, 0.0, 1.0): (far, -far)}
+    places |= {(0, 0.5, 0.5): (-far, 0.0), (1, 0.5, 0.5): (far, 0.0), (1, 1.0, 0.0): (-far, far)}
+    for (part, x, y), (dx, dy) in places.items():
+        node = int(np.flatnonzero(np.isclose(mesh.nodes[:, 0], x) & np.isclose(mesh.nodes[:, 1], y))[0])
+        tensor = found[np.flatnonzero(names == 2 * node + part)[0]].reshape(2, 3, 3)
+        mean = float(value(part, x + dx, y + dy))
+        if part == 0 and q:
+            square = {0.25: x**2 + length**2 / 4.0, 0.0: length**2 / 4.0, 0.5: x**2 + 2.0 * x * dx + length**2 / 4.0}
+            mean += q * (square[x] - (x + dx) ** 2)
+        expected = pytest.approx(mean, abs=0.02 * length if n == 20 else 1e-9)
+        assert (tensor[0, 0, 0], tensor[1, 1, 1]) == (expected, expected)

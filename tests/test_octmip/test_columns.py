@@ -129,6 +129,17 @@ def test_words_for_missing_among_numbers_are_missing():
     np.testing.assert_array_equal(columns.encode(pd.DataFrame({"x": ["1.5", "?"]})), [[1.5], [np.nan]])
 
 
+def test_words_for_missing_alone_are_texts():
+    words = pd.DataFrame({"w": pd.Series(["nan", "NA"] * 2, dtype=object)})
+    assert Columns.learn(words).columns[0].values == ("NA", "nan")
+
+
+def test_a_column_that_lost_its_values_is_a_constant_beside_the_others():
+    table = pd.DataFrame({"lost": [np.nan] * 4, "load": [1.0, 2.0, 3.0, 4.0], "word": ["a", "b"] * 2})
+    kinds = {column.name: column.kind for column in Columns.learn(table, of_part=True).columns}
+    assert kinds == {"lost": "empty", "load": "number", "word": "values"}
+
+
 def test_a_question_mark_among_texts_is_missing():
     columns = Columns.learn(pd.DataFrame({"x": ["a", "?", "b", "NA"]}))
     assert columns.feature_names == ("x is NA", "x is a", "x is b", "x is missing")

@@ -5,6 +5,7 @@ import inspect
 import math
 from collections.abc import Callable
 from dataclasses import is_dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -93,6 +94,15 @@ def offered() -> dict[str, Callable[..., Any]]:
 
 
 OFFERED = offered()
+
+
+@pytest.mark.parametrize("package", ["octmip", "femlib"])
+def test_every_package_passes_on_what_it_names(package: str) -> None:
+    root = Path(str(importlib.import_module(package).__file__)).parents[1]
+    for file in sorted((root / package).rglob("__init__.py")):
+        if "__all__" in file.read_text(encoding="utf-8"):
+            module = importlib.import_module(".".join(file.parent.relative_to(root).parts))
+            assert [name for name in module.__all__ if not hasattr(module, name)] == []
 
 
 @pytest.mark.parametrize("name", OFFERED)

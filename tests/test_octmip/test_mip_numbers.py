@@ -3,7 +3,11 @@
 import math
 from dataclasses import asdict, replace
 from fractions import Fraction
+from io import BytesIO
+from threading import Lock
+from types import SimpleNamespace
 
+import highspy
 import numpy as np
 import pytest
 
@@ -11,7 +15,7 @@ from octmip import Leaf, Limits, Problem, Stop, certify
 from octmip.trees.mip import engine, prices
 from octmip.trees.mip.blocks.hyperplanes import space_of
 from octmip.trees.mip.flow import solve_flow
-from octmip.trees.mip.highs import claims, highs
+from octmip.trees.mip.highs import claims, highs, worker
 from octmip.trees.mip.oct import solve_oct
 from octmip.trees.mip.oct_h import solve_oct_h
 from octmip.trees.mip.rows import Rows
@@ -159,6 +163,20 @@ def test_what_highs_says_of_a_solution_is_not_what_it_costs(monkeypatch):
     assert (outcome.objective, outcome.claimed, outcome.bound) == (1.0, 0.0, 0.0)
     exact = claims.Accuracy(tolerance=1e-6, dual_tolerance=1e-7, error=0.0)
     assert exact.bound(outcome) == 0
+
+
+@pytest.mark.parametrize(("said", "n_nodes", "root_bound"), [(-1, 0, 3.0), (0, 0, 3.0), (1, 1, 3.0), (2, 2, 2.0)])
+def test_the_bound_of_the_root_is_that_before_a_second_node(said, n_nodes, root_bound):
+    """HiGHS says -1 where it had no search at all."""
+    run = worker.Run({}, worker.Commands(), BytesIO(), Lock())
+    for count, bound in ((0, 1.0), (1, 2.0), (2, 2.5)):
+        run._report(
+            SimpleNamespace(data_out=SimpleNamespace(mip_primal_bound=9, mip_dual_bound=bound, mip_node_count=count))
+        )
+    info = SimpleNamespace(primal_solution_status=0, objective_function_value=9, mip_dual_bound=3, mip_node_count=said)
+    end = run._end(SimpleNamespace(getInfo=lambda: info, getModelStatus=lambda: highspy.HighsModelStatus.kOptimal))
+    outcome = highs._Supervisor(None, Rows(), Limits(), None)._done(end)
+    assert (outcome.n_nodes, outcome.root_bound, outcome.bound) == (n_nodes, root_bound, 3.0)
 
 
 def test_a_failure_of_highs_leaves_the_start_and_says_so(monkeypatch):

@@ -13,7 +13,7 @@ from octmip.trees.answer.certificate import first_forbidden_split
 from octmip.trees.methods.exact import branch_and_bound
 from octmip.trees.nodes.tree import splits
 from octmip.trees.question import problem_values
-from octmip.trees.question.losses import ClassCosts
+from octmip.trees.question.losses import ClassCosts, SquaredError
 from octmip.trees.question.problem_file import data_digest, question_digest
 
 FEATURES = np.arange(12.0).reshape(4, 3)
@@ -227,6 +227,8 @@ def test_a_problem_shows_its_size_and_settings_and_no_arrays():
     )
     assert repr(asked).endswith("split='axis', leaf_size=2, leaf_penalty=0.5, sensor_budget=2, weighted, with costs)")
     assert "leaf_weight=2" in repr(problem(leaf_weight=2))
+    lines = Problem([[1.0], [2.0], [3.0]], [1.0, 2.0, 4.0], depth=1, loss=SquaredError(), leaf_model="linear")
+    assert repr(lines).endswith("split='axis', leaf_model='linear')")
 
 
 def test_a_table_that_nobody_can_write_to_is_not_copied():

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.cases.exact.scopes import outcome
 from octmip import Leaf, Problem, certify, solve
-from octmip.trees.answer.scope import depth_in_words, scope_of
+from octmip.trees.answer.scope import depth_in_words, limits_in_words, scope_of
 from octmip.trees.runs.registry import Run
 from octmip.trees.tradeoff.family import Family, solve_in_family
 from tests.oracles.scopes import PATTERNS, Said, least_inside
@@ -48,6 +48,25 @@ def test_the_words_name_each_limit_and_without_it_a_better_tree_is_inside(limit,
     assert least_inside(problem, words, cuts) == solution.bound == solution.objective
     weaker = "of depth 5 or less" if limit == "depth" else ""
     assert least_inside(problem, re.sub(PATTERNS[limit], weaker, words)) < solution.bound
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"leaf_size": 1}, ""),
+        ({"leaf_size": 2}, ", with 2 samples or more in each leaf"),
+        ({"max_splits": 1}, ", with at most 1 split"),
+        ({"max_splits": 2}, ", with at most 2 splits"),
+        ({"sensor_budget": 0.5}, ", with sensors that cost 0.5 or less"),
+        (
+            {"split": "hyperplane", "split_size": 2, "max_splits": 3},
+            ", with up to 2 features in a split, with at most 3 features in all splits",
+        ),
+        ({"old_tree": Leaf(0), "max_changes": 2}, ", with at most 2 changes of the old tree"),
+    ],
+)
+def test_a_limit_is_said_from_the_first_value_on_that_limits(asked, words):
+    assert limits_in_words(noisy(depth=2, **asked)) == f"of depth 2 or less{words}"
 
 
 def test_limits_that_enumeration_does_not_know_are_named_too():
