@@ -14,7 +14,7 @@ from octmip import Limits, Options
 from octmip.trees.runs.registry import REGISTRY
 
 PACKAGES = ("octmip", "octmip.formats.columns", "octmip.monitor", "octmip.sensing", "femlib.rom")
-PACKAGES += tuple(f"octmip.trees.{name}" for name in ("losses", "near_sets", "tradeoff", "uncertainty"))
+PACKAGES += tuple(f"octmip.trees.{name}" for name in ("question.losses", "near_sets", "tradeoff", "uncertainty"))
 EVERYWHERE = {
     "break_ties": False,
     "by_impurity": False,
