@@ -20,7 +20,6 @@ EXTRA_OF = {
     "matplotlib": "plot",
     "pyarrow": "parquet",
     "sksparse": "cholmod",
-    "aerosandbox": "aero",
     "pyvista": "pictures",
     "meshio": "meshes",
 }

@@ -1,15 +1,14 @@
 """The UAV wing: planform, structure, damage regions, loads, gauges, and the model made of them."""
 
-from femlib.wing.aerodynamics import AeroLoad, FlightPoint, vortex_lattice
 from femlib.wing.bent import BentWing, bend
 from femlib.wing.inertia import inertial_load
 from femlib.wing.model import Wing, tapered_wing, uav_wing
 from femlib.wing.modes import buckle, mass_matrix, vibrate
 from femlib.wing.reduced import ReducedWing, reduce_wing
+from femlib.wing.trim import FlightPoint
 from femlib.wing.twin import WingTwin, full_twin, reduced_twin, saved_twin, uav_twin
 
 __all__ = [
-    "AeroLoad",
     "BentWing",
     "FlightPoint",
     "ReducedWing",
@@ -27,5 +26,4 @@ __all__ = [
     "uav_twin",
     "uav_wing",
     "vibrate",
-    "vortex_lattice",
 ]

@@ -151,7 +151,7 @@ class Wing:
         """Return the displacements (n_nodes, 6) [m, rad] of a state of named damage fractions.
 
         `lift` (n_dofs,) are other nodal forces and moments at load factor 1 [N, N m], such as those of
-        `femlib.wing.aerodynamics` and `femlib.wing.inertia`.
+        `femlib.wing.inertia`.
 
         Raises
         ------

@@ -21,12 +21,12 @@ import numpy as np
 
 from femlib.arrays import FloatArray, IntArray
 from femlib.components import checked_damage
-from femlib.errors import InputError
+from femlib.errors import InputError, is_number
 from femlib.geometry import Planform
 from femlib.mesh import DOFS_PER_NODE
 from femlib.rom import ReducedModel
 from femlib.sensors import checked_strains
-from femlib.wing.aerodynamics import FlightPoint
+from femlib.wing.loads import EFFECTIVE_MASS
 from femlib.wing.model import Wing, checked_load_factor
 from femlib.wing.reduced import reduce_wing
 
@@ -34,6 +34,31 @@ N_HARMONICS = 6
 """Odd harmonics of the lift; two more change the strains of a damaged wing by 0.04 % at 35 m/s."""
 SECTION_MOMENT = -0.106
 """Coefficient c_m of the moment of NACA 4415 about the quarter chord, nose up, by thin-aerofoil theory."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightPoint:
+    """Flight condition: air, speed and mass of the aircraft.
+
+    Attributes
+    ----------
+    airspeed : float
+        [m/s]. Assumed: at 35 m/s a load factor of 4 asks for a lift coefficient of 1.0, below the stall.
+    density : float
+        Of the air [kg/m^3].
+    mass : float
+        That the whole wing carries at load factor 1 [kg].
+    """
+
+    airspeed: float = 35.0
+    density: float = 1.225
+    mass: float = EFFECTIVE_MASS
+
+    def __post_init__(self) -> None:
+        for name in ("airspeed", "density", "mass"):
+            value = getattr(self, name)
+            if not is_number(value) or value <= 0.0:
+                raise InputError(f"flight point {name} is {value!r}; expected a positive number; correct it")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
