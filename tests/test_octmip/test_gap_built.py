@@ -6,7 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from octmip.gap import Campaign, Differences, FunctionTwin, Odds, Recorded, diagnose, function_twin, gathered
+from octmip.gap import (
+    Addition,
+    AugmentedTwin,
+    Campaign,
+    Differences,
+    FunctionTwin,
+    Odds,
+    Recorded,
+    SimpleEffect,
+    diagnose,
+    function_twin,
+    gathered,
+)
 from octmip.gap.channels.outliers import robust
 from octmip.gap.doors.built import built_by
 from octmip.gap.effects import chain_of
@@ -269,3 +281,21 @@ def test_a_parameter_may_have_another_size_in_every_test(values, places):
     if len(places) == 2:
         assert "in test May" in recommend(found)
         assert "in test June" in recommend(found)
+
+
+def test_a_model_that_fails_at_the_constants_found_keeps_those_before():
+    def brittle(p, loads):
+        if p["k1"] != 10.0 and p["k2"] != 12.0:
+            raise ValueError("no equilibrium")
+        return springs(p, loads)
+
+    twin = function_twin(brittle, READINGS, RANGES, loads=("force",))
+    built = built_by(read(SPRINGS, under(), 0, k1=9.2, k2=11.5), CachedTwin(twin), 0.08)
+    assert built.values == {"k1": 10.0, "k2": 12.0, "arm": 0.5}
+
+
+def test_an_exact_effect_of_a_corrected_twin_knows_the_state():
+    cracked = function_twin(lambda p, loads: [10.0 * loads["f"]], {"u": "mm"}, loads=("f",), states=("crack",))
+    opens = SimpleEffect("opens", "-", 1.0, lambda u, size, load, place, state: u * (1.0 + size * state["crack"]))
+    found = AugmentedTwin(cracked, (Addition(opens, "", 2.0),)).predict({"crack": 0.25}, 1.0)
+    assert found.tolist() == [15.0]
