@@ -20,7 +20,7 @@ from octmip.gap.inference.signatures import exact_change, ratios
 
 Floats = NDArray[np.float64]
 
-LAPS, N_ALONE, N_TOGETHER = 3, 2, 3
+LAPS, N_ALONE, N_TOGETHER = 3, 3, 3
 WIDE = 3.0
 """Prior sds within which a size is refitted."""
 CLOSE, SEEN = 0.1, 2.0
