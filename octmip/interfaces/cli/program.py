@@ -173,7 +173,7 @@ def _overview() -> str:
     lines = [f"  octmip {name:<12}  {summary}" for name, summary in COMMANDS.items()]
     return "\n".join(
         [
-            "octmip finds classification trees that are optimal, proves it, and says what a heuristic loses.",
+            "octmip finds decision trees that are optimal, proves it, and says why an asset is not as its twin.",
             "",
             *lines,
             "",
