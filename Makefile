@@ -41,7 +41,7 @@ lint-python: $(VENV)/.packages-test
 	$(BIN)/mypy
 
 test-rust: | tools
-	cd octmip/trees/native && cargo fmt --all --check && cargo test --profile checks --quiet --workspace
+	cd octmip/trees/native && cargo fmt --all --check && MAKEFLAGS= cargo test --profile checks --quiet --workspace
 
 # An abi3 wheel and the source distribution in dist/; a wheel is built from the latter too, to see that it can be. Linked
 # by zig the wheel runs on every Linux since 2014 (manylinux2014); without zig maturin's audit gives it the tag of this

@@ -63,6 +63,7 @@ def test_the_words_name_each_limit_and_without_it_a_better_tree_is_inside(limit,
             ", with up to 2 features in a split, with at most 3 features in all splits",
         ),
         ({"old_tree": Leaf(0), "max_changes": 2}, ", with at most 2 changes of the old tree"),
+        ({"old_tree": Leaf(0), "max_changes": 1}, ", with at most 1 change of the old tree"),
     ],
 )
 def test_a_limit_is_said_from_the_first_value_on_that_limits(asked, words):

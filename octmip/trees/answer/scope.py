@@ -28,7 +28,9 @@ def limits_in_words(problem: Problem, depth: int | None = None) -> str:
         "in the order asked for": problem.monotone is not None,
         "with the given splits": problem.fixed_splits is not None,
         "within the rules of paths": problem.path_rules is not None,
-        f"with at most {problem.max_changes} changes of the old tree": problem.max_changes is not None,
+        f"with at most {problem.max_changes} change{'' if problem.max_changes == 1 else 's'} of the old tree": (
+            problem.max_changes is not None
+        ),
     }
     return ", ".join([depth_in_words(depth), *(said for said, holds in words.items() if holds)])
 
