@@ -17,13 +17,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from femlib.arrays import FloatArray
+from femlib.errors import InputError
 from femlib.wing.effects.response import Response
 
 Force = Callable[[Mapping[str, float], float, str], FloatArray]
 
 
 def _no_force(state: Mapping[str, float], load_factor: float, place: str) -> FloatArray:
-    raise NotImplementedError("an effect without forces has a signature of its own")
+    raise InputError("the effect has neither forces nor a signature of its own; expected one of them; give `force`")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
