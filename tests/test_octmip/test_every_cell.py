@@ -1,7 +1,6 @@
 """Every cell of the registry by the same checks: whatever is registered keeps what a Solution promises."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -63,7 +62,7 @@ def test_a_solution_is_certified_survives_its_file_and_has_a_page(cell, tmp_path
     asked = problem(loss, split, leaf_size=2, leaf_penalty=0.5)
     solution = solve(asked, method)
     certificate = certify(asked, solution)
-    assert depth(solution.tree) <= asked.depth
+    assert depth(solution.tree) <= asked.shape.depth
     assert solution.bound <= solution.objective == asked.objective(solution.tree)
     assert math.isclose(certificate.objective, solution.objective, rel_tol=1e-12)
     written = record_tree(asked, solution)
@@ -166,8 +165,8 @@ def test_a_budget_is_kept_and_the_sensors_are_those_of_the_certificate(cell):
     asked = problem(loss, split, sensor_cost=[2.0, 1.0, 1.0], sensor_budget=1.0)
     solution = solve(asked, method)
     assert len(certify(asked, solution).sensors) <= 1
-    assert asked.sensor_cost_of(solution.tree) <= 1
-    free = solve(replace(asked, sensor_budget=None), method)
+    assert asked.shape.sensor_cost_of(solution.tree) <= 1
+    free = solve(asked.replace(sensor_budget=None), method)
     assert not (solution.is_optimal and free.is_optimal) or free.objective <= solution.objective
 
 

@@ -99,7 +99,7 @@ class Registration:
 
     def refusal(self, problem: Problem) -> str | None:
         """Return the first setting of a problem that the solver does not know, None where it knows all."""
-        asked = {name: getattr(problem, name) for name in self.cannot}
+        asked = {name: _setting(problem, name) for name in self.cannot}
         is_usual = [value is None or value is False or value == "constant" for value in asked.values()]
         return next((name for name, usual in zip(asked, is_usual, strict=True) if not usual), None)
 
@@ -118,6 +118,11 @@ class Registration:
                 f"solver {self.module} needs the module {error.name}, which is not installed; choose another method"
             ) from error
         return cast(Solver, getattr(module, self.function))
+
+
+def _setting(problem: Problem, name: str) -> object:
+    """Return a setting that a solver may not know."""
+    return problem.samples.takes_missing if name == "takes_missing" else getattr(problem.shape, name)
 
 
 PARTS = ("fixed_splits", "path_rules", "max_changes")
@@ -249,12 +254,13 @@ def refuse_unknown(problem: Problem, asked: str) -> None:
     ProblemError
         its loss is one of numbers, or the trees gone through level by level have no depth or a shape of their own.
     """
+    shape = problem.shape
     row = ASKED[asked]
-    if row.by_level and problem.any_depth:
+    if row.by_level and shape.any_depth:
         raise ProblemError(f"{asked} goes through trees level by level and depth is None; give a depth, such as 3")
-    if row.by_level and (problem.is_shaped or problem.leaf_weight is not None):
+    if row.by_level and (shape.is_shaped or shape.leaf_weight is not None):
         names = ("leaf_weight", "monotone", *PARTS, "max_splits")
-        name = next(name for name in names if getattr(problem, name) is not None)
+        name = next(name for name in names if getattr(problem.shape, name) is not None)
         raise ProblemError(
             f"{asked} goes through trees level by level and knows nothing of {name}; leave {name} out, or ask solve, "
             "trace_frontier or choose_tree"
@@ -305,11 +311,12 @@ def taker(problem: Problem, method: str) -> tuple[str, tuple[str, ...]]:
 
 def solvers_of(problem: Problem) -> Mapping[str, Registration]:
     """Return the solvers that answer a problem's loss, split and shape, by method."""
-    known = REGISTRY[problem.loss.name, problem.split]
-    if known.get("exact") is not EXACT or not (problem.is_shaped or problem.any_depth):
+    shape = problem.shape
+    known = REGISTRY[problem.loss.name, shape.split]
+    if known.get("exact") is not EXACT or not (shape.is_shaped or shape.any_depth):
         return known
-    shaped = PARTED if problem.has_parts else SHAPED
-    return {**known, "exact": shaped if problem.is_shaped else SPARSE}
+    shaped = PARTED if shape.has_parts else SHAPED
+    return {**known, "exact": shaped if shape.is_shaped else SPARSE}
 
 
 def chosen_method(problem: Problem, method: str) -> str:
@@ -325,10 +332,10 @@ def chosen_method(problem: Problem, method: str) -> str:
         raise ProblemError(f"method is {method!r}; expected one of {', '.join(METHODS)}")
     if method not in ("auto", *known):
         raise ProblemError(
-            f"method {method!r} finds no {problem.split} trees for the loss {problem.loss.name!r}; expected one of "
-            f"{', '.join(('auto', *known))}"
+            f"method {method!r} finds no {problem.shape.split} trees for the loss {problem.loss.name!r}; expected one "
+            f"of {', '.join(('auto', *known))}"
         )
-    wanted = ("exact", "search") if problem.split == "axis" and problem.is_provable else ("search",)
+    wanted = ("exact", "search") if problem.shape.split == "axis" and problem.is_provable else ("search",)
     able = [name for name, solver in known.items() if solver.refusal(problem) is None]
     chosen = method if method != "auto" else next((name for name in wanted if name in able), wanted[0])
     if (setting := known[chosen].refusal(problem)) is not None:

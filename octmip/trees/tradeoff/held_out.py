@@ -116,7 +116,7 @@ def score_of(
     problem: Problem, predictor: Callable[[NDArray[np.float64]], NDArray[Any]], samples: Samples | None = None
 ) -> Score:
     """Return what any predictor of codes loses on samples; on those of the problem if none are given."""
-    samples = samples or Samples(problem.features, problem.codes, problem.weights)
+    samples = samples or Samples(problem.samples.features, problem.samples.codes, problem.samples.weights)
     judged = samples.weights, samples.codes, predictor(samples.features)
     return Score(len(samples.codes), problem.loss.measures(*judged), problem.loss.cost(*judged, Fraction(0)))
 
