@@ -1,6 +1,7 @@
 """Every cell of the registry by the same checks: whatever is registered keeps what a Solution promises."""
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from octmip.interfaces.report.html import tree_page
 from octmip.trees.nodes.tree import depth
 from octmip.trees.question.losses import SPELLINGS, ClassCosts, number_loss
 from octmip.trees.question.problem_file import encode, question_digest
-from octmip.trees.runs.registry import REGISTRY
+from octmip.trees.question.shape import Shape
+from octmip.trees.runs.registry import CAPABILITIES, REGISTRY, SHAPED, SPARSE
 
 CELLS = [(*cell, method) for cell, solvers in REGISTRY.items() for method in solvers]
 LOSSES = {"classes": ClassCosts(), **{number_loss(spelling).name: number_loss(spelling) for spelling in SPELLINGS}}
@@ -50,6 +52,18 @@ SETTINGS = {
 @pytest.fixture(params=CELLS, ids=" ".join)
 def cell(request):
     return request.param
+
+
+KNOWN_TO_ALL = "depth split split_size leaf_size leaf_penalty sensor_of_feature sensor_cost allowed_splits ridge"
+"""Fields of a shape that every solver knows."""
+
+
+def test_every_field_of_a_shape_has_a_row_unless_all_know_it_and_rows_name_solvers_that_there_are():
+    names = {one.name for one in fields(Shape)} - {"sensors", "sensor_index", "sensor_costs", "old_tree"}
+    assert names - set(CAPABILITIES) == set(KNOWN_TO_ALL.split())
+    solvers = {solver.name for solvers in REGISTRY.values() for solver in solvers.values()}
+    lacking = {who for row in CAPABILITIES.values() for who in row.lacking}
+    assert lacking <= {*solvers, SHAPED.name, SPARSE.name, "levels", "numbers"}
 
 
 def is_one_optimum(method: str, solution) -> bool:

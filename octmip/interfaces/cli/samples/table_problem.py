@@ -34,7 +34,7 @@ from octmip.trees.question.classes import factors_of
 from octmip.trees.question.losses import ClassCosts, Loss, NumberLoss, number_loss
 from octmip.trees.question.problem import Problem
 from octmip.trees.question.shape import splits_of
-from octmip.trees.runs.registry import OF_CLASSES_ALONE
+from octmip.trees.runs.registry import CAPABILITIES, lacked
 from octmip.trees.tradeoff import Samples, Score, held_out_rows, strata_of
 
 FEWEST_COUNTED = 20
@@ -166,12 +166,12 @@ def _check_predicted(arguments: argparse.Namespace) -> None:
 
 
 def _refuse_options_of_classes(arguments: argparse.Namespace) -> None:
-    for name, about in OF_CLASSES_ALONE.items():
+    for name in lacked("numbers", "word"):
         if getattr(arguments, name) not in (None, False):
             option = f"--{name.replace('_', '-')}"
             raise DataError(
-                f"{option} is given with --target {arguments.target}, but is about {about}; expected options of "
-                f"regression trees; leave {option} out, or name a column of classes with --label"
+                f"{option} is given with --target {arguments.target}, but is about {CAPABILITIES[name].words}; "
+                f"expected options of regression trees; leave {option} out, or name a column of classes with --label"
             )
 
 
