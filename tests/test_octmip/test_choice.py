@@ -164,3 +164,15 @@ def test_rows_that_weigh_nothing_judge_nothing():
 def test_costs_that_are_all_zero_leave_nothing_to_choose_by():
     with pytest.raises(ProblemError, match="cost nothing in a single leaf"):
         choose_tree(IRIS.replace(loss=ClassCosts(np.zeros((3, 3)))), folds=2)
+
+
+@pytest.mark.parametrize("exponent", [600, -600])
+@pytest.mark.parametrize("scaled", ["costs", "weights"])
+def test_costs_or_weights_in_another_unit_choose_the_same_tree_where_their_squares_are_no_numbers(exponent, scaled):
+    unit = 2.0**exponent
+    changes = {"loss": ClassCosts(IRIS.costs * unit)} if scaled == "costs" else {"weights": np.full(150, unit)}
+    plain, other = choose_tree(IRIS, folds=3), choose_tree(IRIS.replace(**changes), folds=3)
+    assert other.solution.tree == plain.solution.tree
+    per_weight = unit if scaled == "costs" else 1.0
+    assert [s.standard_error / per_weight for s in other.steps] == [s.standard_error for s in plain.steps]
+    assert other.expectation.tree.high / per_weight == plain.expectation.tree.high

@@ -89,9 +89,10 @@ def judged_steps(
     contrasts = problem.loss.contrasts(samples.weights, samples.codes)
     trees = np.array([at for _, at, _ in known])
     judged = Judged(losses, weights, trees, np.arange(len(known)), predicted, contrasts)
-    sums, steps = judged.sums(), []
+    own, unit = judged.in_units()
+    sums, steps = own.sums(), []
     ends_of = [*(low for low, _, _ in known[1:]), math.inf]
-    means, errors = sums.means().tolist(), sums.standard_errors().tolist()
+    means, errors = (sums.means() * unit).tolist(), (sums.standard_errors() * unit).tolist()
     for (low, _, _), high, mean, error in zip(known, ends_of, means, errors, strict=True):
         tree = path.best_at(middle(low, high) * baseline)
         steps.append(Step(family, low, high, mean, error, tree.complexity, tree.cost / float(samples.weights.sum())))
