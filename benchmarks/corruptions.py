@@ -74,11 +74,8 @@ def raise_bound(rng: np.random.Generator, lines: list[str]) -> None:
 
 def changed_data(rng: np.random.Generator, problem: Problem) -> Problem:
     """Return the problem with one feature value (or its being there), target or weight changed."""
-    features, targets, weights = (
-        problem.samples.features.copy(),
-        problem.samples.targets.copy(),
-        problem.samples.weights.copy(),
-    )
+    samples = problem.samples
+    features, targets, weights = samples.features.copy(), samples.targets.copy(), samples.weights.copy()
     row = int(rng.integers(problem.samples.n_samples))
     name = str(rng.choice(["features", "targets", "weights"]))
     if name == "features":

@@ -95,10 +95,8 @@ def _pystreed(problem: Problem) -> Fit:
     from pystreed import STreeDClassifier
 
     features = _binary(problem)
-    depth, price = (
-        min(int(problem.shape.depth), MOST_LEVELS_OF_STREED),
-        problem.shape.leaf_penalty / problem.samples.n_samples,
-    )
+    depth = min(int(problem.shape.depth), MOST_LEVELS_OF_STREED)
+    price = problem.shape.leaf_penalty / problem.samples.n_samples
     task = "cost-complex-accuracy" if price else "accuracy"
 
     def fit(seconds: float, threads: int) -> Answer:

@@ -117,9 +117,8 @@ def weighted_sum(weights: Sequence[float], values: Iterable[float]) -> float:
 
 def sensors_of(problems: Sequence[Problem], trees: Iterable[Node]) -> frozenset[str]:
     """Return the sensors that some of the trees reads."""
-    return frozenset[str]().union(
-        *(problem.shape.sensors_used(tree) for problem, tree in zip(problems, trees, strict=True))
-    )
+    read = (problem.shape.sensors_used(tree) for problem, tree in zip(problems, trees, strict=True))
+    return frozenset[str]().union(*read)
 
 
 def least_saving(problems: Sequence[Problem], weights: Sequence[float]) -> float:

@@ -86,10 +86,8 @@ def _cuts(problem: Problem, sensors: tuple[int, ...]) -> Iterator[Cut]:
 def _best_tree(
     problem: Problem, leaf: Callable[[int], tuple[int | Fraction, Leaf]], price: int | Fraction, cuts: list[Cut]
 ) -> Best:
-    exact, least = (
-        [Fraction(weight) for weight in problem.samples.weights.tolist()],
-        Fraction(problem.shape.least_leaf_weight),
-    )
+    exact = [Fraction(weight) for weight in problem.samples.weights.tolist()]
+    least = Fraction(problem.shape.least_leaf_weight)
 
     def weight(samples: int) -> Fraction:
         return sum((one for i, one in enumerate(exact) if samples >> i & 1), Fraction(0)) if least else least

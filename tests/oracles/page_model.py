@@ -26,9 +26,8 @@ class PageModel:
             self.h.setOptionValue(option, 0.0)
         self.C = problem.costs
         self.w, self.y, self.N_min = problem.samples.weights, problem.samples.codes, problem.shape.leaf_size
-        self.I, self.J, self.K = (
-            range(n) for n in (problem.samples.n_samples, problem.samples.n_features, problem.samples.n_classes)
-        )
+        samples = problem.samples
+        self.I, self.J, self.K = map(range, (samples.n_samples, samples.n_features, samples.n_classes))
         self.T_B = range(1, 2**problem.shape.depth)
         self.T_L = range(2**problem.shape.depth, 2 ** (problem.shape.depth + 1))
         self.L_hat = min(sum(self.w[i] * self.C[self.y[i], k] for i in self.I) for k in self.K)

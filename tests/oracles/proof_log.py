@@ -38,11 +38,8 @@ class _Writer:
             return [f"S {free[0]}", *without, *with_it], min(one, other)
         index, allowed = self.problem.shape.sensor_index, self.problem.shape.is_allowed
         features = tuple(f for f in range(len(index)) if index[f] in taken + free and allowed((f,)))
-        rows, depth, leaf = (
-            tuple(range(self.problem.samples.n_samples)),
-            self.problem.shape.depth,
-            self.problem.shape.leaf_size,
-        )
+        rows, shape = tuple(range(self.problem.samples.n_samples)), self.problem.shape
+        depth, leaf = shape.depth, shape.leaf_size
         return list(self.node(rows, features, depth, leaf)), self.best(rows, features, depth, leaf)
 
     def node(self, rows: Rows, features: tuple[int, ...], depth: int, leaf: int) -> Iterator[str]:

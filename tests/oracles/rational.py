@@ -95,9 +95,8 @@ def _best_along(problem: Problem, features: frozenset[int], prices: list[list[in
 
     every = np.ones(problem.samples.n_samples, dtype=np.bool_)
     whole = 2**problem.shape.depth - 1
-    return best(
-        every, problem.shape.depth, whole if problem.shape.max_splits is None else min(problem.shape.max_splits, whole)
-    )
+    most = whole if problem.shape.max_splits is None else min(problem.shape.max_splits, whole)
+    return best(every, problem.shape.depth, most)
 
 
 def _columns(problem: Problem, features: frozenset[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:

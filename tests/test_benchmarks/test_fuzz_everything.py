@@ -55,9 +55,7 @@ def test_sizes_beyond_every_constant_of_the_core_are_drawn():
     assert max(math.comb(problem.samples.n_classes, 2**problem.shape.depth) for problem in sized) > 64
     lines = drawn(sized_lines, 40)
     assert max(problem.samples.n_samples for problem in lines if problem.shape.depth == 1) > 48  # points of a dichotomy
-    assert (
-        max(problem.samples.n_samples for problem in lines if problem.shape.depth == 2) > 16
-    )  # intervals bounded together
+    assert max(q.samples.n_samples for q in lines if q.shape.depth == 2) > 16  # intervals bounded together
     assert max(math.comb(problem.samples.n_samples, 2) for problem in lines) > 512  # crossings, bins of slopes
     numbers = drawn(KINDS["many_numbers"].draw, 200)
     for loss in ("squared", "absolute", "quantile"):  # bins, buckets, parts of a feature

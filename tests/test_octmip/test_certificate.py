@@ -137,9 +137,8 @@ def test_coefficients_that_are_no_integers_fail_where_integers_are_wanted():
 
 @given(problems(max_samples=12), st.integers(0, 2**32 - 1))
 def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
-    tree = random_tree(
-        np.random.default_rng(seed), problem.samples.n_features, problem.samples.n_classes, problem.shape.depth
-    )
+    samples, shape = problem.samples, problem.shape
+    tree = random_tree(np.random.default_rng(seed), samples.n_features, samples.n_classes, shape.depth)
     total = 0.0
     for x, code, weight in zip(problem.samples.features, problem.samples.codes, problem.samples.weights, strict=True):
         node = tree
@@ -152,10 +151,7 @@ def test_the_objective_is_the_sum_over_the_samples_one_by_one(problem, seed):
     assert objective == pytest.approx(paid, rel=1e-12)
     claim = Solution(tree, objective, -math.inf, Stop.FINISHED, 0.0, 0, "search", "1", 0)
     smallest = np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree))).min()
-    is_allowed = (
-        first_forbidden_split(problem, tree) is None
-        and problem.shape.sensor_cost_of(tree) <= problem.shape.sensor_limit
-    )
+    is_allowed = first_forbidden_split(problem, tree) is None and shape.sensor_cost_of(tree) <= shape.sensor_limit
     if is_allowed and smallest >= problem.shape.leaf_size:
         assert certify(problem, claim).objective == objective
     else:

@@ -66,11 +66,8 @@ def _best(problem: Problem, sensors: set[int]) -> float:
     sides: dict[int, int] = {}  # mask of the samples on the left: fewest features that make it
     for normal in itertools.product(largest, repeat=problem.samples.n_features):
         read = tuple(j for j, a in enumerate(normal) if a)
-        if (
-            not read
-            or not problem.shape.is_allowed(read)
-            or not {int(problem.shape.sensor_index[j]) for j in read} <= sensors
-        ):
+        is_paid = {int(problem.shape.sensor_index[j]) for j in read} <= sensors
+        if not read or not problem.shape.is_allowed(read) or not is_paid:
             continue
         totals = np.round(problem.samples.features * 10).astype(int) @ np.array(normal)
         for value in np.unique(totals)[:-1]:

@@ -100,10 +100,8 @@ def test_prices_bound_the_true_objective_on_both_sides():
 
 
 def test_small_whole_problems_are_priced_as_they_stand():
-    problem = wild(1, "large")
-    small = Problem(
-        problem.samples.features, problem.samples.targets, depth=1, weights=np.arange(1, problem.samples.n_samples + 1)
-    )
+    samples = wild(1, "large").samples
+    small = Problem(samples.features, samples.targets, depth=1, weights=np.arange(1, samples.n_samples + 1))
     priced = prices.whole_prices(small, 3.0)
     assert (priced.unit, priced.above, priced.below) == (1, 0, 0)
     assert priced.weights is small.samples.weights

@@ -17,9 +17,8 @@ from tests.oracles.strategies import random_problem, random_tree
 def test_a_tree_encoded_is_feasible_costs_its_objective_and_decodes_to_itself(encode, seed):
     rng = np.random.default_rng(seed)
     problem = random_problem(rng, max_samples=10, max_depth=3)
-    tree = canonicalise(
-        problem, random_tree(rng, problem.samples.n_features, problem.samples.n_classes, problem.shape.depth)
-    )
+    samples = problem.samples
+    tree = canonicalise(problem, random_tree(rng, samples.n_features, samples.n_classes, problem.shape.depth))
     if problem.shape.sensor_cost_of(tree) > problem.shape.sensor_limit or first_forbidden_split(problem, tree):
         tree = Leaf(int(problem.class_costs().argmin()))
     ranks = rank_features(problem)

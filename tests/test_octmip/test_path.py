@@ -153,9 +153,8 @@ def test_a_tree_is_proven_for_an_interval_only_where_it_is_at_both_ends(monkeypa
 
     def solved(problem, run, start):
         solution = solve_run(problem, run, start)
-        return (
-            solution if problem.shape.leaf_penalty == 0 else replace(solution, bound=0.0, stop=Stop.TIME, tolerance=0.0)
-        )
+        is_free = problem.shape.leaf_penalty == 0
+        return solution if is_free else replace(solution, bound=0.0, stop=Stop.TIME, tolerance=0.0)
 
     problem = Problem([[0.0], [1.0], [2.0]], [0, 1, 1], depth=1)
     assert all(tree.is_proven for tree in trace_path(problem, method="exact").trees)

@@ -237,9 +237,8 @@ def test_a_table_that_nobody_can_write_to_is_not_copied():
     problem = Problem(table, labels, depth=1)
     assert problem.samples.features is table
     assert problem.replace(depth=2).samples.features is table
-    assert not np.shares_memory(Problem(table[:], labels, depth=1).samples.features, table), (
-        "its base may be written to"
-    )
+    view = Problem(table[:], labels, depth=1)
+    assert not np.shares_memory(view.samples.features, table), "its base may be written to"
     odd = np.array([[0.0, -np.nan], [1.0, 2.0]])
     odd.flags.writeable = False
     assert np.array_equal(Problem(odd, labels, depth=1).samples.features.view(np.int64), table.view(np.int64))

@@ -36,9 +36,8 @@ def leaf_as_counted(problem):
 
 def leaf_in_truth(problem):
     """Return the squared error of the best leaf, exactly: that of the mean, which float64 may not hold."""
-    weights, targets = (
-        [Fraction(x) for x in array.tolist()] for array in (problem.samples.weights, problem.samples.targets)
-    )
+    samples = problem.samples
+    weights, targets = ([Fraction(x) for x in array.tolist()] for array in (samples.weights, samples.targets))
     first = sum(w * y for w, y in zip(weights, targets, strict=True))
     return sum(w * y * y for w, y in zip(weights, targets, strict=True)) - first * first / sum(weights)
 

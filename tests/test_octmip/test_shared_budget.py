@@ -19,17 +19,13 @@ from tests.oracles.strategies import random_problem
 def random_labels(rng: np.random.Generator, n_labels: int) -> list[Problem]:
     """Return problems over the same features and sensors, each with labels, costs and weights of its own."""
     first = random_problem(rng, max_samples=9, max_features=4, max_depth=2)
-    price = (
-        rng.choice([0.0, 0.5, 1.0, 2.0, 0.1], first.samples.n_features)
-        if rng.random() < 0.5
-        else np.ones(first.samples.n_features)
-    )
+    p = first.samples.n_features
+    price = rng.choice([0.0, 0.5, 1.0, 2.0, 0.1], p) if rng.random() < 0.5 else np.ones(p)
     problems = []
     for _ in range(n_labels):
         codes = rng.permutation(first.samples.codes)
-        own = first.replace(
-            targets=np.array(first.samples.class_names)[codes], sensor_cost=None, sensor_of_feature=None
-        )
+        labels = np.array(first.samples.class_names)[codes]
+        own = first.replace(targets=labels, sensor_cost=None, sensor_of_feature=None)
         problems.append(own.replace(sensor_budget=None, sensor_cost=price.tolist(), allowed_splits=None))
     return problems
 

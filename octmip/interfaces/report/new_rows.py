@@ -81,9 +81,8 @@ def difference_text(problem: Problem, found: Comparison) -> str:
 
 def counts_errors(problem: Problem) -> bool:
     """Whether a mean cost is a share of wrong rows."""
-    return (
-        isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one and bool((problem.samples.weights == 1).all())
-    )
+    is_zero_one = isinstance(problem.loss, ClassCosts) and problem.loss.is_zero_one
+    return is_zero_one and bool((problem.samples.weights == 1).all())
 
 
 def mean_cost(problem: Problem, cost: float) -> str:

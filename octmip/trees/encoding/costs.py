@@ -112,10 +112,9 @@ def integer_costs(problem: Problem, known: Node | None = None) -> IntegerCosts:
 
 def _whole_costs(problem: Problem) -> IntegerCosts | None:
     """Return the costs of a problem whose objectives are whole numbers of some power of two, all below `CAPACITY`."""
-    weight_exponent, cost_exponent = (
-        max(0, whole_exponent(array)) for array in (problem.samples.weights, problem.costs)
-    )
-    weights = floors(problem.samples.weights, power_of_two(weight_exponent), MOST)
+    true = problem.samples.weights
+    weight_exponent, cost_exponent = (max(0, whole_exponent(array)) for array in (true, problem.costs))
+    weights = floors(true, power_of_two(weight_exponent), MOST)
     costs = floors(problem.costs.ravel(), power_of_two(cost_exponent), MOST).reshape(problem.costs.shape)
     most = float(weights.sum(dtype=np.float64)) * max(float(costs.max()), 1.0)
     if most + 1 >= CAPACITY:

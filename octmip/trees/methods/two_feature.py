@@ -100,9 +100,8 @@ def two_feature_branch_and_bound(
     start, known = time.perf_counter(), feasible_incumbent(problem, incumbent)
     ranks, kept, state, first = rank_features(problem), None, None, known
     costs = integer_costs(problem, first)
-    if (
-        options.checkpoint is not None and problem.shape.depth == MOST_DEPTH
-    ):  # one level is one scan, which has no state
+    has_state = problem.shape.depth == MOST_DEPTH  # one level is one scan
+    if options.checkpoint is not None and has_state:
         kept = StateEntry(options.checkpoint, problem, ranks, every_of(options))
         if (read := kept.read_two_feature()) is not None:
             first, costs, state = read

@@ -191,9 +191,8 @@ def solve_formulation(problem: Problem, formulate: Formulate, request: Request) 
 
 def check_heap(problem: Problem, rows: Rows) -> None:
     """Check that the nodes alone are within the limits: their ranges can fill the memory, and no model is smaller."""
-    rows.check_limits(
-        columns=2**problem.shape.depth * (problem.samples.n_features + problem.samples.n_samples + COLUMNS_OF_NODE)
-    )
+    of_node = problem.samples.n_features + problem.samples.n_samples + COLUMNS_OF_NODE
+    rows.check_limits(columns=2**problem.shape.depth * of_node)
 
 
 def _known(problem: Problem, request: Request, clock: Clock) -> Known:

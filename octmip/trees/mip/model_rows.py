@@ -192,10 +192,8 @@ class Model:
         their hyperplanes and thresholds.
         """
         formulation, families = self.formulation, self.formulation.rows.families
-        read, placed = (
-            formulation.splits(values),
-            place(self._read(values), formulation.heap, self.problem.samples.features),
-        )
+        read = formulation.splits(values)
+        placed = place(self._read(values), formulation.heap, self.problem.samples.features)
         split = set(read)
         if "d" in families:
             split |= {m for m, j in zip(formulation.heap.branches, families["d"][0], strict=True) if values[j] > 0.5}

@@ -180,11 +180,11 @@ class _Search:
 
     def _sensor_beyond(self, tree: Node, part: _Part) -> int | None:
         """Return a sensor that the tree reads and the part does not hold, if the tree is over the budget."""
-        problem = self.problem
-        if problem.shape.sensor_cost_of(tree) <= problem.shape.sensor_limit:
+        shape = self.problem.shape
+        if shape.sensor_cost_of(tree) <= shape.sensor_limit:
             return None
-        used = {problem.shape.sensors.index(name) for name in problem.shape.sensors_used(tree)} - part.held
-        return max(used, key=lambda sensor: (problem.shape.sensor_costs[sensor], -sensor))
+        used = {shape.sensors.index(name) for name in shape.sensors_used(tree)} - part.held
+        return max(used, key=lambda sensor: (shape.sensor_costs[sensor], -sensor))
 
     def _solve_part(self, part: _Part) -> tuple[Node | None, float]:
         """Return the best tree of a part that costs less than the best so far, if there is one, and the bound."""
@@ -215,13 +215,11 @@ class _Search:
         return problem.with_best_leaves(tree), found.bound
 
     def _allowed(self, part: _Part) -> list[bool]:
-        problem = self.problem
-        costs = problem.shape.sensor_costs
-        left = problem.shape.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
+        shape = self.problem.shape
+        costs = shape.sensor_costs
+        left = shape.sensor_limit - math.fsum(costs[sensor] for sensor in part.held)
         is_free = [s in part.held or (s not in part.banned and costs[s] <= left) for s in range(len(costs))]
-        return [
-            is_free[s] and problem.shape.is_allowed((f,)) for f, s in enumerate(problem.shape.sensor_index.tolist())
-        ]
+        return [is_free[s] and shape.is_allowed((f,)) for f, s in enumerate(shape.sensor_index.tolist())]
 
     @property
     def to_prove(self) -> Fraction:

@@ -127,21 +127,15 @@ class _Search:
 
     def is_affordable(self, tree: Node, feature: int) -> bool:
         """Whether a tree may read one feature more."""
-        problem, sensor = self.problem, self.problem.shape.sensor_index[feature]
-        is_paid = (
-            problem.shape.sensors[sensor] in problem.shape.sensors_used(tree)
-            or problem.shape.sensor_costs[sensor] == 0.0
-        )
-        return bool(is_paid or math.isinf(problem.shape.sensor_limit))
+        shape, sensor = self.problem.shape, self.problem.shape.sensor_index[feature]
+        is_paid = shape.sensors[sensor] in shape.sensors_used(tree) or shape.sensor_costs[sensor] == 0.0
+        return bool(is_paid or math.isinf(shape.sensor_limit))
 
     def restart(self, turn: int) -> None:
         """Build a tree over features of its own and improve it."""
         self.usable = self._features(turn)
-        weights = (
-            np.ones(self.problem.samples.n_samples)
-            if turn == 0
-            else self.rng.exponential(size=self.problem.samples.n_samples)
-        )
+        n = self.problem.samples.n_samples
+        weights = np.ones(n) if turn == 0 else self.rng.exponential(size=n)
         self.improve_tree(self.build(self.rows, self.problem.shape.depth, weights))
 
     def _features(self, turn: int) -> Rows:
@@ -168,10 +162,8 @@ class _Search:
         leaf = fitted_leaf(problem, rows, self.usable)
         if depth == 0 or len(rows) < max(2, 2 * problem.shape.leaf_size) or not len(self.usable) or self.is_over():
             return leaf
-        weights, targets = (
-            problem.samples.weights[rows] * (1.0 if factors is None else factors[rows]),
-            problem.samples.targets[rows],
-        )
+        weights = problem.samples.weights[rows] * (1.0 if factors is None else factors[rows])
+        targets = problem.samples.targets[rows]
         targets = targets - constant_of(problem, rows)
         split = Samples(problem, rows, self.usable).best(by_means(weights, targets), weights * targets)
         if split is None:

@@ -45,13 +45,8 @@ def setup_seconds(problem: Problem, name: str, options: Options) -> float:
     """
     is_asked = isinstance(options, ExactOptions) and not (options.proof is None and options.checkpoint is None)
     can_search = solvers_of(problem)["search"].refusal(problem) is None
-    if (
-        name != "exact"
-        or problem.shape.split != "axis"
-        or is_asked
-        or not can_search
-        or problem.samples.features.size < LARGE
-    ):
+    is_small = problem.samples.features.size < LARGE
+    if name != "exact" or problem.shape.split != "axis" or is_asked or not can_search or is_small:
         return 0.0
     return problem.samples.features.size / SETUP_READINGS[problem.loss.predicts]
 

@@ -95,11 +95,8 @@ class Choice:
 
     def __repr__(self) -> str:
         """Return what was chosen, and from how much, on one line."""
-        found = {
-            "kind": self.chosen.kind,
-            "depth": self.problem.shape.depth,
-            "leaf_penalty": self.problem.shape.leaf_penalty,
-        }
+        shape = self.problem.shape
+        found = {"kind": self.chosen.kind, "depth": shape.depth, "leaf_penalty": shape.leaf_penalty}
         found |= {"rule": self.rule, "n_steps": len(self.steps), "n_paths": len(self.paths)}
         return f"Choice({', '.join(f'{name}={value!r}' for name, value in found.items())})"
 
@@ -376,11 +373,10 @@ def _usable(
 
 
 def _checked_depths(problem: Problem, depths: Sequence[int] | None) -> list[int]:
-    levels = sorted(set(range(1, problem.shape.depth + 1) if depths is None else depths))
-    if not levels or levels[0] < 1 or levels[-1] > problem.shape.depth:
-        raise ProblemError(
-            f"depths is {depths!r}; expected one or more from 1 to {problem.shape.depth}, the problem's depth"
-        )
+    most = problem.shape.depth
+    levels = sorted(set(range(1, most + 1) if depths is None else depths))
+    if not levels or levels[0] < 1 or levels[-1] > most:
+        raise ProblemError(f"depths is {depths!r}; expected one or more from 1 to {most}, the problem's depth")
     return levels
 
 

@@ -57,9 +57,8 @@ def with_splits(problem: Problem, given: Mapping[str, object]) -> Problem:
     ProblemError
         one is no split, or the problem is one that no search knows with given splits.
     """
-    own = {
-        address(part.path): part.split_words(problem.samples.feature_names) for part in problem.shape.fixed_splits or ()
-    }
+    names, given_before = problem.samples.feature_names, problem.shape.fixed_splits or ()
+    own = {address(part.path): part.split_words(names) for part in given_before}
     return problem.replace(fixed_splits=own | dict(given))
 
 

@@ -80,10 +80,8 @@ def default_families(problem: Problem) -> tuple[Family, ...]:
 
     Of numbers deep trees are CART's alone: a search of them takes a hundred times as long as one of classes.
     """
-    is_class, is_plain = (
-        problem.loss.predicts == "class",
-        problem.shape.split == "axis" and problem.shape.leaf_model == "constant",
-    )
+    is_class = problem.loss.predicts == "class"
+    is_plain = problem.shape.split == "axis" and problem.shape.leaf_model == "constant"
     quick = SearchOptions(restarts=1, perturbations=0 if is_class else None)
     if is_plain:
         found = [Family(depth, "exact", PROVEN_CUTS if is_class else CUTS_OF_NUMBERS) for depth in PROVEN_DEPTHS]

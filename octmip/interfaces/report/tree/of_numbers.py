@@ -140,12 +140,8 @@ class OfNumbers(Measure):
         """Return how far off shares of the samples are, in training and held out."""
         if evidence is None:
             return []
-        problem = evidence.problem
-        found = [
-            _misses(
-                "Training samples", predict_values(self.file.tree, problem.samples.features) - problem.samples.codes
-            )
-        ]
+        samples = evidence.problem.samples
+        found = [_misses("Training samples", predict_values(self.file.tree, samples.features) - samples.codes)]
         if evidence.held_out is not None:
             held = evidence.held_out
             off = predict_values(held.tree, held.samples.features) - held.samples.codes

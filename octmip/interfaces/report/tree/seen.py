@@ -79,13 +79,10 @@ class Seen:
         here = np.flatnonzero((self.leaf_of_sample >= first) & (self.leaf_of_sample < end))
         if not self.has_histograms or not len(here):
             return None
-        codes = (
-            self.problem.samples.codes[here] if self.problem.samples.n_classes else np.zeros(len(here), dtype=np.int64)
-        )
-        counts = np.eye(self.problem.samples.n_classes or 1, dtype=np.int64)[codes]
-        return _histogram(
-            *_compared(split, self.problem.samples.features[here]), self.leaf_of_sample[here] < middle, counts
-        )
+        samples = self.problem.samples
+        codes = samples.codes[here] if samples.n_classes else np.zeros(len(here), dtype=np.int64)
+        counts = np.eye(samples.n_classes or 1, dtype=np.int64)[codes]
+        return _histogram(*_compared(split, samples.features[here]), self.leaf_of_sample[here] < middle, counts)
 
 
 def _compared(

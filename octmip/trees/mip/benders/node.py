@@ -212,7 +212,5 @@ def _budget_below(problem: Problem, feature: int) -> dict[str, Any]:
 
 def _holds_leaf_size(problem: Problem, tree: Node) -> bool:
     """Whether every leaf of a tree holds as many samples as the problem wants."""
-    return bool(
-        np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree))).min()
-        >= problem.shape.leaf_size
-    )
+    counts = np.bincount(leaf_index(tree, problem.samples.features), minlength=len(leaves(tree)))
+    return bool(counts.min() >= problem.shape.leaf_size)

@@ -70,9 +70,8 @@ def solve_benders(
     runner = Runner(clock, seed, lambda: None)
     try:
         clock.check()
-        _run(
-            problem, Subproblem(problem, prices, np.arange(problem.samples.n_samples)), runner, result, n_jobs, progress
-        )
+        whole = Subproblem(problem, prices, np.arange(problem.samples.n_samples))
+        _run(problem, whole, runner, result, n_jobs, progress)
     except LimitReachedError as reached:
         result.stop = reached.stop
     except KeyboardInterrupt:

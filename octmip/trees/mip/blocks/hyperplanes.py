@@ -225,9 +225,8 @@ class Hyperplanes:
                     found[t + 1] = split
             elif values[self.d[t]] > 0.5 and middle > 0:  # 0'x < b: a split that sends everything left
                 j = int(values[self.s[:, t]].argmax())
-                found[t + 1] = HyperplaneSplit(
-                    (j,), (1.0,), float(self.problem.samples.features[:, j].max()), Leaf(0), Leaf(0)
-                )
+                offset = float(self.problem.samples.features[:, j].max())
+                found[t + 1] = HyperplaneSplit((j,), (1.0,), offset, Leaf(0), Leaf(0))
         return found
 
 
