@@ -26,7 +26,7 @@ from octmip.trees.question.problem_file import data_digest, question_digest
 from octmip.trees.question.problem_values import refuse_missing
 
 FORMATS = {"axis": "octmip-proof 3", "hyperplane": "octmip-proof 3 two-feature"}
-"""First line of a log, by `Problem.split`; where readings are missing " missing" stands behind it."""
+"""First line of a log, by `Shape.split`; where readings are missing " missing" stands behind it."""
 MOST_DEPTH, MOST_FEATURES = 2, 2  # of trees of two-feature splits that have logs
 
 NO_THREAD = "no thread to check on"

@@ -90,7 +90,7 @@ def branch_and_bound(
     break_ties
         among the optimal trees return one of fewest splits, of those one of fewest sensors, each proven by
         more searches; `details["ties_broken"]` says what was. Thresholds are centred in any case.
-        Where a shape is asked for (`Problem.is_shaped`) ties stay, and under `monotone` thresholds too.
+        Where a shape is asked for (`Shape.is_shaped`) ties stay, and under `monotone` thresholds too.
 
     Raises
     ------

@@ -7,7 +7,7 @@
     p(t)     parent of node t                                                             (5)
     z_it     1 if sample i lies in leaf t                                                 (6), (8)
     l_t      1 if leaf t holds samples                                                    (6), (7)
-    N_min    fewest samples in a leaf, `Problem.leaf_size`                                (7)
+    N_min    fewest samples in a leaf, `Shape.leaf_size`                                (7)
     A_L(t)   ancestors of leaf t on whose left side it lies; A_R(t) on whose right        (12), (13)
     eps_j    smallest positive difference of the values of feature j; eps_max the largest (12)
     N_kt     weight of class k in leaf t; N_t of all classes                              (15), (16)

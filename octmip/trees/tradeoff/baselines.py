@@ -31,7 +31,7 @@ from octmip.trees.tradeoff.choice import choose_tree
 from octmip.trees.tradeoff.family import Family
 
 Predictor = Callable[[NDArray[np.float64]], NDArray[Any]]
-"""From features (n, n_features) to what `Problem.codes` holds: index of the class, or number (n,)."""
+"""From features (n, n_features) to what `Samples.codes` holds: index of the class, or number (n,)."""
 FOREST_TREES = 200
 MOST_ITERATIONS = 2000
 """Of logistic regression."""

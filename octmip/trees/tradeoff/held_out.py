@@ -61,7 +61,7 @@ class Samples:
     features
         (n_samples, n_features) numbers.
     codes
-        (n_samples,) target of each as in `Problem.codes`: an index of the problem's `class_names`, or a number.
+        (n_samples,) target of each as in `Samples.codes`: an index of the problem's `class_names`, or a number.
     weights
         (n_samples,) risk weights.
     """

@@ -56,7 +56,7 @@ class PathTree:
     complexity
         features summed over its splits.
     penalty_low, penalty_high
-        for `Problem.leaf_penalty` between these it is the best of all.
+        for `Shape.leaf_penalty` between these it is the best of all.
     is_proven
         whether no tree of the problem is better for any penalty of the interval (by more than rounding).
     """

@@ -10,7 +10,7 @@ model with mu > 0 does not hold every tree: its bound speaks about the mu-separa
     1e-4, which is a hundred times what HiGHS may be off (feasibility + 2 integrality) at tolerance 1e-7 and finer.
 Features of extreme size are first multiplied by a power of two, which is exact, so that no range overflows; a split
 whose coefficients on the problem's own features are beyond float64 cannot be made into a tree and is not read.
-Integer normals (`Problem.integer_normals` = M): a_jm whole, |a_jm| <= M. When all features are decimal numbers of few
+Integer normals (`Shape.integer_normals` = M): a_jm whole, |a_jm| <= M. When all features are decimal numbers of few
 digits, scaling by a power of ten makes a'x whole; then mu = 1 loses nothing and the bound speaks about every tree.
 """
 
