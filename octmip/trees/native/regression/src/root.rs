@@ -121,8 +121,8 @@ struct Root<'a> {
 }
 
 impl Root<'_> {
-    /// The best tree, from three levels on after that with leaves of any size: its cost is a bound, and where its leaves
-    /// are large enough it is the best one.
+    /// The best tree, from three levels on after that with leaves of any size: its cost is a bound, and where its
+    /// leaves are large enough it is the best one.
     fn beside(&mut self, view: &View, depth: usize, upper: f64, clusters: f64) -> NodeResult {
         let Some(samples) = self.samples.free.as_deref().filter(|_| depth > 2 && view.has_room(self.samples, depth))
         else {

@@ -72,8 +72,8 @@ impl View {
         list.iter().map(error).sum()
     }
 
-    /// Whether leaves of a tree of so many levels have room for twice the least size: the problem with leaves of any size
-    /// then is near to the one that is asked, and easier.
+    /// Whether leaves of a tree of so many levels have room for twice the least size: the problem with leaves of any
+    /// size then is near to the one that is asked, and easier.
     pub(crate) fn has_room(&self, samples: &Samples, depth: usize) -> bool {
         (self.len >> depth.min(20)) / 2 >= samples.leaf_size
     }
