@@ -27,7 +27,7 @@ from octmip.formats.columns.cells import Cells, Stored
 from octmip.formats.columns.instants import cut_between, date_text, duration_text
 from octmip.formats.columns.spellings import DAYS
 from octmip.formats.columns.written import FORMS, is_date
-from octmip.input.cells import plain_number
+from octmip.input.cells import text_by_number
 from octmip.input.checked import Choice, ListOf, Number, Record, Text, Truth
 from octmip.input.messages import shown
 from octmip.trees.nodes.digits import exact
@@ -208,13 +208,10 @@ class Column:
         return np.asarray(answers[[place.get(word, len(place)) for word in words.tolist()]])
 
     def words_of(self, cells: Cells) -> NDArray[Any]:
-        """Return the texts of some cells, (n_rows,); numbers by the text of training that means the same number.
-
-        A part of a table may hold nothing but numbers in a column of texts, and then a reader takes them for numbers.
-        """
+        """Return the texts of some cells, (n_rows,); numbers, true and false by the text of training that says them."""
         if cells.is_text:
             return cells.words
-        text = {plain_number(value): value for value in reversed(self.values)}
+        text = text_by_number(self.values, are_truths=cells.stored == "truths")
         numbers = [None if math.isnan(number) else number for number in cells.numbers.tolist()]
         return np.array([number if number is None else text.get(number, f"{number:g}") for number in numbers], object)
 

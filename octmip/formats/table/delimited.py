@@ -14,6 +14,7 @@ from octmip.formats.table.lines import Line, is_value, split_rows
 from octmip.formats.table.names import check_names
 from octmip.formats.table.source import Source
 from octmip.input.cells import is_beyond, may_be_beyond
+from octmip.input.messages import several
 
 # From 3.1 on pandas reads numbers exactly by default and warns of the option; before, its default may be off.
 IS_EXACT = tuple(int(part) for part in pd.__version__.split(".")[:2]) >= (3, 1)
@@ -70,7 +71,8 @@ def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, L
     if not isinstance(frame.index, pd.RangeIndex) or (len(frame) and frame.iloc[:, -1].isna().any()):
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
     frame, told = _named(source, frame, layout)
-    return frame, layout, (*notes, *layout.notes, *told)
+    frame, padded = _without_blanks(frame)
+    return frame, layout, (*notes, *layout.notes, *told, *padded)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,21 @@ def _with_whole_numbers(frame: pd.DataFrame, cells: _Cells) -> pd.DataFrame:
     return frame.assign(**{name: texts[name] for name in large if texts[name].map(is_beyond).any()})
 
 
+def _without_blanks(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table whose texts have no blanks at their ends, as programs write that align columns, and a note."""
+    padded = []
+    for name in frame.columns:
+        column = frame[name]
+        texts = () if column.dtype.kind in "biuf" else column.dropna().unique()
+        bare = {text: text.strip(" ") for text in texts if isinstance(text, str) and text != text.strip(" ")}
+        if bare:
+            words = {text: None if word in NO_NUMBERS else word for text, word in bare.items()}
+            frame = frame.assign(**{name: [words.get(cell, cell) for cell in column]})
+            padded.append(name)
+    told = f"blanks at the ends of texts are left out: {several(padded)}"
+    return frame, (told,) * bool(padded)
+
+
 def rows_in(layout: Layout, strict: bool = False) -> Iterator[Line]:
     """Return the rows of a layout, with their lines."""
     return split_rows(enumerate(io.StringIO(layout.rows, newline=""), start=1), layout.separator, strict)
@@ -142,7 +159,8 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
     empty = [k for k, name in enumerate(columns) if frame[name].isna().all()]
     while columns and len(columns) - 1 in empty and (len(header) < len(columns) or not header[len(columns) - 1]):
         columns.pop()  # a separator at the end of every line
-    header, frame = header[: len(columns)], frame[columns]
+    frame = frame[columns]
+    header = header if any(header[len(columns) :]) else header[: len(columns)]
     if len(header) == len(columns):  # an empty column, as before the first bar of a line in bars
         held = [k for k, name in enumerate(header) if name or k not in empty]
         header, columns = [header[k] for k in held], [columns[k] for k in held]
@@ -153,6 +171,7 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
             raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), len(layout.header))}")
     if len(header) == len(columns) - 1:
         return _with_first(source, frame, layout, header)
+    frame = frame.set_axis(header, axis=1)  # which had no names beside an empty last column
     unnamed = [k for k, name in enumerate(header) if not name]
     if header and header[0].startswith(COUNTED):
         unnamed = [0, *unnamed]

@@ -19,7 +19,7 @@ from octmip.formats.table.delimited import read_delimited, rows_in
 from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
-from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number
+from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number, text_by_number
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
 
@@ -210,6 +210,9 @@ class Table:
             labels = np.array([str(value) for value in values], dtype=object)
             self._refuse_words(column, labels)
         if known is not None:
+            if labels.dtype.kind in "biuf" and all(isinstance(name, str) for name in known):
+                text = text_by_number(known, are_truths=labels.dtype.kind == "b")
+                labels = np.array([text.get(float(label), label) for label in labels.tolist()], dtype=object)
             is_known = set(known).__contains__
             unseen = [row for row, label in enumerate(labels.tolist()) if not is_known(label)]
             if unseen:

@@ -142,6 +142,29 @@ def codes_of(labels: NDArray[Any], names: Sequence[Any]) -> NDArray[np.int64]:
     return np.array([position[label] for label in labels.tolist()], dtype=np.int64)
 
 
+def in_class_order(given: Any, classes: Sequence[Any], what: str, first: int = 0) -> Any:
+    """Return values for classes in the order of the classes, where their axes from the `first` one name these.
+
+    Axes of series and frames do, unless they only count 0, 1, 2, ..., and so do the keys of a mapping.
+
+    Raises
+    ------
+    ProblemError
+        an axis does not name each class once.
+    """
+    axes = [list(given)] if isinstance(given, Mapping) else [list(own) for own in getattr(given, "axes", ())]
+    table = np.array(list(given.values())) if isinstance(given, Mapping) else given
+    wanted = [str(name) for name in classes]
+    for axis, names in enumerate(axes):
+        own = [str(name) for name in names]
+        if axis < first or names == list(range(len(names))):
+            continue
+        if sorted(own) != sorted(wanted):
+            raise ProblemError(f"{what} names {', '.join(own)}; expected each of the classes {', '.join(wanted)} once")
+        table = np.take(np.asarray(table), [own.index(name) for name in wanted], axis)
+    return table
+
+
 def labels_of(values: ArrayLike) -> NDArray[Any]:
     """Return a copy of the labels of an array or a series.
 
