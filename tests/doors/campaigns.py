@@ -1,5 +1,6 @@
 """Campaigns of displays and loggers, and readings as other libraries hold them, at the door of the diagnosis."""
 
+from collections import namedtuple
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -132,6 +133,11 @@ def readings(blocks: Blocks) -> bool:
 ARRAYS: dict[str, tuple[str, Callable[[np.ndarray], Any], Any]] = {
     "a mask over -1": ("numpy", _masked, True),
     "fields in another order": ("numpy", _structured, True),
+    "a named tuple in another order": (
+        "Python",
+        lambda values: namedtuple("Row", NAMES[::-1])(*values.T[::-1]),
+        True,
+    ),
     "rows of masked arrays": ("numpy", lambda values: list(_masked(values)), True),
     "columns in another order, NA and a date": ("pandas", _pandas, True),
     "columns in reverse": ("polars", _polars, True),

@@ -226,10 +226,11 @@ class Column:
         return np.array([rank.get(word, math.nan) for word in words], dtype=np.float64)
 
     def number_text(self, value: float, number: Callable[[float], str] = exact) -> str:
-        """Return a number of the column as people write it: a date, a duration, an amount with its sign."""
+        """Return a number of the column as people write it: a date, a duration, with its sign or unit."""
         if is_date(self.form):
             return date_text(value, self.zone)
-        return duration_text(value) if self.form == DAYS else number(value) + self.form[7:]
+        sign = self.form[7:]
+        return duration_text(value) if self.form == DAYS else f"{number(value)}{' ' * sign[:1].isalpha()}{sign}"
 
     def cut_between(self, low: float, high: float) -> float | None:
         """Return the date or duration of fewest fields between two neighbours; None for other numbers."""

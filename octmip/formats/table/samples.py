@@ -28,6 +28,8 @@ OTHERWISE = {
     "target": "; if its words are classes, name the column by --label instead of --target",
 }
 """What to do with a column that holds no numbers, by its purpose."""
+NO_CLASS = (bytes, list, dict, np.ndarray)
+"""Types of cells of Parquet that are no class."""
 UNLABELLED = "--drop-unlabelled leaves such rows out"
 
 
@@ -207,6 +209,10 @@ class Table:
         self._refuse_empty(column, values, purpose)
         labels = values.to_numpy()
         if labels.dtype.kind not in "biuf":
+            odd = next((row for row, value in enumerate(values) if isinstance(value, NO_CLASS)), None)
+            if odd is not None:
+                got = f"{shown(str(labels[odd]))} of type {type(labels[odd]).__name__}"
+                raise DataError(f"{self.place(odd, column)}: {got}; expected a {purpose}; write it as a text")
             labels = np.array([str(value) for value in values], dtype=object)
             self._refuse_words(column, labels)
         if known is not None:
@@ -279,7 +285,7 @@ def read_table(path: PathLike, as_text: str | None = None) -> Table:
     notes: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
-        frame = read_parquet(source)
+        frame, notes = read_parquet(source)
     else:
         frame, layout, notes = read_delimited(source, as_text)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)

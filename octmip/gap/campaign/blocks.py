@@ -51,7 +51,9 @@ def gathered(twin: Twin, recorded: Sequence[Recorded]) -> Campaign:
     for one in recorded:
         for what, given, known in (("loads", one.loads, names), ("state", one.state, parameters)):
             if not isinstance(given, Mapping):
-                raise DataError(f"test {one.test!r}: {what} as {type(given).__name__}; expected {list(known)}; give these by name")
+                raise DataError(
+                    f"test {one.test!r}: {what} as {type(given).__name__}; expected {list(known)}; give these by name"
+                )
             unknown = [name for name in given if name not in known]
             missing = [name for name in known if name not in given] if what == "loads" else []
             if unknown or missing:
