@@ -40,10 +40,13 @@ FEW = 4
 """Rows whose first cells may count 1, 2, ... by chance."""
 
 
-def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
+def read_delimited(
+    source: Source, as_text: str | None, keeps_names: bool = False
+) -> tuple[pd.DataFrame, Layout, tuple[str, ...]]:
     """Return the table of a text, its layout, and notes on how it was read.
 
-    The column `as_text`, where there is one, stays as it is written.
+    The column `as_text`, where there is one, stays as it is written. Names of rows in a first column without a name are
+    left out, or with `keeps_names` a column called "".
 
     Raises
     ------
@@ -70,7 +73,7 @@ def read_delimited(source: Source, as_text: str | None) -> tuple[pd.DataFrame, L
         ) from error
     if not isinstance(frame.index, pd.RangeIndex) or (len(frame) and frame.iloc[:, -1].isna().any()):
         _refuse_ragged(source, layout, is_refused=False)  # pandas fills a row that is too short
-    frame, told = _named(source, frame, layout)
+    frame, told = _named(source, frame, layout, keeps_names)
     frame, padded = _without_blanks(frame)
     return frame, layout, (*notes, *layout.notes, *told, *padded)
 
@@ -152,7 +155,9 @@ def ragged(n_cells: int, n_columns: int) -> str:
     )
 
 
-def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.DataFrame, tuple[str, ...]]:
+def _named(
+    source: Source, frame: pd.DataFrame, layout: Layout, keeps_names: bool
+) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the frame under the names of its header, without columns that only end the lines or name the rows."""
     header, columns = list(layout.header), list(frame.columns)
     place = f"{source.name}, line {layout.line}"
@@ -170,11 +175,13 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
         if row is not None:
             raise DataError(f"{source.name}, line {row.number}: {ragged(len(row.cells), len(layout.header))}")
     if len(header) == len(columns) - 1:
-        return _with_first(source, frame, layout, header)
+        return _with_first(source, frame, layout, header, keeps_names)
     frame = frame.set_axis(header, axis=1)  # which had no names beside an empty last column
     unnamed = [k for k, name in enumerate(header) if not name]
     if header and header[0].startswith(COUNTED):
         unnamed = [0, *unnamed]
+    if keeps_names and unnamed == [0]:
+        return frame, ()
     if unnamed == [0] and len(columns) > 1 and frame.iloc[:, 0].is_unique:
         return frame.iloc[:, 1:], (f"the first column of {source.name} has no name; it names the rows and is left out",)
     unnamed = [k for k in unnamed if not header[k]]
@@ -184,7 +191,7 @@ def _named(source: Source, frame: pd.DataFrame, layout: Layout) -> tuple[pd.Data
 
 
 def _with_first(
-    source: Source, frame: pd.DataFrame, layout: Layout, header: list[str]
+    source: Source, frame: pd.DataFrame, layout: Layout, header: list[str], keeps_names: bool
 ) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return the frame whose rows have a cell before the first name: names of rows, or a day before its time."""
     first = frame.iloc[:, 0]
@@ -200,5 +207,7 @@ def _with_first(
         raise DataError(
             f"{source.name}, line {row.number}: {ragged(len(row.cells), len(header))}, and name every column"
         )
+    if keeps_names:
+        return frame.set_axis(["", *header], axis=1), ()
     out = frame.iloc[:, 1:].set_axis(header, axis=1)
     return out, (f"the rows of {source.name} have names, as R and pandas write them, which are left out",)

@@ -270,11 +270,11 @@ def _is_number(value: object) -> bool:
         return False
 
 
-def read_table(path: PathLike, as_text: str | None = None) -> Table:
+def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool = False) -> Table:
     """Return the table of a file, or of standard input for "-".
 
     .csv and .tsv (UTF-8 or latin-1, one header line, either may be compressed: .gz) and .parquet. The column `as_text`
-    is read as text: 007 is no 7.
+    is read as text: 007 is no 7. With `keeps_names` names of rows without a name above them are the column "".
 
     Raises
     ------
@@ -287,7 +287,7 @@ def read_table(path: PathLike, as_text: str | None = None) -> Table:
     if source.format == "parquet":
         frame, notes = read_parquet(source)
     else:
-        frame, layout, notes = read_delimited(source, as_text)
+        frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)
     if frame.empty:
         raise DataError(
