@@ -92,6 +92,12 @@ def columns_of(given: Any) -> dict[str, Any] | None:
     return {str(name): given[name] for name in names}
 
 
+def as_mapping(given: Any) -> Any:
+    """Return the values of a series that names them as a mapping; others as they are."""
+    is_named = not isinstance(given, Mapping) and hasattr(given, "index") and columns_of(given) is not None
+    return columns_of(given) if is_named else given
+
+
 def _refuse_quantity(given: Any, what: str) -> None:
     """Refuse numbers that carry a unit, which an array would lose."""
     for value in "magnitude", "to_value":

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from octmip.errors import DataError, ProblemError, TwinError
-from octmip.input.named_arrays import numbers_in
+from octmip.input.named_arrays import as_mapping, by_name, numbers_in
 from octmip.twin import Load, Loads, Twin, amounts_of, load_of, load_words, loads_of, predict_states
 
 Floats = NDArray[np.float64]
@@ -206,7 +206,7 @@ def grid_states(levels: Sequence[Sequence[float]]) -> Floats:
 def library_of(
     twin: Twin,
     states: Floats,
-    noise_sd: float | Sequence[float],
+    noise_sd: float | Sequence[float] | Mapping[str, float],
     *,
     gauges: Sequence[str] | None = None,
     widths: Sequence[float] = (),
@@ -248,6 +248,7 @@ def library_of(
     def ask(at: Floats) -> Floats:
         return np.asarray(predict_states(twin, at, load)[:, columns] / factor)
 
+    named = as_mapping(noise_sd)
     is_linear = bool(getattr(twin, "is_linear_in_load", False)) or not loads_of(twin)
     if is_linear and loads_of(twin):
         _refuse_bent(twin, states[:1], load)
@@ -256,7 +257,9 @@ def library_of(
         states,
         names,
         ask(states),
-        np.asarray(noise_sd, dtype=np.float64),
+        by_name(named, names, "noise_sd")[0][0]
+        if isinstance(named, Mapping)
+        else np.asarray(noise_sd, dtype=np.float64),
         np.array(widths, dtype=np.float64),
         _slopes(ask, states, widths, len(names)),
         None if is_linear else factor,

@@ -50,6 +50,8 @@ def class_order_of(targets: object, classes: Iterable[Any], given: Sequence[Any]
         levels = ordered_levels(targets)
         named = present and present <= set(levels)
         return tuple(level for level in levels if level in present) if named else _own_order(present)
+    if isinstance(given, set | frozenset):
+        raise ProblemError(f"class_order is a set, {given}, which has no order; expected a list, from low to high")
     order = tuple(given)
     lacking = sorted(present.difference(order), key=str)
     if order and (lacking or len(set(order)) != len(order)):

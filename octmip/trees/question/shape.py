@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from octmip.errors import ProblemError
 from octmip.trees.nodes.tree import HyperplaneSplit, Leaf, Node, features_used, splits
 from octmip.trees.question.parts import GivenSplit, PathRule, address, given_splits, path_rules, words_of_rules
-from octmip.trees.question.problem_values import directions_of, number_of, sensor_costs_of, whole_of, words_of
+from octmip.trees.question.problem_values import (
+    directions_of,
+    number_of,
+    sensor_costs_of,
+    sensor_of_each,
+    whole_of,
+    words_of,
+)
 
 MAX_DEPTH = 30  # 2**30 leaves: beyond any use, and the node tables of the solvers are indexed by 32 bits
 _DERIVED: Any = None  # a field that is filled in when it is left out
@@ -128,7 +135,7 @@ class Shape:
     leaf_size: int = 1
     leaf_weight: float | None = None
     leaf_penalty: float = 0.0
-    sensor_of_feature: Sequence[str] | None = None
+    sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
     sensor_budget: float | None = None
     allowed_splits: Sequence[Sequence[str | int]] | None = None
@@ -154,13 +161,7 @@ class Shape:
         self._set_parts(feature_names)
 
     def _set_sensors(self, feature_names: tuple[str, ...]) -> None:
-        names = feature_names if self.sensor_of_feature is None else self.sensor_of_feature
-        of_feature = tuple(str(name) for name in names)
-        if len(of_feature) != len(feature_names):
-            raise ProblemError(
-                f"sensor_of_feature has {len(of_feature)} entries but there are {len(feature_names)} features; "
-                "give one each"
-            )
+        of_feature = sensor_of_each(self.sensor_of_feature, feature_names, "features")
         sensors = tuple(dict.fromkeys(of_feature))
         position = {name: s for s, name in enumerate(sensors)}
         set_field(self, "sensor_of_feature", of_feature)
