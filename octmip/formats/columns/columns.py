@@ -353,24 +353,16 @@ def _missing(cells: Cells) -> str:
 
 
 def _column_of(name: str, cells: Cells, categories: Categories, doubled: bool) -> Column:
-    has_missing = cells.n_missing > 0
+    has_missing, stored = cells.n_missing > 0, cells.stored
     is_doubled = doubled and has_missing
     if cells.is_text:
         kind: Literal["order", "subsets", "values"] = "subsets" if categories == "subsets" else "values"
         kind = "order" if cells.is_ordered or categories == "order" else kind
         is_doubled = is_doubled and kind == "order"
-        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled, stored=cells.stored)
+        return Column(name, kind, has_missing, values=cells.values, is_doubled=is_doubled, stored=stored)
     least, most = float(np.nanmin(cells.numbers)), float(np.nanmax(cells.numbers))
     column = Column(
-        name,
-        "number",
-        has_missing,
-        least,
-        most,
-        is_doubled=is_doubled,
-        form=cells.form,
-        zone=cells.zone,
-        stored=cells.stored,
+        name, "number", has_missing, least, most, is_doubled=is_doubled, form=cells.form, zone=cells.zone, stored=stored
     )
     if is_doubled:
         _ = column.beyond  # raises where float64 has no room

@@ -14,7 +14,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from octmip.errors import DataError
-from octmip.formats.columns.written import form_of, is_time, read_texts
+from octmip.formats.columns.written import form_of, is_time, read_texts, unit_of
 from octmip.formats.table.delimited import read_delimited, rows_in
 from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
@@ -165,7 +165,7 @@ class Table:
     def form(self, name: str, purpose: str) -> str | None:
         """Return the form of a column (`octmip.formats.columns.written`), None where its cells have none in common.
 
-        Times are a target alone: no weight and no cost is one.
+        Times are a target alone: no weight and no cost is one. The units of a model's numbers are those of its card.
 
         Raises
         ------
@@ -179,7 +179,9 @@ class Table:
             form = form_of(sorted(set(column)))
         except DataError as error:
             raise DataError(f"{self.name}, column {shown(name)} {error}") from error
-        return form if form and (purpose == "target" or not is_time(form)) else None
+        if not form or (is_time(form) and purpose != "target") or (unit_of(form) and purpose == "model"):
+            return None
+        return form
 
     def _complaint(self, name: str, column: "pd.Series[Any]", purpose: str) -> str:
         """Return a sentence about the first cell of a column that pandas could not take for numbers."""

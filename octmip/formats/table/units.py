@@ -27,6 +27,8 @@ _QUANTITIES = {
     | dict.fromkeys(("ppm", "10^-6", "1e-6", "1E-6"), 1e-6),
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "daN": 10.0, "lbf": 4.4482216152605, "kgf": 9.80665},
     "moment": {"Nm": 1.0, "N m": 1.0, "N*m": 1.0, "N.m": 1.0, "kNm": 1e3, "Nmm": 1e-3},
+    "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "kN/mm": 1e6, "MN/m": 1e6, "N/um": 1e6},
+    "stiffness against turning": {"Nm/rad": 1.0, "N m/rad": 1.0, "kNm/rad": 1e3, "kN m/rad": 1e3},
     "frequency": {"Hz": 1.0, "1/s": 1.0, "kHz": 1e3, "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "1/min": 1 / 60},
     "pressure": {"Pa": 1.0, "hPa": 1e2, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "bar": 1e5, "mbar": 1e2}
     | {"psi": 6894.757293168},

@@ -21,6 +21,7 @@ from scipy.spatial import QhullError
 
 from octmip.errors import DataError, TwinError
 from octmip.formats.table import read_table
+from octmip.formats.table.units import factor_between
 from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 from octmip.twin import Twin
@@ -50,7 +51,12 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: 
         raise DataError(f"table {path} is not there; expected a CSV or Parquet file; check the path")
     known = card_beside(path, card, linear)
     inputs = [*known.ranges, *known.states, *known.loads]
-    numbers = read_table(Path(path)).numbers([*inputs, *known.readings], "model")
+    table = read_table(Path(path))
+    units = {**known.readings, **{name: own.unit for name, own in known.ranges.items()}}
+    for name, unit in table.units:
+        if name in units and factor_between(unit, units[name]) != 1.0:
+            raise DataError(f"table {path}: column {name} is in {unit!r}, in its card {units[name]!r}; convert it")
+    numbers = table.numbers([*inputs, *known.readings], "model")
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
     return FunctionTwin(_interpolated(points, values, inputs, str(path)), replace(known, state_limits=limits))
