@@ -49,7 +49,7 @@ class Limits:
     def __post_init__(self) -> None:
         for name in ("seconds", "gap", "nodes", "memory"):
             value = getattr(self, name)
-            if not isinstance(value, Real) or not value >= 0:  # nor NaN
+            if not isinstance(value, Real) or not float(value) >= 0:  # nor NaN
                 raise ProblemError(f"limit {name} is {value}; expected a number of 0 or more")
 
     def remaining(self, started: float, n_nodes: int = 0) -> "Limits":

@@ -243,7 +243,7 @@ class Shape:
             )
 
     def _set_parts(self, feature_names: tuple[str, ...]) -> None:
-        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ())
+        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", tuple(self.sensor_of_feature or ()))
         rules = path_rules(self.path_rules, feature_names, "path_rules")
         set_field(self, "fixed_splits", given)
         set_field(self, "path_rules", rules)
