@@ -1,8 +1,9 @@
 """A stream of readings: one result for each, no memory but the belief, and no bad reading that ends it.
 
-A reading is refused, with a sentence, when it holds NaN or infinity, has another length, names an unknown gauge, or has
-a load factor that is no positive number. A gauge that gave nothing is left out of the mapping (or None):
-with a filter the reading is used without it, without one it is refused where the tree asks for it.
+A reading is refused, with a sentence, when it holds NaN, infinity or a number beyond `MOST`, has another length, names
+an unknown gauge, or has a load factor that is no positive number. A gauge that gave nothing is left out of the mapping
+(or None, NA, an empty text): with a filter the reading is used without it, without one it is refused where the tree
+asks for it.
 """
 
 import math
@@ -28,6 +29,8 @@ Reading = tuple[Applied, Values]
 """Load factor or loads by name, and readings: by gauge name, or one for each gauge in the library's order."""
 
 
+MOST = 1e100
+"""No reading is so large, but the largest double is what some programs write for none; its square has no place."""
 PLAIN = frozenset({float, np.float64, type(None)})
 """Types of values that are taken as they are."""
 
@@ -150,12 +153,12 @@ class Monitor:
                 )
         if not set(map(type, row)) <= PLAIN:
             row = [None if value is None else _number(gauge, value) for gauge, value in zip(index, row, strict=True)]
-        if None not in row and math.isfinite(math.fsum(row)):  # type: ignore[arg-type]
+        if all(value is not None and -MOST < value < MOST for value in row):  # NaN is not
             return row  # type: ignore[return-value]
         for gauge, value in zip(index, row, strict=True):
             if value is None and not may_lack:
                 raise DataError(f"reading lacks gauge {gauge}; give a number, or use a filter, which can do without it")
-            if value is not None and not math.isfinite(value):
+            if value is not None and not -MOST < value < MOST:
                 raise DataError(f"reading of gauge {gauge} is {value}; expected microstrain; leave it out if unknown")
         return [math.nan if value is None else value for value in row]
 

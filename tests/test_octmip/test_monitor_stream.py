@@ -1,6 +1,7 @@
 """Streams: every reading gets its result, a bad one its refusal, and memory does not grow."""
 
 import math
+import sys
 from collections import namedtuple
 from dataclasses import replace
 from decimal import Decimal
@@ -48,6 +49,8 @@ BAD = {
     "gauge g03: values that are no numbers": (3.0, ["OVLD" if k == 2 else 500.0 for k in range(20)]),
     "gauge g03: values of type complex": (3.0, [1j if k == 2 else 500.0 for k in range(20)]),
     "gauge g03 is a list of 1; expected one number": (3.0, [[500.0] if k == 2 else 500.0 for k in range(20)]),
+    r"g06 is 1.79\d+e\+308; expected": (3.0, [sys.float_info.max if k > 4 else 500.0 for k in range(20)]),
+    r"g05 is -1e\+200; expected": (3.0, [-1e200 if k == 4 else 500.0 for k in range(20)]),
     "names the gauges 0, 1": (3.0, dict(enumerate([500.0] * 20))),
     "is None; expected a pair": None,
     "is a list of 3; expected a pair": (3.0, [500.0] * 20, 1),
