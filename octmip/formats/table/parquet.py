@@ -15,8 +15,10 @@ from octmip.input.messages import several
 MOST_CELLS = 2**28  # two gigabytes as float64
 
 
-def read_parquet(source: Source) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return the table of a Parquet file, and a note on columns that are left out.
+def read_parquet(source: Source, keeps_names: bool = False) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return the table of a Parquet file, and a note on columns that are left out: those of the index of pandas.
+
+    With `keeps_names` they are columns, called "" where they have no name of their own.
 
     Raises
     ------
@@ -48,6 +50,8 @@ def read_parquet(source: Source) -> tuple[pd.DataFrame, tuple[str, ...]]:
         raise DataError(
             f"{source.name} is no Parquet file that can be read ({reason}); was it written to the end?"
         ) from error
+    if keeps_names:
+        return frame.rename(columns={"__index_level_0__": ""}), ()
     left_out = [name for name in names if name in index]
     named = [name for name in left_out if not name.startswith("__index_level_")]
     told = f"{several(named)} of {source.name} names the rows, as pandas says in it, and is left out"

@@ -287,7 +287,7 @@ def read_table(path: PathLike, as_text: str | None = None, *, keeps_names: bool 
     notes: tuple[str, ...] = ()
     units: tuple[tuple[str, str], ...] = ()
     if source.format == "parquet":
-        frame, notes = read_parquet(source)
+        frame, notes = read_parquet(source, keeps_names)
     else:
         frame, layout, notes = read_delimited(source, as_text, keeps_names)
         units = tuple((name, unit) for name, unit in zip(layout.header, layout.units, strict=False) if name and unit)

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -208,7 +208,7 @@ class OptimalTreeClassifier(FittedTree, ClassifierMixin, BaseEstimator):  # type
         n_classes = len(self.classes_)
         costs = in_class_order(self.costs, self.classes_.tolist(), "costs")
         if costs is None or np.shape(costs) != (n_classes, n_classes):  # a Problem says what is wrong with it
-            return costs  # type: ignore[return-value]
+            return cast(NDArray[np.float64] | None, costs)
         return np.asarray(costs)[np.ix_(self._place, self._place)]
 
     def predict_log_proba(self, X: ArrayLike) -> NDArray[np.float64]:

@@ -92,8 +92,8 @@ class Shape:
     leaf_penalty
         price of one feature in one split (of a split, in an axis-aligned tree), in units of cost.
     sensor_of_feature
-        (n_features,) name of the sensor that a feature is read from; None: one sensor per feature,
-        named like the feature.
+        (n_features,) name of the sensor that a feature is read from, or a mapping from features; of one that is left
+        out, and with None, its own name.
     sensor_cost
         cost of each sensor, a mapping by name or one number per sensor in the order of `sensors`; None: 1.
     sensor_budget
@@ -135,7 +135,7 @@ class Shape:
     leaf_size: int = 1
     leaf_weight: float | None = None
     leaf_penalty: float = 0.0
-    sensor_of_feature: Mapping[str, str] | Sequence[str] | None = None
+    sensor_of_feature: Sequence[str] | None = None
     sensor_cost: Mapping[str, float] | Sequence[float] | None = None
     sensor_budget: float | None = None
     allowed_splits: Sequence[Sequence[str | int]] | None = None
@@ -243,7 +243,7 @@ class Shape:
             )
 
     def _set_parts(self, feature_names: tuple[str, ...]) -> None:
-        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", tuple(self.sensor_of_feature or ()))
+        given = given_splits(self.fixed_splits, feature_names, "fixed_splits", self.sensor_of_feature or ())
         rules = path_rules(self.path_rules, feature_names, "path_rules")
         set_field(self, "fixed_splits", given)
         set_field(self, "path_rules", rules)
