@@ -170,7 +170,7 @@ def at_60_n(path: Path) -> float:
 
 MODELS = {
     "the units of its card": (_model("N/mm,N,mm"), 0.6),
-    "another unit than its card": (_model("N/mm,N,m"), Refused(("column tip is in 'm', in its card 'mm'",))),
+    "another unit than its card": (_model("N/mm,N,m"), Refused(("column 'tip' is in 'm'; expected 'mm'", "convert"))),
     "a unit in every cell": (_model("N/mm,N,", "{:g} cm"), Refused(("'0 cm' is no number, and a model holds",))),
 }
 ROWS = [

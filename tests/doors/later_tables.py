@@ -65,6 +65,14 @@ def notes(path: Path) -> list[str]:
     return [note.replace(str(path), "it") for note in found]
 
 
+def in_units(trained: str, later: str, folder: Path) -> Paths:
+    """Write the same rows twice, with another row of units below the names where it is not empty."""
+    rows = "".join(f"{k},{'pq'[k > 5]}\n" for k in range(12))
+    for name, unit in (("train", trained), ("later", later)):
+        (folder / f"{name}.csv").write_text("x,state\n" + f"{unit},\n" * bool(unit) + rows)
+    return folder / "train.csv", folder / "later.csv"
+
+
 LEFT_OUT = ["'sample' of it names the rows, as pandas says in it, and is left out"]
 ROWS = [
     Row(
@@ -82,4 +90,15 @@ ROWS += [
     ),
     Row("octmip solve", "pandas", "classes of lists", of([[1], [2]]), notes, Refused(("[1]", "row 1", "a text"))),
     Row("octmip solve", "pandas", "Parquet named .csv", named_text, notes, Refused(("is a Parquet file", "rename it"))),
+]
+IN_UNITS: dict[tuple[str, str], object] = {
+    ("mm", "mm"): 0,
+    ("mm", ""): 0,
+    ("microstrain", "um/m"): 0,
+    ("mm", "m"): Refused(("column 'x' is in 'm'; expected 'mm'", "convert the column")),
+    ("N", "mm"): Refused(("column 'x' is in 'mm'; expected 'N'",)),
+}
+ROWS += [
+    Row("octmip predict", "a logger", f"units {a}, then {b or 'none'}", partial(in_units, a, b), errors, right)
+    for (a, b), right in IN_UNITS.items()
 ]

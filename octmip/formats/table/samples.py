@@ -5,7 +5,7 @@ threshold. Nothing but an empty cell and NaN counts as missing in a label, so th
 """
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, SupportsFloat, cast
 
@@ -19,6 +19,7 @@ from octmip.formats.table.delimited import read_delimited, rows_in
 from octmip.formats.table.layout import layout_of
 from octmip.formats.table.parquet import read_parquet
 from octmip.formats.table.source import Source, open_source
+from octmip.formats.table.units import factor_between
 from octmip.input.cells import BEYOND, EXACT_INTEGERS, beyond_exact, is_missing_word, plain_number, text_by_number
 from octmip.input.files import PathLike
 from octmip.input.messages import MOST_NAME, several, shown
@@ -63,6 +64,21 @@ class Table:
     def columns(self) -> tuple[str, ...]:
         """Names of the columns."""
         return tuple(str(name) for name in self.frame.columns)
+
+    def refuse_other_units(self, wanted: Mapping[str, str]) -> None:
+        """Raise unless the units that the table gives its columns are the wanted ones, where both say one.
+
+        Raises
+        ------
+        DataError
+            a column is in another unit.
+        """
+        for name, unit in self.units:
+            if name in wanted and factor_between(unit, wanted[name]) != 1.0:
+                raise DataError(
+                    f"{self.name}: column {shown(name)} is in {unit!r}; expected {wanted[name]!r}; convert the column, "
+                    "or correct its unit"
+                )
 
     def place(self, row: int, column: str) -> str:
         """Return where a cell stands in the file, for a sentence about it."""

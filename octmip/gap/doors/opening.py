@@ -21,7 +21,6 @@ from scipy.spatial import QhullError
 
 from octmip.errors import DataError, TwinError
 from octmip.formats.table import read_table
-from octmip.formats.table.units import factor_between
 from octmip.gap.doors.card import Card, card_beside
 from octmip.gap.doors.function import Function, FunctionTwin
 from octmip.twin import Twin
@@ -52,10 +51,7 @@ def table_twin(path: str | Path, card: str | Path | Card | None = None, linear: 
     known = card_beside(path, card, linear)
     inputs = [*known.ranges, *known.states, *known.loads]
     table = read_table(Path(path))
-    units = {**known.readings, **{name: own.unit for name, own in known.ranges.items()}}
-    for name, unit in table.units:
-        if name in units and factor_between(unit, units[name]) != 1.0:
-            raise DataError(f"table {path}: column {name} is in {unit!r}, in its card {units[name]!r}; convert it")
+    table.refuse_other_units({**known.readings, **{name: own.unit for name, own in known.ranges.items()}})
     numbers = table.numbers([*inputs, *known.readings], "model")
     points, values = numbers[:, : len(inputs)], numbers[:, len(inputs) :]
     limits = {name: float(points[:, inputs.index(name)].max()) for name in known.states}
