@@ -17,14 +17,14 @@ Leaves = list[tuple[Box, float]]
 
 def least_monotone_cost(problem: Problem) -> float:
     """Return the least objective over all trees of a problem that keep its order."""
-    values = [np.unique(column) for column in problem.features.T]
-    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.features.T, strict=True)])
+    values = [np.unique(column) for column in problem.samples.features.T]
+    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.samples.features.T, strict=True)])
     everything: Box = tuple((0, len(v) - 1) for v in values)
-    most = 2**problem.depth - 1 if problem.max_splits is None else problem.max_splits
+    most = 2**problem.shape.depth - 1 if problem.shape.max_splits is None else problem.shape.max_splits
 
     def trees(rows: NDArray[np.int64], box: Box, depth: int, splits: int) -> Iterator[tuple[float, Leaves, int]]:
         """Yield cost, leaves and splits of every tree of these samples in this box."""
-        if len(rows) < problem.leaf_size:
+        if len(rows) < problem.shape.leaf_size:
             return
         yield from ((float(cost), [(box, float(label))], 0) for label, cost in enumerate(problem.class_costs(rows)))
         if not depth or not splits:
@@ -37,10 +37,12 @@ def least_monotone_cost(problem: Problem) -> float:
                 for cost, leaves, used in trees(rows[is_left], sides[0], depth - 1, splits - 1):
                     for other_cost, others, other_used in rights:
                         total = used + other_used + 1
-                        if total <= splits and in_order(leaves, others, problem.directions):
-                            yield cost + other_cost + problem.leaf_penalty, leaves + others, total
+                        if total <= splits and in_order(leaves, others, problem.shape.directions):
+                            yield cost + other_cost + problem.shape.leaf_penalty, leaves + others, total
 
-    return min(cost for cost, _, _ in trees(np.arange(problem.n_samples), everything, problem.depth, most))
+    return min(
+        cost for cost, _, _ in trees(np.arange(problem.samples.n_samples), everything, problem.shape.depth, most)
+    )
 
 
 def in_order(leaves: Leaves, others: Leaves, directions: tuple[int, ...]) -> bool:
@@ -61,13 +63,13 @@ def least_monotone_error(problem: Problem) -> float:
 
     The best numbers in order are means of groups of leaves: all groups of every tree's leaves are tried.
     """
-    values = [np.unique(column) for column in problem.features.T]
-    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.features.T, strict=True)])
+    values = [np.unique(column) for column in problem.samples.features.T]
+    ranks = np.array([np.searchsorted(v, c) for v, c in zip(values, problem.samples.features.T, strict=True)])
     whole: Box = tuple((0, len(v) - 1) for v in values)
 
     def shapes(rows: NDArray[np.int64], box: Box, depth: int) -> Iterator[list[tuple[Box, NDArray[np.int64]]]]:
         """Yield boxes and samples of the leaves of every tree."""
-        if len(rows) >= problem.leaf_size:
+        if len(rows) >= problem.shape.leaf_size:
             yield [(box, rows)]
         for feature, (low, high) in enumerate(box if depth else ()):
             for cut in range(low, high):
@@ -80,15 +82,17 @@ def least_monotone_error(problem: Problem) -> float:
     def error(shape: list[tuple[Box, NDArray[np.int64]]], groups: list[int]) -> float:
         members = [[k for k, group in enumerate(groups) if group == g] for g in range(max(groups) + 1)]
         rows = [np.concatenate([shape[k][1] for k in group]) for group in members]
-        means = [float(np.average(problem.targets[of], weights=problem.weights[of])) for of in rows]
+        means = [float(np.average(problem.samples.targets[of], weights=problem.samples.weights[of])) for of in rows]
         leaves = [(box, means[group]) for (box, _), group in zip(shape, groups, strict=True)]
-        if any(not in_order([one], [other], problem.directions) for one in leaves for other in leaves if one != other):
+        if any(
+            not in_order([one], [other], problem.shape.directions) for one in leaves for other in leaves if one != other
+        ):
             return np.inf
         parts = zip(rows, means, strict=True)
-        paid = sum(float(problem.weights[of] @ (problem.targets[of] - mean) ** 2) for of, mean in parts)
-        return paid + problem.leaf_penalty * (len(shape) - 1)
+        paid = sum(float(problem.samples.weights[of] @ (problem.samples.targets[of] - mean) ** 2) for of, mean in parts)
+        return paid + problem.shape.leaf_penalty * (len(shape) - 1)
 
-    found = shapes(np.arange(problem.n_samples), whole, problem.depth)
+    found = shapes(np.arange(problem.samples.n_samples), whole, problem.shape.depth)
     return min(error(shape, groups) for shape in found for groups in _partitions(len(shape)))
 
 

@@ -1,7 +1,5 @@
 """Local search over lines of two features, whose moves ask the exact single-split solver: no limit is broken."""
 
-import dataclasses
-
 import numpy as np
 
 from octmip import ClassCosts, Problem, certify
@@ -13,15 +11,15 @@ from tests.oracles.two_feature_problems import clouds, random_two_feature_proble
 
 def variants(problem: Problem, rng: np.random.Generator) -> list[Problem]:
     """Return the problem with each kind of limit and price."""
-    k, p = problem.n_classes, problem.n_features
+    k, p = problem.samples.n_classes, problem.samples.n_features
     return [
-        dataclasses.replace(problem, weights=rng.integers(0, 4, problem.n_samples).astype(float)),
-        dataclasses.replace(problem, loss=ClassCosts(rng.integers(0, 6, (k, k)).astype(float))),
-        dataclasses.replace(problem, leaf_size=7, leaf_penalty=1.5),
-        dataclasses.replace(problem, sensor_budget=2.0),
-        dataclasses.replace(problem, allowed_splits=[[0, 1], *([f] for f in range(2, p))]),
-        dataclasses.replace(problem, integer_normals=3),
-        dataclasses.replace(problem, depth=4, leaf_size=3),
+        problem.replace(weights=rng.integers(0, 4, problem.samples.n_samples).astype(float)),
+        problem.replace(loss=ClassCosts(rng.integers(0, 6, (k, k)).astype(float))),
+        problem.replace(leaf_size=7, leaf_penalty=1.5),
+        problem.replace(sensor_budget=2.0),
+        problem.replace(allowed_splits=[[0, 1], *([f] for f in range(2, p))]),
+        problem.replace(integer_normals=3),
+        problem.replace(depth=4, leaf_size=3),
     ]
 
 
