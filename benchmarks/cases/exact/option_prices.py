@@ -80,10 +80,10 @@ def _lines(name: str, free: Problem, wanted: Mapping[str, Problem], limit: float
     for option, problem in wanted.items() if alone is not None and alone.is_optimal else ():
         solution, seconds = proof(problem, limit, is_logged="log" in option)
         yield {
-            "size": f"{name}, depth {free.depth}, {option}",
+            "size": f"{name}, depth {free.shape.depth}, {option}",
             "seed": 0,
             "table": name,
-            "depth": free.depth,
+            "depth": free.shape.depth,
             "option": option,
             "outcome": "proven" if solution.is_optimal else "open",
             "objective": solution.objective,
