@@ -1,10 +1,14 @@
 """Details of the diagnosis, each beside its definition: loads, units, campaigns, channels, noise."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations, product
+from math import comb, log
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.special import logsumexp
+from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError, TwinError
 from octmip.gap import Campaign, Recorded, function_twin, gathered, read_campaign
@@ -16,10 +20,14 @@ from octmip.gap.channels.jumps import jumps_in
 from octmip.gap.doors.budget import OF_LOAD, OF_RANGE, _steps
 from octmip.gap.effects.chain import CROSSTALK, DEAD_GAUGE, MISALIGNMENT, POSITION_OFFSET, SWAPPED_PAIR, Moment
 from octmip.gap.effects.loads import errors_of_load
-from octmip.gap.inference.inputs import prepare
+from octmip.gap.inference.candidates import SCALES
+from octmip.gap.inference.inputs import OF_MODELS, prepare
+from octmip.gap.inference.linear_model import linearise
+from octmip.gap.inference.posterior import attribute
+from octmip.gap.inference.unknown import SIZES, SMOOTH
 from octmip.gap.preparation import _typical
 from octmip.twin import Loads
-from tests.test_octmip.beam_twin import Beam, measured
+from tests.test_octmip.beam_twin import Beam, measured, own_effects
 from tests.test_octmip.test_gap_built import SPRINGS
 from tests.test_octmip.test_gap_campaign import lines_of, with_cell, write
 
@@ -215,3 +223,49 @@ def test_trends_of_one_pattern_over_the_gauges_are_no_noise():
     by_chance = [np.stack([row, row]) for row in own]
     alike = [np.stack([row + rng.standard_normal() * pattern, row]) for row in own]
     assert (_has_trend(by_chance), _has_trend(alike), _has_trend(by_chance[:2])) == (True, False, False)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_every_hypothesis_weighs_what_its_definition_says(n):
+    """Prior times density, the sizes and the difference at each of their scales; the unknown is any of its fields."""
+    names = ["lift_distribution", "temperature_gradient", "large_deflection"][:n]
+    twin = Beam(effects={name: own_effects()[name] for name in names})
+    lift, odd = twin.effects["lift_distribution"], 8.0 * np.cos(np.arange(20))
+    campaign = measured(2, lambda state, load, time: 1.5 * lift.signature(twin, state, load) + odd, mesh=0.02)
+    inputs = prepare(campaign, twin, twin.effects)[0]
+    inputs = replace(inputs, noises=inputs.noises[:1])  # no walk
+    weights = {}
+    for level, share in OF_MODELS.items():
+        model = linearise(inputs, np.zeros((4, 2)), level)
+        gauge, x = model.gauge, np.array(model.loads) / 3.0
+        scale, same = inputs.frame.scale[gauge], gauge[:, None] == gauge
+        smooth = inputs.frame.along(SMOOTH)[np.ix_(gauge, gauge)] + 1e-6 * same
+        courses = [np.ones_like(x), np.sign(x), np.sqrt(x), x, x**2]
+        fields = [np.outer(course, course) * field for field in (same, smooth) for course in courses]
+        fields.append(same * (np.exp(-2.0 * (x[:, None] - x) ** 2) + 1e-6 * (x[:, None] == x)))
+        every = [size**2 * np.outer(scale, scale) * field for field in fields for size in SIZES]
+
+        def evidence(members, added=0.0, model=model):
+            columns = model.signatures[:, members] * inputs.priors.sd[members]
+            parts = [columns * scales for scales in product(SCALES, repeat=len(members))]
+            spreads = [model.covariance + added + part @ part.T for part in parts]
+            logs = [multivariate_normal.logpdf(model.residual, cov=spread) for spread in spreads]
+            return logsumexp(logs) - log(len(logs))
+
+        alone = [evidence([], field) for field in every]
+        likely, kinds = every[int(np.argmax(alone))], log(len(every))
+        prior = inputs.noises[0].log_share + log(share)
+        weights[level, (), True] = prior + log(inputs.odds.unknown[0]) + logsumexp(alone) - kinds
+        for k in range(min(n, 2) + 1):
+            for members in combinations(range(n), k):
+                own = prior - log(comb(n, k))
+                weights[level, members, False] = own + log(inputs.odds.count[k]) + evidence(list(members))
+                if k:
+                    beside = log(inputs.odds.unknown[k]) + evidence(list(members), likely) - kinds
+                    weights[level, members, True] = own + beside
+    found, total = attribute(inputs), logsumexp(list(weights.values()))
+    assert found.log_total == pytest.approx(total, abs=1e-6)
+    for judged in found.judged:
+        logs = [weights[level, judged.members, judged.has_unknown] for level in OF_MODELS]
+        assert judged.probability == pytest.approx(np.exp(logs - total).sum(), rel=1e-6)
+    assert len(found.judged) == len(weights) / 2
