@@ -11,7 +11,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from octmip.errors import DataError, TwinError
-from octmip.gap import Campaign, Recorded, function_twin, gathered, read_campaign
+from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
 from octmip.gap.campaign.metered import gathered_alike
 from octmip.gap.campaign.noise_estimate import _moderated
@@ -25,6 +25,7 @@ from octmip.gap.inference.inputs import OF_MODELS, prepare
 from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.posterior import attribute
 from octmip.gap.inference.unknown import SIZES, SMOOTH
+from octmip.gap.next_test import next_tests
 from octmip.gap.preparation import _typical
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
@@ -269,3 +270,14 @@ def test_every_hypothesis_weighs_what_its_definition_says(n):
         logs = [weights[level, judged.members, judged.has_unknown] for level in OF_MODELS]
         assert judged.probability == pytest.approx(np.exp(logs - total).sum(), rel=1e-6)
     assert len(found.judged) == len(weights) / 2
+
+
+def test_the_next_test_separates_the_causes_of_the_library_whatever_the_unknown_weighs():
+    found = diagnose(measured(5, lambda state, load, time: -0.03 * Beam().predict(state, load)), Beam()).posterior
+    of_library = [judged for judged in found.judged if not judged.has_unknown][1:4]
+    shares = list(zip(of_library, (0.5, 0.3, 0.2), strict=True))
+    alone, beside = ([judged.times(0.0, part * share) for judged, share in shares] for part in (1.0, 0.06))
+    unknown = next(judged for judged in found.judged if judged.has_unknown).times(0.0, 0.94)
+    tests = next_tests(found.model, alone, None)
+    assert tests
+    assert next_tests(found.model, [unknown, *beside], None) == tests
