@@ -129,12 +129,6 @@ def test_the_fewest_odds_of_a_count_are_used():
     assert not diagnose(measured(3, HOT), TWIN, commissioning=RUN, odds=Odds(count=(0.9,))).which[0].parameters
 
 
-# A wrong commissioning run is doubted where it accuses a sound asset; a right one beside a real effect is not
-
-
-TWIN = Beam()
-
-
 def stiffer(share):
     return lambda state, load, time: share * TWIN.predict(state, load)
 
