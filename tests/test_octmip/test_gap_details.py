@@ -13,7 +13,7 @@ from scipy.stats import multivariate_normal
 from octmip.errors import DataError, TwinError
 from octmip.gap import Campaign, Recorded, diagnose, function_twin, gathered, read_campaign
 from octmip.gap.campaign.campaign import ENOUGH_FOR_HALVES
-from octmip.gap.campaign.metered import gathered_alike
+from octmip.gap.campaign.metered import MOST_LOADS, gathered_alike, looked_at
 from octmip.gap.campaign.noise_estimate import _moderated
 from octmip.gap.campaign.noise_parts import _has_trend, _with_outstanding, greatest
 from octmip.gap.channels.jumps import jumps_in
@@ -172,6 +172,19 @@ def test_rows_around_a_load_that_are_too_few_for_a_line_are_left_out(n_few, left
     assert (f"{left_out} rows with too few like them are left out" in notes[0]) == (left_out > 0)
     assert np.array_equal(same.readings, steady.readings)
     assert np.unique(moved.load_factor).tolist() == ([20.0] if left_out else [20.0, 60.0])
+
+
+def test_a_model_is_looked_at_by_a_few_of_many_loads_and_each_row_beside_the_nearest():
+    forces = np.random.default_rng(0).permutation(np.linspace(1.0, 9.0, 200) ** 2)
+    series = gathered(SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in forces.tolist()])
+    found = looked_at(series)
+    loads = np.array([float(load) if isinstance(load, float) else load["force"] for load, _ in found])
+    assert len(loads) == MOST_LOADS
+    assert (loads.min(), loads.max()) == (1.0, 81.0)
+    for load, (_, rows) in zip(loads, found, strict=True):
+        apart = np.abs(forces[rows][:, None] - loads)
+        assert (apart.min(axis=1) == np.abs(forces[rows] - load)).all()
+    assert sorted(np.concatenate([rows for _, rows in found])) == list(range(200))
 
 
 @pytest.mark.parametrize(("nominal", "sign"), [(5.0, 1.0), (14.0, -1.0)])
