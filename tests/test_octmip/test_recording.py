@@ -33,6 +33,10 @@ def test_a_mean_is_worth_the_samples_that_do_not_remember_one_another(memory):
     assert (found.effective == len(inside)) == (memory < 0.0)
 
 
+def test_a_sample_is_valid_where_it_is_a_number_and_its_file_says_so():
+    assert channel([1.0, np.nan, 2.0], valid=np.array([True, True, False])).is_valid.tolist() == [True, False, False]
+
+
 def test_windows_may_touch_but_not_overlap_and_come_in_the_order_of_time():
     assert ordered([Window(5.0, 7.0), Window(1.0, 5.0)]) == (Window(1.0, 5.0), Window(5.0, 7.0))
     with pytest.raises(DataError, match=r"windows 1,5 and 4\.9,7 overlap"):
