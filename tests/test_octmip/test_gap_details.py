@@ -26,7 +26,7 @@ from octmip.gap.inference.linear_model import linearise
 from octmip.gap.inference.posterior import attribute
 from octmip.gap.inference.unknown import SIZES, SMOOTH
 from octmip.gap.next_test import next_tests
-from octmip.gap.preparation import _typical
+from octmip.gap.preparation import _histories, _typical
 from octmip.twin import Loads
 from tests.test_octmip.beam_twin import Beam, measured, own_effects
 from tests.test_octmip.test_gap_built import SPRINGS
@@ -157,6 +157,19 @@ def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
     found = _typical(campaign, twin)
     assert found["mm"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, :5] ** 2)))
     assert found["microstrain"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, 5:] ** 2)))
+
+
+def test_a_course_of_the_temperature_goes_with_the_time_whatever_the_order_of_the_rows():
+    campaign = measured(1, repeats=5, loads=(0.0, 2.0, 1.0))
+    warm = replace(campaign, temperature=290.0 + campaign.time / 10.0)
+    order = np.random.default_rng(0).permutation(len(campaign.test))
+    rows = {name: getattr(warm, name)[order] for name in ("load_factor", "states", "readings", "time", "temperature")}
+    mixed = replace(warm, test=tuple(warm.test[k] for k in order), **rows)
+    later = warm.time - warm.time[0]
+    courses = [_histories(one) for one in (warm, mixed)]
+    for course in courses:
+        assert np.array(course["warming"]) == pytest.approx(np.column_stack([later, later / 100.0]))
+        assert course["direction"] == ((0.0, 0.0), (30.0, 1.0), (60.0, -1.0))
 
 
 @pytest.mark.parametrize(("n_few", "left_out"), [(7, 7), (8, 0)])
