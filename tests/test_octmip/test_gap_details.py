@@ -159,6 +159,21 @@ def test_the_typical_reading_of_a_unit_is_a_root_mean_square():
     assert found["microstrain"] == pytest.approx(np.sqrt(np.mean(campaign.readings[:, 5:] ** 2)))
 
 
+def test_the_shorter_of_two_series_says_how_many_loads_they_are_gathered_around():
+    """Twelve rows for each, twenty at most."""
+    rng = np.random.default_rng(0)
+    long, short = (
+        gathered(
+            SPRINGS, [Recorded(np.full(4, force), {"force": force}) for force in rng.uniform(1.0, 9.0, n).tolist()]
+        )
+        for n in (600, 120)
+    )
+    for both, n_loads in (((long, short), 10), ((short, long), 10), ((long, long), 20)):
+        moved, notes = gathered_alike(both)
+        assert len({load for campaign in moved for load in campaign.load_factor.tolist()}) == n_loads
+        assert f"gathered around {n_loads} loads" in notes[0]
+
+
 def test_a_course_of_the_temperature_goes_with_the_time_whatever_the_order_of_the_rows():
     campaign = measured(1, repeats=5, loads=(0.0, 2.0, 1.0))
     warm = replace(campaign, temperature=290.0 + campaign.time / 10.0)
