@@ -14,6 +14,7 @@ from octmip import Limits, Options, Problem, SearchOptions, SquaredError, Stop, 
 from octmip.errors import DataError
 from octmip.trees.encoding import integer_costs
 from octmip.trees.evidence.proof import check_proof
+from octmip.trees.methods.checkpoint.entry import Entry
 from octmip.trees.methods.checkpoint.file import first_line, summed
 from octmip.trees.methods.checkpoint.search_state import grid_digest
 from octmip.trees.methods.options import ExactOptions
@@ -169,6 +170,15 @@ def cut_off(problem, path):
         nodes *= 2
     rewritten(path, lambda content: content.update(solution=None))
     return options
+
+
+def test_a_proof_that_is_killed_again_has_spent_the_nodes_of_its_state_once(tmp_path, monkeypatch):
+    options = replace(cut_off(lines(), tmp_path / "kept"), every=0.0)
+    monkeypatch.setattr(Entry, "keep", lambda self, solution: solution)
+    before = found_in(options.checkpoint)["nodes"]
+    solve(lines(), "exact", Limits(nodes=2.0 * before), options=options)
+    found = found_in(options.checkpoint)
+    assert before < found["nodes"] == found["state"]["numbers"][2]
 
 
 def rewritten(path, edit):
