@@ -97,6 +97,16 @@ def test_a_text_among_readings_is_refused_with_what_its_row_may_be(tmp_path, row
         read_campaign(write(tmp_path, rows), Beam())
 
 
+@pytest.mark.parametrize(("unit", "seconds"), [("ms", 1e-3), ("min", 60.0), ("", 1.0)])
+def test_a_time_is_in_the_unit_of_its_column(tmp_path, unit, seconds):
+    campaign = measured(1, repeats=5)
+    head, *rows = lines_of(campaign)
+    named = head.replace(",time,", f",time [{unit}]," if unit else ",time,")
+    found = read_campaign(write(tmp_path, [named, *rows]), Beam())
+    assert found.time == pytest.approx(seconds * campaign.time)
+    assert any(f"Column time was converted from {unit} to s." in note for note in found.notes) == (unit != "")
+
+
 @pytest.mark.parametrize("unit", ["microstrain", "mm"])
 def test_only_strains_of_load_factors_are_refused_with_words_on_lift(tmp_path, unit):
     twin, campaign = Beam(), measured(1)
